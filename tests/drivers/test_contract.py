@@ -16,6 +16,7 @@ from woz_drivers.led_face import LedFace
 from woz_drivers.led_face.settings import LedFaceSettings
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.midi.settings import MidiSettings
+from woz_drivers.nao.settings import NaoSettings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
 from woz_drivers.reachy_mini import ReachyMiniSettings
@@ -40,6 +41,7 @@ SETTINGS: list[tuple[str, Any]] = [
     ("midi", MidiSettings(device=NOWHERE)),
     *(("pepper", PepperSettings(robots=robots)) for robots in [(), ("simulated",), ("a/b",)]),
     ("pepper", PepperSettings(robots=("tcp://127.0.0.1:1",))),
+    *(("nao", NaoSettings(address=address)) for address in ("", "simulated", "a/b", "127.0.0.1:1")),
     ("rangefinder", RangefinderSettings(NOWHERE)),
     ("ros", RosSettings(address="127.0.0.1:1")),
     ("reachy-mini", ReachyMiniSettings("127.0.0.1:1", voice=SILENT)),

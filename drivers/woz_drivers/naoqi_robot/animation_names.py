@@ -8,6 +8,14 @@ from collections.abc import Mapping
 from woz_tui.drivers.contract import RejectedError
 
 ROOT = "animations/"
+#: Names that every robot of woz-tui knows, by the ending of what is played for them.
+COMMON = {
+    "nod": ("Gestures/Yes_1",),
+    "shake": ("Gestures/No_1",),
+    "wave": ("Gestures/Hey_1", "Gestures/Hey_3"),
+    "bow": ("Gestures/BowShort_1",),
+    "dance": ("Waiting/FunnyDancer_1",),
+}
 
 
 def paths(posture: str, table: Mapping[str, str]) -> tuple[str, ...]:
@@ -37,28 +45,43 @@ def _numbered(entry: str) -> list[str]:
     return found
 
 
+def posture_of(path: str) -> str:
+    """The posture in which a known animation is played: `Stand`, `Sit`; empty for another path."""
+    words = path.split("/")
+    return words[1] if path.startswith(ROOT) and len(words) > 2 else ""
+
+
 class AnimationNames:
     """What a robot of this kind has; any other path can be played, too."""
 
     def __init__(self, robot: str, moves: tuple[str, ...]) -> None:
         self._robot = robot
         self.moves = moves
-        self._endings: dict[str, str] = {}
+        #: By posture, then by every ending; "" is for all postures.
+        self._endings: dict[str, dict[str, str]] = {"": {}}
         for path in moves:
             words = path.lower().split("/")
-            for first in range(len(words)):
-                self._endings.setdefault("/".join(words[first:]), path)
+            for posture in ("", posture_of(path)):
+                known = self._endings.setdefault(posture, {})
+                for first in range(len(words)):
+                    known.setdefault("/".join(words[first:]), path)
+        for known in self._endings.values():
+            for name, endings in COMMON.items():
+                found = next((known[one.lower()] for one in endings if one.lower() in known), "")
+                if found:
+                    known[name] = found
 
-    def path_of(self, name: str) -> str:
+    def path_of(self, name: str, posture: str = "") -> str:
         """The animation that `name` means: a known one by its path's ending (`Hey_1`,
-        `Positive/Happy_1`, upper or lower case), otherwise `name` itself if it is a path.
+        `Positive/Happy_1`, upper or lower case), otherwise `name` itself if it is a path. One for
+        this posture is preferred.
 
         Raises `RejectedError` for a name without a folder that nobody knows.
         """
         requested = name.strip().strip("/")
-        standard_path = self._endings.get(requested.lower())
-        if standard_path is not None:
-            return standard_path
+        for known in (self._endings.get(posture, {}), self._endings[""]):
+            if (standard_path := known.get(requested.lower())) is not None:
+                return standard_path
         if "/" in requested:
             return requested
         short = [path.rpartition("/")[2] for path in self.moves]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Mapping
+from typing import ClassVar
 
 from woz_drivers.naoqi_robot.memory import items
 from woz_drivers.naoqi_robot.memory import number as number_of
@@ -23,8 +24,6 @@ from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
 
 MOTION = "ALMotion"
-#: Speeds that a Pepper drives at unless it is told otherwise; the expected time is made of them.
-M_S, RAD_S = 0.35, 1.0
 #: It starts and brakes gently, and goes round what it can: it may take so much longer.
 SLACK_FACTOR, SLACK_S = 4.0, 10.0
 #: Slower than this it stands (m/s, rad/s); how often it is asked while it comes to a halt.
@@ -36,6 +35,11 @@ class BasePart(NaoqiPart):
     """Three wheels by `ALMotion.moveTo`; the posture stays as it is."""
 
     name = "driving"
+    #: What `drive` does, for a list of verbs.
+    SUMMARY: ClassVar[str] = "drive and turn from where it stands"
+    #: Speeds that it goes at unless it is told otherwise; the expected time is made of them.
+    M_S: ClassVar[float] = 0.35
+    RAD_S: ClassVar[float] = 1.0
 
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
@@ -43,7 +47,7 @@ class BasePart(NaoqiPart):
         return (
             Verb(
                 "drive",
-                "drive and turn from where it stands",
+                cls.SUMMARY,
                 (
                     Argument("x", "number", "metres forward", False, 0.0, _METRES),
                     Argument("y", "number", "metres to the left", False, 0.0, _METRES),
@@ -63,9 +67,8 @@ class BasePart(NaoqiPart):
         await self._clean_up.settled()
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.probe()
-        if not await self._robot.call(MOTION, "robotIsWakeUp"):
-            raise DriverError("the robot is at rest and cannot drive", "wake it: `torque: true`")
-        seconds = max(math.hypot(x, y) / M_S, abs(math.radians(turn)) / RAD_S)
+        await self._ready()
+        seconds = max(math.hypot(x, y) / self.M_S, abs(math.radians(turn)) / self.RAD_S)
         job.expects(seconds)
         arrived = await self._drive(x, y, math.radians(turn), seconds * SLACK_FACTOR + SLACK_S)
         if arrived is False:
@@ -75,9 +78,18 @@ class BasePart(NaoqiPart):
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Brake; returns when the robot says that it stands."""
         await self._robot.call(MOTION, "stopMove")
-        while not _still(await self._robot.call(MOTION, "getRobotVelocity")):  # noqa: ASYNC110
+        while not await self._stands():  # noqa: ASYNC110
             await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
         return (self.name,)
+
+    async def _ready(self) -> None:
+        """Return if it can go now. Raises `DriverError`."""
+        if not await self._robot.call(MOTION, "robotIsWakeUp"):
+            raise DriverError("the robot is at rest and cannot drive", "wake it: `torque: true`")
+
+    async def _stands(self) -> bool:
+        """Whether it stands still. Raises `DriverError` if the robot does not say it."""
+        return still(await self._robot.call(MOTION, "getRobotVelocity"))
 
     async def _drive(self, x: float, y: float, turn: float, within: float) -> object:
         try:
@@ -110,7 +122,7 @@ class BasePart(NaoqiPart):
         )
 
 
-def _still(velocity: object) -> bool:
+def still(velocity: object) -> bool:
     """Whether it stands. Raises `DriverError` if the robot does not say it: then nobody knows."""
     speeds = [number_of(speed) for speed in items(velocity)]
     known = [speed for speed in speeds if speed is not None]

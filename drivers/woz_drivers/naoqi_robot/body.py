@@ -112,7 +112,7 @@ class BodyPart(NaoqiPart):
         """End every movement of every joint and of the wheels, whoever began it."""
         if scope is not Scope.ALL:
             return ()
-        await self._robot.call(MOTION, "killAll")
+        await self._halt()
         return (self.name,)
 
     async def read(self) -> Mapping[str, Json]:
@@ -142,7 +142,7 @@ class BodyPart(NaoqiPart):
             raise RejectedError(f"the motors are switched on or off, not {on!r}")
         done = await self._moving(
             self._robot.call(MOTION, "wakeUp" if on else "rest", within=LONG_S),
-            lambda: self._robot.call(MOTION, "killAll"),
+            self._halt,
         )
         if done is False:  # where NAOqi answers at all; older ones return nothing
             raise DriverError(
@@ -166,7 +166,11 @@ class BodyPart(NaoqiPart):
         except DeviceLostError:
             raise
         except DriverError:
-            await self._robot.call(MOTION, "killAll")
+            await self._halt()
+
+    async def _halt(self) -> None:
+        """End every movement, whoever began it."""
+        await self._robot.call(MOTION, "killAll")
 
 
 async def hold(robot: RobotCalls, joints: JointTable, names: list[str]) -> None:

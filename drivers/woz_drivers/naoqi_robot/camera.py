@@ -161,8 +161,12 @@ class CameraPart(NaoqiPart):
             self._trouble = error.what
             self._context.notice("warning", f"no camera picture: {error.what}", error.remedy)
 
+    def _words(self, name: str, size: int, rate: int) -> tuple[Any, ...]:
+        """How the camera is subscribed to."""
+        return "subscribe", name, size, RGB, rate
+
     async def _subscribe(self, name: str, size: int, rate: int) -> str:
-        answer = await self._robot.call("ALVideoDevice", "subscribe", name, size, RGB, rate)
+        answer = await self._robot.call("ALVideoDevice", *self._words(name, size, rate))
         if not isinstance(answer, str) or not answer:
             raise DriverError(
                 "the camera has too many subscribers",

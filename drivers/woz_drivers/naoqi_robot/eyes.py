@@ -177,15 +177,19 @@ class EyesPart(NaoqiPart):
             {"animation": job.args.get("animation", "steady")}, "animation", ANIMATIONS
         )
         seconds = positive(job.args, "seconds", 0.0)
-        self._end_loop()
         job.expects(seconds)
-        await self._fade(shown, seconds)
-        self._shown = shown  # not before: what failed must not come after a loss
+        await self.show(shown, seconds)
         if animation != "steady":
             self._loop = asyncio.get_running_loop().create_task(
                 self._repeat(animation), name="robot eyes"
             )
         return {"color": shown.text, "animation": animation}
+
+    async def show(self, shown: EyeColor, seconds: float) -> None:
+        """A steady colour; returns when the fade is over."""
+        self._end_loop()
+        await self._fade(shown, seconds)
+        self._shown = shown  # not before: what failed must not come after a loss
 
     async def _animation(self, job: Job) -> dict[str, Json]:
         kind = word(job.args, "kind", KINDS)

@@ -36,6 +36,10 @@ class ServiceAbsentError(DriverError):
     """The robot has no such service now."""
 
 
+#: Why a call must not be made now; None: it may.
+Refusal = Callable[[str, tuple[Any, ...]], DriverError | None]
+
+
 class RobotCalls(Protocol):
     """The robot as its parts see it: `RobotConnection` implements it.
 
@@ -64,6 +68,18 @@ class RobotCalls(Protocol):
 
     async def serve(self, name: str, methods: Methods) -> Unsubscribe:
         """Offer the robot a service of ours (`NaoqiLink.serve`) until the connection is lost."""
+        ...
+
+    def guard(self, refused: Refusal) -> None:
+        """From now on each call is refused for which `refused` gives an error: `(what, args)`."""
+        ...
+
+    def refused(self, what: str, *args: Any) -> DriverError | None:
+        """Why this call would be refused now: `ALMotion.moveTo`; None: it would be sent."""
+        ...
+
+    def unwell(self, what: str, remedy: str = "") -> None:
+        """The robot is there, and a part of it is not well: `what`; empty: it is well again."""
         ...
 
     @property

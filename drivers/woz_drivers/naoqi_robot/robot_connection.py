@@ -41,7 +41,7 @@ from woz_drivers.naoqi_robot.naoqi_link import (
     open_link,
 )
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
-from woz_drivers.naoqi_robot.parts import LOOK_S, WITHIN_S, ServiceAbsentError
+from woz_drivers.naoqi_robot.parts import LOOK_S, WITHIN_S, Refusal, ServiceAbsentError
 from woz_drivers.naoqi_robot.robot_line import HALTS, RobotLine, silence, until_services
 from woz_drivers.naoqi_robot.served_files import ServedFiles
 from woz_drivers.simulated_process import SimulatedProcess
@@ -66,7 +66,8 @@ _T = TypeVar("_T")
 
 def simulated_naoqi(settings: NaoqiSettings, folder: Path) -> SimulatedProcess:
     """The robot of the address `simulated`."""
-    return SimulatedProcess("naoqi_simulator", ("--pace", f"{settings.pace:g}"), folder)
+    options = ("--robot", settings.model.simulator, "--pace", f"{settings.pace:g}")
+    return SimulatedProcess("naoqi_simulator", options, folder)
 
 
 class RobotConnection:
@@ -99,6 +100,10 @@ class RobotConnection:
         self._met: set[Address] = set()
         self._absent: dict[Address, frozenset[str]] = {}
         self._why = DeviceLostError("no robot is connected", "take one with `connect`")
+        self._refused: Refusal = lambda what, args: None
+        #: What of the robot is not well, and what to do.
+        self._trouble = ("", "")
+        self._well = ""
         #: When a question about a setting was asked last, or is going to be.
         self._turn = float("-inf")
 
@@ -175,6 +180,8 @@ class RobotConnection:
         """Call a method; raises `DeviceLostError`, or `DriverError` with the robot's own words."""
         line = self._need()
         what = f"{service}.{method}"
+        if (refusal := self.refused(what, *args)) is not None:
+            raise refusal
         with self._in_words(line, what):
             if what not in HALTS:
                 await line.pulse.fresh()
@@ -182,6 +189,20 @@ class RobotConnection:
             value = await line.link.call(service, method, *args, within=within)
         line.pulse.sign_of_life()
         return value
+
+    def guard(self, refused: Refusal) -> None:
+        """See `RobotCalls.guard`."""
+        self._refused = refused
+
+    def refused(self, what: str, *args: Any) -> DriverError | None:
+        """See `RobotCalls.refused`."""
+        return self._refused(what, args)
+
+    def unwell(self, what: str, remedy: str = "") -> None:
+        """See `RobotCalls.unwell`."""
+        self._trouble = (what, remedy)
+        if self._well:
+            self._report_well()
 
     async def ask(self, service: str, method: str, *args: Any) -> Any:
         """A question about a setting, in its turn: `SPACING_S` after the one before."""
@@ -338,6 +359,7 @@ class RobotConnection:
         finally:
             was_ready = self._line is line
             self._line = None
+            self._well, self._trouble = "", ("", "")
             getting_ready.cancel()
             await line.link.close()
             await asyncio.gather(getting_ready, return_exceptions=True)
@@ -372,10 +394,18 @@ class RobotConnection:
             if not line.leaving:  # else the wizard has just said so
                 self._context.notice("warning", f"{line.shown}: {error.what}", error.remedy)
         absent = ", ".join(sorted(self._absent[address]))
-        detail = f"{line.shown}; without {absent}" if absent else line.shown
-        self._context.health(Health.CONNECTED, detail)
+        self._well = f"{line.shown}; without {absent}" if absent else line.shown
+        self._report_well()
         if not first.done():
             first.set_result(None)
+
+    def _report_well(self) -> None:
+        """It is connected; a part of it may not be well."""
+        what, remedy = self._trouble
+        if what:
+            self._context.health(Health.FAULTED, f"{self._well}: {what}", remedy)
+        else:
+            self._context.health(Health.CONNECTED, self._well)
 
     def _report_certificate(self, line: RobotLine) -> None:
         """Report a certificate once where the file does not say which one to trust."""

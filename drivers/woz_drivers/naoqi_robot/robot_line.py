@@ -35,6 +35,7 @@ HALTS = frozenset(
 #: What a robot that is being let go is still asked: the stop, and whether it stands still.
 FAREWELL = HALTS | {
     "ALMotion.getRobotVelocity",
+    "ALMotion.moveIsActive",
     "ALBehaviorManager.isBehaviorRunning",
     "ALLeds.fadeRGB",
 }

@@ -148,7 +148,9 @@ class VoicePart(NaoqiPart):
         return {"file": str(job.args["file"]), "paragraphs": len(parts)}
 
     async def _utter(self, spoken: str, plain: bool) -> None:
-        service = TTS if plain else "ALAnimatedSpeech"
+        # Who must not move speaks without gestures.
+        still = plain or self._robot.refused("ALAnimatedSpeech.say") is not None
+        service = TTS if still else "ALAnimatedSpeech"
         try:
             await self._robot.call(service, "say", spoken, within=LONG_S)
         except asyncio.CancelledError:

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.naoqi_robot.naoqi_link import Methods, Unsubscribe
 from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
+from woz_drivers.naoqi_robot.parts import Refusal
 from woz_drivers.naoqi_robot.served_files import ServedFiles
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import SENSORS, TabletPart, Touch, TouchScale, place
@@ -93,6 +94,15 @@ class Fingers:
 
     async def ask(self, service: str, method: str, *args: Any) -> Any:
         raise DriverError(f"{service}.{method}: not for fingers")
+
+    def guard(self, refused: Refusal) -> None:
+        raise NotImplementedError
+
+    def refused(self, what: str, *args: Any) -> DriverError | None:
+        raise NotImplementedError
+
+    def unwell(self, what: str, remedy: str = "") -> None:
+        raise NotImplementedError
 
     async def serve(self, name: str, methods: Methods) -> Unsubscribe:
         raise DriverError(f"{name}: not for fingers")

@@ -1,0 +1,53 @@
+"""The driver of a NAO: what it is made of."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import ClassVar
+
+from woz_drivers.nao import doctor
+from woz_drivers.nao.body_senses import BodySensesPart
+from woz_drivers.nao.nao_body import NaoBodyPart
+from woz_drivers.nao.nao_lights import LightsPart, NaoEyesPart
+from woz_drivers.nao.posture_animations import NaoAnimationsPart
+from woz_drivers.nao.settings import NaoSettings
+from woz_drivers.nao.two_cameras import TwoCamerasPart
+from woz_drivers.nao.walking import WalkingPart
+from woz_drivers.naoqi_robot.autonomy import AutonomyPart
+from woz_drivers.naoqi_robot.head import HeadPart
+from woz_drivers.naoqi_robot.microphones import MicrophonesPart
+from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
+from woz_drivers.naoqi_robot.parts import NaoqiPart
+from woz_drivers.naoqi_robot.recognition import RecognitionPart
+from woz_drivers.naoqi_robot.senses import SensesPart
+from woz_drivers.naoqi_robot.service_call import ServiceCallPart
+from woz_drivers.naoqi_robot.sounds import SoundsPart
+from woz_drivers.naoqi_robot.voice import VoicePart
+from woz_tui.drivers.contract import DriverError, Finding, Probe
+
+
+class Nao(NaoqiRobot):
+    """Aldebaran's NAO over NAOqi, or one of the simulated kind."""
+
+    Settings = NaoSettings
+    summary = "Aldebaran's NAO over NAOqi (2.8), or a simulated one"
+    settings: NaoSettings
+
+    PARTS: ClassVar[tuple[type[NaoqiPart], ...]] = (
+        *(WalkingPart, NaoBodyPart, NaoAnimationsPart, VoicePart, SoundsPart, HeadPart),
+        *(NaoEyesPart, LightsPart, AutonomyPart, BodySensesPart, SensesPart, RecognitionPart),
+        *(TwoCamerasPart, MicrophonesPart, ServiceCallPart),
+    )
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Look whether the robot is there and what it lacks, without moving anything."""
+        return await doctor.examine(probe)
+
+    async def _connected(self) -> None:
+        """Whether it lies is known before anything is set that could move it."""
+        for part in self._parts:
+            if isinstance(part, BodySensesPart):
+                with contextlib.suppress(DriverError):  # its loop goes on asking
+                    await part.look()
+        await super()._connected()

@@ -1,0 +1,59 @@
+"""A NAO's body: it gets up after a fall, and is stopped without losing its balance."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+
+from woz_drivers.nao.falls import getting_up
+from woz_drivers.nao.nao_joints import LEGS
+from woz_drivers.nao.nao_model import HALT_UPPER
+from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.base import ASK_S
+from woz_drivers.naoqi_robot.body import MOTION, POSTURE, STIFF, BodyPart
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Job, RejectedError
+from woz_tui.protocol.messages import Json
+
+
+class NaoBodyPart(BodyPart):
+    """Postures bring it to its feet again; what moves the legs ends when it walks no more."""
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Move; ends when the robot is there."""
+        if job.verb in ("pose", "torque"):
+            refusal = self._robot.refused(f"{MOTION}.wakeUp")
+            if refusal is not None:
+                raise refusal
+        return await super().perform(job)
+
+    async def take_posture(self, posture: str, speed: float) -> dict[str, Json]:
+        """Go to a posture, from the floor too. Raises `DriverError` if it did not get there."""
+        if self._robot.refused(f"{POSTURE}.goToPosture") is None:
+            return await super().take_posture(posture, speed)
+        with getting_up():
+            # The fall manager has switched all motors off.
+            await self._robot.call(MOTION, "setStiffnesses", "Body", STIFF)
+            return await super().take_posture(posture, speed)
+
+    async def rest(self) -> None:
+        """How the robot is left alone; one that lies is left as it lies."""
+        try:
+            await super().rest()
+        except RejectedError:
+            if self._robot.refused(f"{MOTION}.rest") is None:
+                raise
+
+    async def _halt(self) -> None:
+        """End every movement: at once above the legs, and of the legs when it does not walk."""
+        await asyncio.gather(self._robot.call(*HALT_UPPER), self._end_posture())
+        while memory.flag(await self._robot.call(MOTION, "moveIsActive")):  # noqa: ASYNC110
+            await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
+        await self._robot.call(MOTION, "killTasksUsingResources", list(LEGS))
+
+    async def _end_posture(self) -> None:
+        try:
+            await self._robot.call(POSTURE, "stopMove")
+        except DeviceLostError:
+            raise
+        except DriverError:
+            pass  # none is being taken

@@ -1,0 +1,138 @@
+"""A NAO's lights: feelings as colours of the eyes; ears, chest, feet and head."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_drivers.naoqi_robot.eyes import LANE, LEDS, LONGEST, MARGIN_S, EyeColor, EyesPart
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_drivers.simulated.argument_values import color as color_of
+from woz_drivers.simulated.argument_values import number, positive, word
+from woz_tui.drivers.contract import (
+    Argument,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Verb,
+)
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+
+#: What a face shows that has no other means than the colour of its eyes: a choice of ours, warm
+#: for what draws near and cold for what draws back.
+EMOTIONS = {
+    "neutral": "#ffffff",
+    "happy": "#ffd000",
+    "amazed": "#ff60ff",
+    "sad": "#0030ff",
+    "angry": "#ff0000",
+    "sleepy": "#203060",
+}
+#: A feeling comes within so long, in seconds; a weak one has this share of its colour in white.
+EMOTION_S = 0.4
+
+
+class NaoEyesPart(EyesPart):
+    """The eyes, which also show feelings."""
+
+    @classmethod
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+        """Those of the eyes, and `emotion`."""
+        emotion = Verb(
+            "emotion",
+            "show a feeling by the colour of the eyes",
+            (
+                Argument("emotion", "choice", required=True, choices=tuple(EMOTIONS)),
+                Argument("intensity", "number", "0 neutral, 1 full", False, 1.0, Range(0, 1)),
+            ),
+            lane=LANE,
+            limit_s=10.0,
+        )
+        return (*super().verbs(settings), emotion)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Show it."""
+        if job.verb != "emotion":
+            return await super().perform(job)
+        await self._clean_up.settled()
+        emotion = word(job.args, "emotion", tuple(EMOTIONS))
+        intensity = min(max(number(job.args, "intensity", 1.0), 0.0), 1.0)
+        await self.show(blended(EMOTIONS[emotion], intensity), EMOTION_S)
+        return {"emotion": emotion, "intensity": intensity}
+
+
+def blended(color: str, share: float) -> EyeColor:
+    """A colour with that share of it, the rest being neutral."""
+    full, neutral = EyeColor.of(color).parts, EyeColor.of(EMOTIONS["neutral"]).parts
+    red, green, blue = (
+        plain + share * (one - plain) for one, plain in zip(full, neutral, strict=True)
+    )
+    return EyeColor(red, green, blue)
+
+
+#: Groups of ALLeds (family/nao_technical/leds_naov6), and whether they have colours: the others
+#: are of one colour, and take the brightness of what is asked for.
+GROUPS = {
+    "ears": ("EarLeds", False),
+    "chest": ("ChestLeds", True),
+    "feet": ("FeetLeds", True),
+    "head": ("BrainLeds", False),
+}
+
+
+class LightsPart(NaoqiPart):
+    """Ears (blue), head (white), chest and feet (any colour)."""
+
+    name = "lights"
+
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
+        #: Asked for last: set again after a loss.
+        self._desired: dict[str, EyeColor] = {}
+
+    @classmethod
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+        """`leds`."""
+        return (
+            Verb(
+                "leds",
+                "colour the lights of ears, chest, feet or head",
+                (
+                    Argument("group", "choice", required=True, choices=tuple(GROUPS)),
+                    Argument("color", "text", "a name or #rrggbb; off", required=True),
+                    Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
+                ),
+                lane="leds",
+                limit_s=60.0,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Show it; a fade takes its time."""
+        if job.verb != "leds":
+            raise RejectedError(f"the lights cannot {job.verb!r}")
+        group = word(job.args, "group", tuple(GROUPS))
+        color = EyeColor.of(color_of(job.args, "color"))
+        seconds = positive(job.args, "seconds", 0.0)
+        job.expects(seconds)
+        await self._fade(group, color, seconds)
+        self._desired[group] = color
+        return {"group": group, "color": color.text}
+
+    async def connected(self) -> None:
+        """After a loss: what was shown."""
+        for group, color in self._desired.items():
+            try:
+                await self._fade(group, color, 0.0)
+            except DeviceLostError:
+                raise
+            except DriverError as error:
+                self._context.notice("warning", f"the {group} stay as they are: {error.what}")
+
+    async def _fade(self, group: str, color: EyeColor, seconds: float) -> None:
+        name, colored = GROUPS[group]
+        words = ("fadeRGB", name, *color.parts) if colored else ("fade", name, color.brightness)
+        await self._robot.call(LEDS, *words, float(seconds), within=seconds + MARGIN_S)

@@ -1,0 +1,57 @@
+"""The settings of a NAO in a robot file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
+
+from woz_drivers.nao.nao_model import CAMERAS, NAO
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.robot_model import RobotModel
+from woz_tui.drivers.fields import Doc, OneOf, Range, Section
+
+
+@dataclass(frozen=True, slots=True)
+class FilesSettings:
+    """Where the robot fetches sound files of this machine from."""
+
+    address: Annotated[
+        str, Doc("this machine's address as the robot reaches it; empty: found out")
+    ] = ""
+    port: Annotated[int, Range(0, 65535), Doc("where sounds are served; 0: any")] = 0
+
+
+@dataclass(frozen=True)
+class _Address(Section):
+    """What stands before the settings of all robots with NAOqi."""
+
+    address: Annotated[
+        str, Doc("simulated, a host name, tcp://HOST:9559, or tcps://USER@HOST:9503")
+    ] = "simulated"
+
+
+@dataclass(frozen=True)
+class NaoSettings(NaoqiSettings, _Address):
+    """One NAO."""
+
+    model: ClassVar[RobotModel] = NAO
+    serving_section: ClassVar[str] = "files"
+
+    password: Annotated[
+        str, Doc("name of the environment variable that holds the password for tcps")
+    ] = "WOZ_NAO_PASSWORD"
+    camera: Annotated[str, OneOf(CAMERAS), Doc("which camera is looked through")] = CAMERAS[0]
+    files: Annotated[FilesSettings, Doc("sound files of this machine")] = field(
+        default_factory=FilesSettings
+    )
+
+    @property
+    def addresses(self) -> Mapping[str, str]:
+        """See `NaoqiSettings.addresses`."""
+        return {"address": self.address} if self.address else {}
+
+    @property
+    def serving(self) -> FilesSettings:
+        """The player of sounds fetches them."""
+        return self.files

@@ -1,0 +1,51 @@
+"""Walking: `drive` on two legs."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import ClassVar
+
+from woz_drivers.nao.falls import FALLEN
+from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.base import MOTION, BasePart, still
+from woz_tui.drivers.contract import DeviceLostError, DriverError
+
+#: The families of postures in which it can begin to walk.
+ON_ITS_FEET = ("Standing",)
+
+
+class WalkingPart(BasePart):
+    """By `ALMotion.moveTo`; a stop ends the step that is begun, so that it keeps its balance."""
+
+    name = "walking"
+    SUMMARY: ClassVar[str] = "walk and turn from where it stands"
+    M_S: ClassVar[float] = 0.08
+    RAD_S: ClassVar[float] = 0.4
+
+    async def _ready(self) -> None:
+        await super()._ready()
+        family = memory.word(await self._robot.call("ALRobotPosture", "getPostureFamily"))
+        if family not in ON_ITS_FEET:
+            is_now = f": its posture is {family}" if family else ""
+            raise DriverError(f"the robot does not stand{is_now}", "first: `posture: Stand`")
+
+    async def _stands(self) -> bool:
+        active, velocity = await asyncio.gather(
+            self._robot.call(MOTION, "moveIsActive"),
+            self._robot.call(MOTION, "getRobotVelocity"),
+        )
+        walks = memory.flag(active)
+        if walks is None:
+            raise DriverError("the robot does not report whether it walks", "look at the robot")
+        return not walks and still(velocity)
+
+    async def _why(self) -> tuple[str, str]:
+        try:
+            fell = memory.flag(await self._robot.call("ALMemory", "getData", FALLEN))
+        except DeviceLostError:
+            raise
+        except DriverError:
+            fell = None
+        if fell:
+            return "the robot has fallen", "clear its way; `posture: Stand` gets it up"
+        return await super()._why()

@@ -114,6 +114,6 @@ NAO = BodyPlan(
     },
     # About what NAOqi walks with when nothing is set.
     speed=(0.08, 0.4),
-    step_s=0.4,
+    step_s=0.3,
     walks=True,
 )

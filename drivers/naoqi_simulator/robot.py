@@ -101,7 +101,7 @@ class NaoqiSimulator:
     def _knobs(self) -> None:
         world, add = self.world, self.knobs.add
         add("awake", lambda: world.body.awake)
-        add("posture", lambda: world.body.posture)
+        add("posture", lambda: world.body.posture, self._put)
         add("pose", world.body.pose)
         add("velocity", world.body.velocity)
         add("angles", self.angles)
@@ -148,6 +148,11 @@ class NaoqiSimulator:
         add("ears", lambda: leds("LeftEarLed1"))
         add("chest", lambda: leds("ChestLed"))
         add("feet", lambda: leds("LeftFootLed"))
+
+    def _put(self, posture: str) -> None:
+        """Somebody puts it into a posture. Raises KeyError."""
+        self.world.body.plan.postures[posture]
+        self.world.body.posture = posture
 
     def _front(self, metres: float | None) -> None:
         self.world.body.front = None if metres is None else float(metres)

@@ -95,7 +95,8 @@ class FallWatch:
         if any(told) and not await self._is_up(first=first):
             self._is(fallen=True)
         else:
-            if any(told):
+            if any(told) or (first and None in raws):
+                # A key that there is not yet would have every question be asked key by key.
                 await self._take_back()
             self._upright_us = None
             self._is(fallen=False)

@@ -20,7 +20,8 @@ STATES = ("", "hot", "very hot", "critically hot")
 #: What no motor's sensor says while it works, in degrees Celsius.
 _SANE_C = (-20.0, 150.0)
 _KEY = "Device/SubDeviceList/{}/Temperature/Sensor/{}"
-MOTORS = tuple(joint for joint in (*UPPER, *LEGS) if joint not in HANDS)
+#: RHipYawPitch has the motor of LHipYawPitch.
+MOTORS = tuple(one for one in (*UPPER, *LEGS) if one not in (*HANDS, "RHipYawPitch"))
 REMEDY = "let it sit, or rest with `torque: off`, until the motors are cooler"
 #: Charge below which the wizard is told, once for each.
 LOW = (0.2, 0.1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Iterator
 
 from woz_drivers.nao.falls import getting_up
 from woz_drivers.nao.nao_joints import LEGS
@@ -11,20 +11,13 @@ from woz_drivers.nao.nao_model import HALT_UPPER
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.base import ASK_S
 from woz_drivers.naoqi_robot.body import MOTION, POSTURE, STIFF, BodyPart
-from woz_tui.drivers.contract import DeviceLostError, DriverError, Job, RejectedError
+from woz_drivers.naoqi_robot.text_remarks import WrittenValue
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError
 from woz_tui.protocol.messages import Json
 
 
 class NaoBodyPart(BodyPart):
     """Postures bring it to its feet again; what moves the legs ends when it walks no more."""
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Move; ends when the robot is there."""
-        if job.verb in ("pose", "torque"):
-            refusal = self._robot.refused(f"{MOTION}.wakeUp")
-            if refusal is not None:
-                raise refusal
-        return await super().perform(job)
 
     async def take_posture(self, posture: str, speed: float) -> dict[str, Json]:
         """Go to a posture, from the floor too. Raises `DriverError` if it did not get there."""
@@ -57,3 +50,11 @@ class NaoBodyPart(BodyPart):
             raise
         except DriverError:
             pass  # none is being taken
+
+
+def written_pose(argument: WrittenValue) -> Iterator[tuple[str, str]]:
+    """What is odd about a pose in a file. Raises `RejectedError` for an impossible one."""
+    pose = argument.settings.model.joints.checked(argument.value)
+    legs = ", ".join(joint for joint in pose if joint in LEGS)
+    if legs:
+        yield f"{legs}: a NAO that stands may fall when its legs are moved", "let it sit for that"

@@ -8,14 +8,6 @@ from collections.abc import Mapping
 from woz_tui.drivers.contract import RejectedError
 
 ROOT = "animations/"
-#: Names that every robot of woz-tui knows, by the ending of what is played for them.
-COMMON = {
-    "nod": ("Gestures/Yes_1",),
-    "shake": ("Gestures/No_1",),
-    "wave": ("Gestures/Hey_1", "Gestures/Hey_3"),
-    "bow": ("Gestures/BowShort_1",),
-    "dance": ("Waiting/FunnyDancer_1",),
-}
 
 
 def paths(posture: str, table: Mapping[str, str]) -> tuple[str, ...]:
@@ -65,11 +57,6 @@ class AnimationNames:
                 known = self._endings.setdefault(posture, {})
                 for first in range(len(words)):
                     known.setdefault("/".join(words[first:]), path)
-        for known in self._endings.values():
-            for name, endings in COMMON.items():
-                found = next((known[one.lower()] for one in endings if one.lower() in known), "")
-                if found:
-                    known[name] = found
 
     def path_of(self, name: str, posture: str = "") -> str:
         """The animation that `name` means: a known one by its path's ending (`Hey_1`,

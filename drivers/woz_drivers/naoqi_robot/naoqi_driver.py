@@ -196,6 +196,8 @@ class NaoqiRobot(Driver):
             await asyncio.wait(self._stop_all(parts, scope), timeout=max(0.0, left))
         confirmed: list[str] = []
         missing = [stops[stop].name for stop in late]
+        for stop in late:
+            stop.add_done_callback(self._report_late)
         for stop in done:
             error = None if stop.cancelled() else stop.exception()
             if error is None and not stop.cancelled():
@@ -219,6 +221,12 @@ class NaoqiRobot(Driver):
             # Nobody waits for those that come too late: how they end has been told as missing.
             stop.add_done_callback(lambda over: over.cancelled() or over.exception())
         return stops
+
+    def _report_late(self, stop: asyncio.Task[tuple[str, ...]]) -> None:
+        """What was missing when the stop was reported ended after all: a step, on a slow line."""
+        if not stop.cancelled() and stop.exception() is None and stop.result():
+            names = " and ".join(stop.result())
+            self.context.notice("info", f"{names}: confirmed late, it is stopped now")
 
     async def resume(self) -> None:
         """The stop was released: what could not be applied while it was pressed is applied now."""

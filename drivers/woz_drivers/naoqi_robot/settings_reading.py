@@ -306,7 +306,7 @@ def _conflicts(
         yield "speaking movement adds gestures of its own to those in a sentence's tags"
     # The example of WoZ4U's paper. Where nobody asked for it, nobody waits for it either.
     if blinks and desired.get("blinking") is True and state not in (None, "interactive"):
-        yield f"a Pepper blinks only while autonomous life is interactive, not {state}"
+        yield f"the robot blinks only while autonomous life is interactive, not {state}"
     elif blinks and "eyes" in used:
         yield "blinking darkens the eyes now and then, whatever their colour"
     if state in BUSY:

@@ -1,4 +1,4 @@
-"""A Pepper driver with a simulated robot on the other end of the wire, as its session sees it."""
+"""A driver with a simulated Pepper or NAO on the other end of the wire, as its session sees it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
+from woz_drivers.nao.driver import Nao
+from woz_drivers.nao.settings import NaoSettings
+from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings, SensesSettings
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 
@@ -17,7 +20,7 @@ from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import patience
 from tests.fakes.naoqi import Call, StandIn, stand_in
 from woz_tui.drivers.contract import Scope, StopReport
-from woz_tui.protocol.messages import DriverConnected, Json, Notice, SettingsShown
+from woz_tui.protocol.messages import DriverConnected, Json, Message, Notice, SettingsShown
 
 #: How many times as fast the robot's time passes.
 PACE = 20.0
@@ -28,7 +31,7 @@ QUIET = SensesSettings(rate=1, sonar=False, people=False, loudness=False, touch=
 class Played:
     """`robot` on one end, `heard` on the other, `driver` between them."""
 
-    def __init__(self, robot: StandIn, driver: Pepper, heard: Heard) -> None:
+    def __init__(self, robot: StandIn, driver: NaoqiRobot, heard: Heard) -> None:
         self.robot = robot
         self.driver = driver
         self.heard = heard
@@ -113,6 +116,7 @@ class Played:
 async def played(
     folder: Path,
     *,
+    kind: str = "pepper",
     pace: float = PACE,
     life: str = "solitary",
     options: tuple[str, ...] = (),
@@ -124,8 +128,9 @@ async def played(
     `hurried`: a robot that is silent is noticed as soon as in a session.
     """
     with patience(hurried=hurried):
-        async with stand_in(pace=pace, life=life, options=options) as robot:
-            given = PepperSettings(robots=(robot.address,), senses=QUIET)
+        words = ("--robot", kind, *options)
+        async with stand_in(pace=pace, life=life, options=words) as robot:
+            given = settings_for(kind, robot.address)
             it = await joined(robot, folder, dataclasses.replace(given, **settings))
             try:
                 yield it
@@ -133,10 +138,23 @@ async def played(
                 await it.close()
 
 
-async def joined(robot: StandIn, folder: Path, settings: PepperSettings) -> Played:
-    """A driver that is connected to the robot."""
+def settings_for(kind: str, address: str) -> NaoqiSettings:
+    """Those of a driver that plays the robot at this address, and reads nothing of its senses."""
+    if kind == "nao":
+        return NaoSettings(address=address, senses=QUIET)
+    return PepperSettings(robots=(address,), senses=QUIET)
+
+
+async def joined(
+    robot: StandIn,
+    folder: Path,
+    settings: NaoqiSettings,
+    told: type[Message] = DriverConnected,
+) -> Played:
+    """A driver that is connected to the robot, as it is `told`."""
     heard = Heard(folder)
-    it = Played(robot, Pepper("it", settings, heard.context), heard)
+    driver = Nao if isinstance(settings, NaoSettings) else Pepper
+    it = Played(robot, driver("it", settings, heard.context), heard)
     await it.driver.open()
-    await heard.first(DriverConnected)
+    await heard.first(told)
     return it

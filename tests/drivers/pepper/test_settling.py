@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.naoqi_robot.address import parse
+from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
 from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
 from woz_drivers.naoqi_robot.robot_connection import simulated_naoqi
 from woz_drivers.pepper.driver import Pepper
@@ -79,7 +80,7 @@ async def test_a_robot_that_was_woken_stays_awake_when_the_line_comes_back(tmp_p
         await it.driver.close()
 
 
-async def _as_soon_as_possible(driver: Pepper) -> None:
+async def _as_soon_as_possible(driver: NaoqiRobot) -> None:
     async with asyncio.timeout(20):
         while True:
             with contextlib.suppress(DeviceLostError):

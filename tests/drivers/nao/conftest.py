@@ -1,0 +1,33 @@
+"""One NAO and its driver for each module whose tests leave nothing behind."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+
+import pytest
+import pytest_asyncio
+from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
+
+from tests.drivers.heard import PATIENCE_S
+from tests.drivers.pepper.played import Played, played
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+    """It feels whatever there is to feel."""
+    folder = tmp_path_factory.mktemp("experiment")
+    async with played(folder, kind="nao", pace=20.0, senses=SensesSettings(rate=20)) as made:
+        yield made
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def it(shared: Played) -> Played:
+    """That robot on its feet, without what the tests before have done with it."""
+    await shared.afresh()
+    return shared
+
+
+@pytest.fixture(autouse=True)
+def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine takes its time; that a stop waits no longer is another test's."""
+    monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", PATIENCE_S)

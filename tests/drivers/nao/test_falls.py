@@ -1,0 +1,173 @@
+"""A NAO that falls: told at once, left alone until it is up again, and stopped as ever."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import pytest_asyncio
+from woz_drivers.nao.falls import FALLEN, FALLING, KEYS
+
+from tests.drivers.pepper.played import Played, joined, played, settings_for
+from tests.fakes.naoqi import stand_in
+from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.protocol.messages import DriverConnected, DriverFaulted, Notice
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+#: What is sent to a robot by verbs that would move it.
+MOTION = (
+    *(f"ALMotion.{one}" for one in ("moveTo", "setAngles", "angleInterpolation", "wakeUp", "rest")),
+    *("ALMotion.setStiffnesses", "ALAnimationPlayer.run", "ALAnimatedSpeech.say"),
+    *("ALAutonomousLife.setState", "ALRobotPosture.goToPosture"),
+)
+
+
+@pytest.fixture(autouse=True)
+def soon_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It need not stand for a whole second before it counts as up."""
+    monkeypatch.setattr("woz_drivers.nao.falls.UPRIGHT_US", 50_000)
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def fallen(it: Played) -> AsyncIterator[Played]:
+    """It lies, and the wizard knows; up again afterwards."""
+    await it.robot.fault("fall")
+    await it.heard.first(DriverFaulted)
+    await it.robot.clear()
+    yield it
+    await it.do("posture", name="Stand", speed=1.0)
+    await it.heard.first(DriverConnected)
+
+
+async def test_a_fall_is_told_with_a_remedy_and_so_is_the_rising(it: Played) -> None:
+    assert it.heard.values("fallen")[-1:] in ([], [0.0])
+    await it.robot.fault("fall:back")
+    faulted = await it.heard.first(DriverFaulted)
+    assert "fallen" in faulted.detail
+    assert "posture: Stand" in faulted.remedy
+    assert it.heard.values("fallen")[-1] == 1.0
+    told = [one for one in it.heard.all(Notice) if one.level == "error"]
+    assert len(told) == 1
+    assert "posture: Stand" in told[0].remedy
+    await it.do("posture", name="Stand", speed=1.0)
+    await it.heard.first(DriverConnected)
+    await it.heard.until(lambda: it.heard.values("fallen")[-1] == 0.0)
+    assert await it.robot.get(f"memory:{FALLEN}") is False
+    await it.do("drive", x=0.05)
+
+
+MOVING: list[tuple[str, dict[str, Any]]] = [
+    ("drive", {"x": 0.1}),
+    ("gaze", {"yaw": 10}),
+    ("nudge", {"yaw": 10}),
+    ("play", {"move": "Hey_1"}),
+    ("pose", {"joints": {"RShoulderPitch": 0}}),
+    ("torque", {"on": True}),
+    ("torque", {"on": False}),
+    ("naoqi", {"call": "ALMotion.openHand", "args": '["LHand"]'}),
+    ("naoqi", {"call": "ALRobotPosture.goToPosture", "args": '["Sit", 0.5]'}),
+    ("autonomy", {"state": "interactive"}),
+]
+
+
+async def test_no_motion_is_sent_to_it(fallen: Played) -> None:
+    for verb, args in MOVING:
+        with pytest.raises(DriverError, match="fallen") as refused:
+            await fallen.do(verb, **args)
+        assert "posture: Stand" in refused.value.remedy
+    assert await fallen.calls(*MOTION) == []
+
+
+async def test_everything_else_works(fallen: Played) -> None:
+    await fallen.do("say", text="Ouch.")
+    assert await fallen.calls("ALTextToSpeech.say") == [("Ouch.",)]
+    assert await fallen.calls("ALAnimatedSpeech.say") == []
+    await fallen.do("eyes", color="red")
+    await fallen.do("volume", level=0.5)
+    await fallen.do("naoqi", call="ALMotion.getAngles", args='["HeadYaw", true]')
+
+
+async def test_the_stop_still_works(fallen: Played) -> None:
+    report = await fallen.stop()
+    assert report.missing == ()
+    assert {"walking", "motion", "speech"} <= set(report.confirmed)
+    await fallen.driver.resume()
+
+
+async def test_left_alone_it_is_left_as_it_lies(fallen: Played) -> None:
+    await fallen.driver.rest()
+    assert await fallen.calls(*MOTION) == []
+
+
+async def test_home_gets_it_up_too(fallen: Played) -> None:
+    await fallen.do("home")
+    assert await fallen.robot.get("posture") == "Stand"
+
+
+async def test_a_fall_in_the_middle_of_a_walk_ends_it_with_that_reason(it: Played) -> None:
+    walk = it.begin("drive", x=5.0)
+    await it.robot.called("ALMotion.moveTo")
+    await it.robot.fault("fall")
+    with pytest.raises(DriverError, match="fallen"):
+        await walk
+    await it.heard.first(DriverFaulted)
+    await it.do("posture", name="Stand", speed=1.0)
+    await it.heard.first(DriverConnected)
+
+
+async def test_who_lifts_it_ends_that_too(it: Played) -> None:
+    await it.robot.fault("fall")
+    await it.heard.first(DriverFaulted)
+    with pytest.raises(RejectedError):
+        await it.do("drive", x=0.1)
+    await it.robot.set("posture", "Crouch")
+    await it.heard.first(DriverConnected)
+    await it.do("torque", on=True)
+    await it.do("home")
+
+
+async def test_a_fall_is_believed_before_the_posture_knows_of_it(it: Played) -> None:
+    await it.robot.set(f"memory:{FALLING}", True)
+    await it.heard.first(DriverFaulted)
+    assert await it.robot.get("posture") == "Stand"
+    await it.heard.first(DriverConnected)
+
+
+async def test_nonsense_about_a_fall_is_told_and_changes_nothing(it: Played) -> None:
+    await it.robot.set(f"memory:{FALLEN}", "perhaps")
+    await it.heard.state("fallen", "stale")
+    assert it.heard.all(DriverFaulted) == []
+    await it.do("gaze", yaw=5)
+    await it.robot.set(f"memory:{FALLEN}", False)
+    await it.heard.state("fallen", "ok")
+
+
+async def test_who_lies_when_it_is_found_is_not_moved(tmp_path: Path) -> None:
+    async with stand_in(options=("--robot", "nao")) as robot:
+        await robot.fault("fall")
+        await robot.clear()
+        given = settings_for("nao", robot.address)
+        it = await joined(robot, tmp_path, given, DriverFaulted)
+        try:
+            with pytest.raises(DriverError, match="fallen"):
+                await it.do("gaze", yaw=5)
+            assert await it.calls(*MOTION) == []
+        finally:
+            await it.close()
+
+
+async def test_a_fall_of_yesterday_is_no_fall(tmp_path: Path) -> None:
+    """Nothing on the robot takes the values back; its posture says that it stands."""
+    async with played(tmp_path, kind="nao") as it:
+        for key in KEYS:
+            await it.robot.set(f"memory:{key}", True)
+        again = await joined(it.robot, tmp_path, settings_for("nao", it.robot.address))
+        try:
+            assert await it.robot.get(f"memory:{FALLING}") is False
+            await again.do("gaze", yaw=5)
+            assert again.heard.all(DriverFaulted) == []
+        finally:
+            await again.close()

@@ -80,9 +80,7 @@ class FurhatSpeech(FurhatPart):
                 "sound",
                 "play a sound",
                 (
-                    Argument(
-                        *("file", "text", "a WAV file of this machine, or http://...", True),
-                    ),
+                    Argument("file", "file", "a WAV file of this machine, or http://...", True),
                     Argument("volume", "number", "of a file, 0 to 1", False, 1.0, Range(0, 1)),
                     Argument("lipsync", "flag", "move the lips to it", default=False),
                 ),

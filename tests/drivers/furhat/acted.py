@@ -12,10 +12,11 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.visitor import SimulatedPerson
 from robot_simulators.furhat import FurhatSimulator
-from woz_drivers.furhat import Furhat, FurhatSettings
+from woz_drivers.furhat import Furhat, FurhatSettings, driver, furhat_senses
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
 
 from tests.fakes.manual_pace import ManualPace
@@ -118,6 +119,12 @@ class Acted:
         await self.driver.close()
 
 
+def looks_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the driver look at short notice what has changed by itself."""
+    monkeypatch.setattr(driver, "_LOOK_S", 0.02)
+    monkeypatch.setattr(furhat_senses, "_QUIET_S", 0.05)
+
+
 @asynccontextmanager
 async def acted(
     folder: Path = Path(), robot: FurhatSimulator | None = None, **settings: Any
@@ -127,9 +134,8 @@ async def acted(
     async with started:
         given = FurhatSettings(address=started.address, senses=QUIET, listening=DEAF)
         context = RecordingContext(folder)
-        driver = Furhat("it", dataclasses.replace(given, **settings), context)
-        it = Acted(started, driver, context)
-        await driver.open()
+        it = Acted(started, Furhat("it", dataclasses.replace(given, **settings), context), context)
+        await it.driver.open()
         try:
             await it.is_there()
             yield it

@@ -13,7 +13,7 @@ from woz_drivers.furhat.furhat_moves import COMMON_GESTURES, EMOTIONS, GESTURES
 from woz_drivers.furhat.realtime_events import Place
 from woz_drivers.furhat.settings import FurhatGazeSettings, FurhatSensesSettings, GestureFrame
 
-from tests.drivers.furhat.acted import SOMEBODY, Acted, acted
+from tests.drivers.furhat.acted import SOMEBODY, Acted, acted, looks_often
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.testing import until
 
@@ -94,7 +94,7 @@ async def test_an_emotion_comes_gradually_and_replaces_the_one_before(
     it: Acted, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(furhat_face, "_FADE_S", 0.1)
-    for emotion in EMOTIONS:
+    for emotion in ("amazed", "angry", "neutral", "happy"):
         before = len(it.robot.requests("request.face.params"))
         await it.do("emotion", emotion=emotion, intensity=0.5)
         await it.arrived()
@@ -163,7 +163,10 @@ async def test_it_turns_no_farther_than_it_can(it: Acted) -> None:
     assert await it.do("gaze", yaw=170.0, pitch=-90.0) == {"yaw": 75.0, "pitch": -45.0}
 
 
-async def test_a_step_begins_where_it_looks_also_at_somebody(tmp_path: Path) -> None:
+async def test_a_step_begins_where_it_looks_also_at_somebody(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks_often(monkeypatch)
     async with acted(tmp_path, senses=FurhatSensesSettings(loudness=False)) as it:
         assert await it.do("nudge", yaw=10.0) == {"yaw": 10.0, "pitch": 0.0}
         assert await it.do("nudge", yaw=5.0, pitch=-5.0) == {"yaw": 15.0, "pitch": -5.0}

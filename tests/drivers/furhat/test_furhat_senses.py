@@ -12,7 +12,7 @@ import pytest
 from naoqi_simulator.visitor import SimulatedPerson
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
 
-from tests.drivers.furhat.acted import SOMEBODY, Acted, acted
+from tests.drivers.furhat.acted import SOMEBODY, Acted, acted, looks_often
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 from woz_tui.testing import until
@@ -74,7 +74,10 @@ async def test_a_robot_that_does_not_say_who_looks_is_taken_as_it_is(it: Acted) 
     assert {one.value for one in it.context.of("gaze")} <= {0.0}  # while nobody was there
 
 
-async def test_a_robot_that_tells_of_people_on_a_change_alone_is_asked(it: Acted) -> None:
+async def test_a_robot_that_tells_of_people_on_a_change_alone_is_asked(
+    it: Acted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks_often(monkeypatch)
     it.robot.person = SOMEBODY  # no time of the robot passes, so it tells nothing by itself
     await until(lambda: bool(it.robot.requests("request.users.once")))
     await until(lambda: bool(it.context.of("presence")) and it.context.latest("presence") == 1.0)
@@ -160,9 +163,14 @@ async def test_listening_ends_and_begins_by_command(it: Acted) -> None:
     await until(lambda: it.robot.listening)
 
 
-async def test_a_robot_that_stops_listening_by_itself_is_asked_again(it: Acted) -> None:
-    await it.robot.send_raw('{"type": "response.listen.end", "cause": "silence_timeout"}')
-    await until(lambda: len(it.robot.requests("request.listen.start")) == 2)
+async def test_a_robot_that_stops_listening_by_itself_is_asked_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks_often(monkeypatch)
+    async with acted(tmp_path, listening=FurhatListeningSettings()) as it:
+        await until(lambda: it.robot.listening)
+        await it.robot.send_raw('{"type": "response.listen.end", "cause": "silence_timeout"}')
+        await until(lambda: len(it.robot.requests("request.listen.start")) == 2)
 
 
 async def test_an_utterance_that_the_robots_loss_cuts_off_has_an_end(it: Acted) -> None:

@@ -29,6 +29,12 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What does not confirm need not be waited for."""
+    monkeypatch.setattr(driver, "STOP_S", 0.15)
+
+
+@pytest.fixture
 async def it(tmp_path: Path) -> AsyncIterator[Acted]:
     async with acted(tmp_path, senses=FurhatSensesSettings(loudness=False)) as it:
         yield it
@@ -88,6 +94,7 @@ async def test_a_sound_and_a_gesture_of_ours_end(it: Acted, tmp_path: Path) -> N
     assert len(it.robot.calls) - sent == 1  # nothing of either comes behind the stop
 
 
+@pytest.mark.usefixtures("hurried")
 async def test_a_gesture_that_the_robot_plays_to_its_end_is_named(it: Acted) -> None:
     it.robot.gestures_end_early = False
     await busy(it)
@@ -96,6 +103,7 @@ async def test_a_gesture_that_the_robot_plays_to_its_end_is_named(it: Acted) -> 
     assert it.robot.gesturing
 
 
+@pytest.mark.usefixtures("hurried")
 async def test_a_robot_that_does_not_end_its_speech_is_named(it: Acted) -> None:
     await busy(it)
     it.robot.ignored.add("request.speak.stop")
@@ -103,6 +111,7 @@ async def test_a_robot_that_does_not_end_its_speech_is_named(it: Acted) -> None:
     assert it.robot.speaking
 
 
+@pytest.mark.usefixtures("hurried")
 async def test_a_frozen_robot_confirms_nothing(it: Acted) -> None:
     await busy(it)
     it.robot.freeze()

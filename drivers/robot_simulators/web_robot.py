@@ -125,7 +125,8 @@ class WebRobot(abc.ABC):
             async for message in opened:
                 await self._late()
                 if message.type is WSMsgType.PING:
-                    await opened.pong(message.data)
+                    with contextlib.suppress(ConnectionError):
+                        await opened.pong(message.data)
                 elif message.type in (WSMsgType.TEXT, WSMsgType.BINARY):
                     yield opened, json.loads(message.data)
         finally:

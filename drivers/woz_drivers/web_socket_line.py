@@ -281,20 +281,22 @@ class WebSocketLine:
 
     async def _serve(self, opened: aiohttp.ClientWebSocketResponse[bool]) -> None:
         """Read, ask and make ready until one of the three says that the robot is lost."""
-        tasks = {
+        every = (
             asyncio.create_task(self._read(opened), name=f"reading {self._shown}"),
             asyncio.create_task(self._watch(opened), name=f"watching {self._shown}"),
             asyncio.create_task(self._make_ready(), name=f"making {self._shown} ready"),
-        }
+        )
+        going = {*every}
         try:
             while True:
-                done, tasks = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+                done, going = await asyncio.wait(going, return_when=asyncio.FIRST_COMPLETED)
                 for task in done:
                     task.result()
         finally:
-            for task in tasks:
+            for task in going:
                 task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+            # Also those that ended in the same moment as the one whose error is told.
+            await asyncio.gather(*every, return_exceptions=True)
 
     async def _make_ready(self) -> None:
         detail = await self._get_ready()

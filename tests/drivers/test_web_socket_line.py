@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from typing import Any
@@ -164,6 +165,47 @@ async def test_who_refuses_to_get_ready_is_lost_with_its_reason(robot: Parrot) -
     desk.refuses = ""
     await until(lambda: desk.line.ready)
     await desk.line.close()
+
+
+async def test_a_robot_that_is_lost_while_it_refuses_leaves_no_error_behind(
+    robot: Parrot,
+) -> None:
+    complaints: list[str] = []
+    loop = asyncio.get_running_loop()
+    loop.set_exception_handler(lambda _, context: complaints.append(context["message"]))
+    await asyncio.create_task(lost_and_refusing(robot))
+    await asyncio.sleep(0)
+    gc.collect()
+    assert complaints == []
+
+
+async def lost_and_refusing(robot: Parrot) -> None:
+    """A line whose reading and whose preparation fail in the same moment."""
+    said = asyncio.Event()
+
+    async def get_ready() -> str:
+        await line.send({"word": "hello"})
+        await said.wait()
+        raise DriverError("not today")
+
+    def take(message: object) -> None:
+        said.set()
+        raise DeviceLostError("it went away")
+
+    async def find() -> WebPlace:
+        return WebPlace(robot.address, "/events")
+
+    context, lost = RecordingContext(), asyncio.Event()
+    line = WebSocketLine(
+        *(context, "parrot", find),
+        get_ready=get_ready,
+        on_message=take,
+        on_lost=lambda error: lost.set(),
+    )
+    line.start()
+    async with asyncio.timeout(10):
+        await lost.wait()
+    await line.close()
 
 
 async def test_another_server_at_the_address_is_told_from_none(robot: Parrot) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import random
 from pathlib import Path
+from typing import Any
 
 import pytest
 from naoqi_simulator.robot_time import PacedTime
@@ -17,7 +18,7 @@ from woz_tui.drivers.contract import DriverError, Health
 from woz_tui.testing import until
 
 FAULTS = 25
-COMMANDS = (
+COMMANDS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("say", {"text": "What I have to say takes a while"}),
     ("play", {"move": "Nod"}),
     ("play", {"move": "dance", "speed": 4.0}),
@@ -50,7 +51,7 @@ class Troubles:
         if lane not in self._lanes or self._lanes[lane].done():
             self._lanes[lane] = asyncio.create_task(self._performed(verb, dict(args)))
 
-    async def _performed(self, verb: str, args: dict[str, object]) -> None:
+    async def _performed(self, verb: str, args: dict[str, Any]) -> None:
         try:
             await self.it.begin(verb, **args)
         except DriverError as error:

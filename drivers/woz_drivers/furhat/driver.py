@@ -24,6 +24,7 @@ from woz_tui.drivers.contract import (
     Driver,
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Job,
     Probe,
@@ -104,7 +105,15 @@ class Furhat(Driver):
     """A Furhat over its Realtime API, or a simulated one."""
 
     Settings = FurhatSettings
-    summary = "a Furhat by its Realtime API, or a simulated one"
+    summary = "A Furhat by its Realtime API, or a simulated one"
+    facts = DriverFacts(
+        robot=True,
+        needs="the robot's address, and the key of its Realtime API",
+        simulated="address: simulated, with a visitor",
+        stop="the robot's own events, by part: speech, gesture, gaze",
+        page="docs/how-to/furhat.md",
+        example="address: simulated",
+    )
     settings: FurhatSettings
 
     def __init__(self, name: str, settings: FurhatSettings, context: DriverContext) -> None:

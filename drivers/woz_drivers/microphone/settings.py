@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from woz_drivers import command_lines, pcm_audio
+from woz_drivers.microphone import voice_detection
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechCriteria
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
@@ -29,6 +30,11 @@ class MicrophoneSettings(Section):
         str, OneOf(("max", "rms")), Doc("loudest 20 ms since the last value, or all of them")
     ] = "max"
     threshold: Annotated[float, Range(0, 1), Doc("louder than this RMS is speech")] = 0.02
+    speech: Annotated[
+        str,
+        OneOf(("loud", "voice")),
+        Doc("what counts as speech: loud sound, or loud sound with a voice in it (an extra)"),
+    ] = "loud"
     onset: Annotated[
         float, Seconds(0, 2), Doc("time above the threshold that counts as speech")
     ] = 0.06
@@ -65,6 +71,12 @@ class MicrophoneSettings(Section):
             )
         if self.command and self.device:
             found.append(("device", "it is for arecord; put the device into your command instead"))
+        if self.speech == "voice" and not voice_detection.installed():
+            found.append(
+                ("speech", "`voice` needs a package: pip install 'woz-tui[voice-detection]'")
+            )
+        if self.speech == "voice" and self.rate % voice_detection.MODEL_RATE:
+            found.append(("rate", "must be 16000, 32000 or 48000 where `speech` is `voice`"))
         if self.pre_roll + self.onset + 2 * BLOCK_S > self.longest:
             found.append(("longest", "must be longer than pre_roll and onset together"))
         return (
@@ -111,6 +123,7 @@ class MicrophoneSettings(Section):
             self.silent_after,
             self.pre_roll,
             self.longest,
+            self.rate if self.speech == "voice" else 0,
         )
 
     def samples(self, block: bytes) -> pcm_audio.Samples:

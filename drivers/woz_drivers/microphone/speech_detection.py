@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from woz_drivers.microphone.voice_detection import VoiceDetector
 from woz_drivers.pcm_audio import Samples, clipped, rms
 from woz_tui.sensing.speech_endpoint import Endpointer, SpeechEnd, SpeechStart
 
@@ -25,7 +26,8 @@ class SpeechCriteria:
     A block is loud if its RMS lies strictly above `threshold`. `onset` of loud blocks in a row
     begin speech, `hang_over` of quiet ones end it. Its segment begins `pre_roll` earlier and has
     at most the length `longest`. All zeros for `silent_after` mean that the microphone is off or
-    muted: a live one always has some noise.
+    muted: a live one always has some noise. With a `voice_rate`, in frames a second, loud blocks
+    count only where a voice is heard in them.
     """
 
     threshold: float
@@ -34,6 +36,7 @@ class SpeechCriteria:
     silent_after: float
     pre_roll: float = 0.5
     longest: float = 60.0
+    voice_rate: int = 0
 
 
 class SpeechDetector:
@@ -46,11 +49,14 @@ class SpeechDetector:
         self._ear = ear
         self._hang_over = _blocks(ear.hang_over)
         self._silent_after = _blocks(ear.silent_after)
+        self._voice = VoiceDetector(ear.voice_rate) if ear.voice_rate else None
         self.forget()
 
     def forget(self) -> None:
         """Begin afresh, for a new stream, with block 0; the threshold is unchanged."""
         ear = self._ear
+        if self._voice is not None:
+            self._voice.forget()
         self._ends = Endpointer(
             self.threshold,
             self._hang_over,
@@ -75,8 +81,10 @@ class SpeechDetector:
         self._zeros = 0 if samples.any() else self._zeros + 1
         self._since_clipping = 0 if clipped(samples) >= _CLIPS else self._since_clipping + 1
         self._ends.threshold = self.threshold
-        self.event = self._ends.judge(level)
-        self._quiet = 0 if level > self.threshold else self._quiet + 1
+        loud = level > self.threshold
+        speech = loud if self._voice is None else self._voice.hears(samples, loud) and loud
+        self.event = self._ends.judge(level if speech else min(level, self.threshold))
+        self._quiet = 0 if speech else self._quiet + 1
         if isinstance(self.event, SpeechStart):
             self._speaks = True
         elif self._quiet >= self._hang_over:

@@ -129,3 +129,15 @@ def test_every_robot_is_offered_and_can_be_taken(tmp_path: Path) -> None:
         assert robot in asked[0]
         assert made(tmp_path / f"{robot}.yaml", "--robot", robot) == 0
         assert [spec.type for spec in read(tmp_path / f"{robot}.yaml").drivers] == [robot]
+
+
+def test_the_file_of_a_robot_comes_along(tmp_path: Path) -> None:
+    assert made(tmp_path / "a.yaml", "--robot", "turtlebot") == 0
+    own = tmp_path / "robots" / "turtlebot.yaml"
+    assert read(tmp_path / "a.yaml").files[1] == own
+    own.write_text(own.read_text() + "# mine\n")
+    assert made(tmp_path / "b.yaml", "--robot", "turtlebot") == 0
+    assert own.read_text().endswith("# mine\n")
+    assert made(tmp_path / "c.yaml", "--robot", "eyepi") == 1  # its moves are in another folder
+    assert [*own.parent.iterdir()] == [own]
+    assert not (tmp_path / "c.yaml").exists()

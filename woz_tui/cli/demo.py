@@ -21,6 +21,10 @@ DEMOS: dict[str, tuple[str, str, str]] = {
 }
 
 
+#: What else a robot is called by.
+NAMES = {"ros": "turtlebot"}
+
+
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
@@ -46,7 +50,7 @@ def other_robots() -> list[str]:
 
 def run(arguments: Namespace) -> int:
     """Play a demo experiment that comes with woz-tui."""
-    wanted: str = arguments.robot
+    wanted: str = NAMES.get(arguments.robot, arguments.robot)
     other = other_robots()
     if wanted not in DEMOS and wanted not in other:
         near = hint(wanted, [*DEMOS, *other]) or f"; there are {', '.join([*DEMOS, *other])}"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import sys
 import tempfile
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +17,7 @@ import msgspec
 
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.config.bundled_files import ROBOTS, robot_files
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.keys import LAYOUTS
 from woz_tui.config.languages import DEFAULT, shipped
@@ -108,25 +110,24 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
     except EOFError:
         print("\nNothing was written.")
         return 1
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        robot = _robot(answers["robot"], catalogue)
-        abilities = _abilities(robot, path.parent, catalogue)
-        text = experiment_text(
-            TEMPLATES[arguments.template], {**answers, "robot": robot}, abilities
-        )
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        print(f"woz: {path} is there already; choose another name", file=sys.stderr)
-        return 1
-    except ExperimentError as error:
-        return _print_refusal(error, answers)
-    try:
-        experiment = load(path, catalogue)
-    except ExperimentError as error:
-        path.unlink()
-        return _print_refusal(error, answers)
+    with ExitStack() as undo:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            robot = _robot(answers["robot"], path.parent, catalogue, undo)
+            abilities = _abilities(robot, path.parent, catalogue)
+            text = experiment_text(
+                TEMPLATES[arguments.template], {**answers, "robot": robot}, abilities
+            )
+            with path.open("x", encoding="utf-8") as file:
+                undo.callback(path.unlink)
+                file.write(text)
+            experiment = load(path, catalogue)
+        except FileExistsError:
+            print(f"woz: {path} is there already; choose another name", file=sys.stderr)
+            return 1
+        except ExperimentError as error:
+            return _print_refusal(error, answers)
+        undo.pop_all()
     _print(path, experiment, abilities)
     return 0
 
@@ -279,10 +280,25 @@ training:                     # `woz train`: a visitor is simulated, you answer
 """
 
 
-def _robot(answer: str, catalogue: Mapping[str, type[Driver]]) -> str:
-    """The value of `robot:`, with a hint where the robot's address goes."""
-    if answer == SIMULATED or answer not in catalogue or not catalogue[answer].facts.robot:
-        return answer if answer == SIMULATED else json.dumps(answer)
+def _robot(
+    answer: str, folder: Path, catalogue: Mapping[str, type[Driver]], undo: ExitStack
+) -> str:
+    """The value of `robot:`, with a hint where the robot's address goes. The file of a robot that
+    comes with woz-tui is copied to the folder `robots` beside the experiment, if it is not there;
+    `undo` takes it away again.
+    """
+    if answer == SIMULATED:
+        return answer
+    if answer not in catalogue or not catalogue[answer].facts.robot:
+        file = robot_files(folder).get(answer)
+        if file is None:
+            return json.dumps(answer)
+        own = folder / ROBOTS / file.name
+        if not own.exists():
+            own.parent.mkdir(exist_ok=True)
+            undo.callback(own.unlink)
+            shutil.copy(file, own)
+        return json.dumps(f"{ROBOTS}/{file.name}")
     example = catalogue[answer].facts.example
     settings = f"type: {answer}{f', {example}' if example else ''}"
     comment = "\n# instead of simulated: your robot's address" if SIMULATED in example else ""

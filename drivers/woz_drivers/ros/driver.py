@@ -29,6 +29,7 @@ from woz_tui.drivers.contract import (
     Driver,
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Job,
     Probe,
@@ -57,6 +58,15 @@ class Ros(Driver):
 
     Settings = RosSettings
     summary = "whatever speaks ROS 1 or ROS 2, by rosbridge, or a simulated one"
+    facts = DriverFacts(
+        robot=True,
+        needs="a rosbridge server on the robot, and a robot file that says what it sends",
+        simulated="address: simulated",
+        stop="the odometry stands still, actions say that they have ended",
+        page="docs/how-to/ros.md",
+        example="address: simulated, verbs: {say: {publish: /tts, type: std_msgs/String,"
+        ' message: {data: "{text}"}}}',
+    )
     settings: RosSettings
 
     def __init__(self, name: str, settings: RosSettings, context: DriverContext) -> None:

@@ -163,11 +163,11 @@ async def measure(robot: TestedRobot, fault: str, away_s: float, figures: Figure
         process.kill()
 
 
-def row(robot: str, fault: str, figures: Figures) -> list[str]:
+def row(robot: TestedRobot, fault: str, figures: Figures) -> list[str]:
     """One line of the table."""
     known, back = Spread.of(figures.known), Spread.of(figures.back)
     return [
-        f"{robot}: {fault}",
+        f"{robot.name}: {fault}",
         str(known.count),
         f"{known.p50 * 1000:.0f}",
         f"{known.worst * 1000:.0f}",
@@ -175,7 +175,7 @@ def row(robot: str, fault: str, figures: Figures) -> list[str]:
         f"{back.p50 * 1000:.0f}",
         f"{back.worst * 1000:.0f}",
         f"{figures.failed} of {figures.calls}",
-        str(figures.late),
+        str(figures.late) if robot.unique else "-",
     ]
 
 
@@ -185,7 +185,7 @@ async def measured(robot: TestedRobot, faults: int, away_s: float) -> list[list[
     for number in range(faults):
         fault = FAULTS[number % len(FAULTS)]
         await measure(robot, fault, away_s, figures[fault])
-    return [row(robot.name, fault, found) for fault, found in figures.items() if found.known]
+    return [row(robot, fault, found) for fault, found in figures.items() if found.known]
 
 
 def main() -> int:

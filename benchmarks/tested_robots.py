@@ -36,7 +36,8 @@ class TestedRobot:
         verb: What is called; `args` gives its arguments for a number.
         number: The number of a call that the robot has taken; None: it is another one.
         client: A bare client that makes the same call.
-        long: A command that goes on for minutes.
+        long: A command that goes on for a minute or more.
+        unique: Whether no number comes again, so that a late call is known.
     """
 
     name: str
@@ -47,6 +48,7 @@ class TestedRobot:
     number: Callable[[list[Any]], int | None]
     client: Callable[[str], AbstractAsyncContextManager[Send]]
     long: tuple[str, Mapping[str, Any]] = ("say", {"text": "word " * 2000})
+    unique: bool = True
 
 
 class SimulatorProcess:
@@ -174,8 +176,79 @@ def furhat() -> TestedRobot:
     )
 
 
+def reachy_mini() -> TestedRobot:
+    """Its volume, in per cent: its numbers come again."""
+
+    def number(call: list[Any]) -> int | None:
+        name, percent = call
+        return percent if name == "set_volume" else None
+
+    return TestedRobot(
+        "reachy-mini",
+        (str(TIMED), "robot_simulators.reachy_mini:ReachyMiniSimulator"),
+        lambda address: {"address": address},
+        "volume",
+        lambda number: {"level": number % 100 / 100},
+        number,
+        over_web_socket("/ws/sdk", lambda number: {"type": "set_volume", "volume": number}),
+        long=("pose", {"joints": {"pan": 30.0}, "seconds": 60.0}),
+        unique=False,
+    )
+
+
+def ros() -> TestedRobot:
+    """The turning of its base."""
+    topic, kind = "/cmd_vel", "geometry_msgs/Twist"
+    verbs = {
+        "turning": {
+            "publish": topic,
+            "type": kind,
+            "message": {"angular": {"z": "{speed}"}},
+            "arguments": {"speed": {"kind": "number"}},
+        },
+        "say": {
+            "publish": "/tts",
+            "type": "std_msgs/String",
+            "message": {"data": "{text}"},
+            "ends": {"subscribe": "/tts/speaking", "begun": True, "ended": False},
+            "within": 600,
+        },
+    }
+
+    def number(call: list[Any]) -> int | None:
+        name, message = call
+        if name != "publish" or message["topic"] != topic:
+            return None
+        return round(message["msg"]["angular"]["z"] * 1_000_000)
+
+    def published(number: int) -> dict[str, Any]:
+        speed = {"angular": {"z": number / 1_000_000}}
+        return {"op": "publish", "topic": topic, "msg": speed}
+
+    @contextlib.asynccontextmanager
+    async def client(address: str) -> AsyncIterator[Send]:
+        async with (
+            aiohttp.ClientSession() as session,
+            session.ws_connect(f"ws://{address}/") as opened,
+        ):
+            await opened.send_json({"op": "advertise", "topic": topic, "type": kind})
+            yield lambda number: opened.send_json(published(number))
+
+    return TestedRobot(
+        "ros",
+        (str(TIMED), "robot_simulators.rosbridge:RosbridgeSimulator"),
+        lambda address: {"address": address, "verbs": verbs},
+        "turning",
+        lambda number: {"speed": number / 1_000_000},
+        number,
+        client,
+    )
+
+
 QUIET = {"rate": 1, "sonar": False, "people": False, "loudness": False, "touch": False}
 ROBOTS = (
     naoqi("pepper", settings={"senses": QUIET}),
+    reachy_mini(),
     furhat(),
+    ros(),
 )

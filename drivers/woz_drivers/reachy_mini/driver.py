@@ -191,14 +191,6 @@ class ReachyMini(Driver):
     summary = "Pollen Robotics' Reachy Mini by its daemon, or a simulated one"
     facts = DriverFacts(
         robot=True,
-        needs="the address of its daemon; a synthesiser here, such as espeak-ng, for its voice",
-        simulated="address: simulated, with a visitor",
-        stop="its pose stands still, and its moves have ended",
-        page="docs/how-to/reachy-mini.md",
-        example="address: simulated",
-    )
-    facts = DriverFacts(
-        robot=True,
         needs="the address of its daemon; espeak-ng, or another voice",
         simulated="address: simulated, with a visitor",
         stop="its daemon runs no move, its pose stands still, its sound has ended",

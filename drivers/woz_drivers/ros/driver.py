@@ -362,7 +362,7 @@ class Act:
                 result = await self._robot.pursue(declared.action, kind, message, declared.within)
                 _check_success(declared.action, result, declared.success)
                 sent["result"] = result
-            await self._until_end(job, args)
+            await self._robot.unless_lost(self._until_end(job, args))
         except asyncio.CancelledError:
             # Stopped, replaced or timed out; a stop is sent beside this, and twice does no harm.
             self._robot.later(self.end())

@@ -13,7 +13,7 @@ import asyncio
 import contextlib
 import logging
 import uuid
-from collections.abc import Awaitable, Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -100,6 +100,8 @@ class Rosbridge:
         self._handlers: dict[str, list[Handler]] = {}
         self._subscribed: dict[str, tuple[str, float]] = {}
         self._waiting: dict[str, asyncio.Future[Mapping[str, Any]]] = {}
+        #: Those that wait for something which nobody says any more when the robot is lost.
+        self._watching: set[asyncio.Future[None]] = set()
         self.goals: dict[str, SentGoal] = {}
         self._session: aiohttp.ClientSession | None = None
         self._spare: aiohttp.ClientWebSocketResponse[bool] | None = None
@@ -168,6 +170,19 @@ class Rosbridge:
         if not self.line.ready:
             raise DeviceLostError(self._why.what, self._why.remedy)
 
+    async def unless_lost(self, work: Coroutine[Any, Any, None]) -> None:
+        """Wait for `work`. Raises `DeviceLostError` when the robot goes meanwhile."""
+        working = asyncio.ensure_future(work)
+        lost: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._watching.add(lost)
+        try:
+            self.need()
+            await asyncio.wait({working, lost}, return_when=asyncio.FIRST_COMPLETED)
+            await (working if working.done() else lost)
+        finally:
+            self._watching.discard(lost)
+            working.cancel()
+
     async def _find(self) -> WebPlace:
         address = await self.place()
         secure, _, rest = address.partition("://")
@@ -212,7 +227,7 @@ class Rosbridge:
 
     def _forget(self, why: DeviceLostError) -> None:
         """Nothing that is under way will be answered any more."""
-        futures: list[asyncio.Future[Any]] = [*self._waiting.values()]
+        futures: list[asyncio.Future[Any]] = [*self._waiting.values(), *self._watching]
         futures += [goal.ended for goal in self.goals.values()]
         for future in futures:
             if not future.done():

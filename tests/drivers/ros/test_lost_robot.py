@@ -1,0 +1,28 @@
+"""A robot that goes while a command waits for its end."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from tests.drivers.ros.robots import played
+from woz_tui.drivers.contract import DeviceLostError
+from woz_tui.testing import until
+
+
+@pytest.mark.parametrize(
+    ("verb", "args"),
+    [("say", {"text": "word " * 400}), ("emotion", {"emotion": "happy " * 4000})],
+    ids=["until a topic says so", "for a time"],
+)
+async def test_what_waits_for_its_end_ends_when_the_robot_is_lost(
+    verb: str, args: dict[str, str]
+) -> None:
+    async with played(pace=1.0) as it:
+        going = it.begin(verb, **args)
+        await until(lambda: bool(it.sent("/tts" if verb == "say" else "/face")))
+        it.robot.drop()
+        with pytest.raises(DeviceLostError):
+            async with asyncio.timeout(20):
+                await going

@@ -109,7 +109,7 @@ def simulated(robot: TestedRobot) -> Iterator[SimulatorProcess]:
 # -- one robot after the other ---------------------------------------------------------------------
 
 
-def naoqi(name: str, *options: str, settings: Mapping[str, Any]) -> TestedRobot:
+def naoqi(name: str, settings: Callable[[str], dict[str, Any]], *options: str) -> TestedRobot:
     """A robot with NAOqi: its volume."""
 
     @contextlib.asynccontextmanager
@@ -132,7 +132,7 @@ def naoqi(name: str, *options: str, settings: Mapping[str, Any]) -> TestedRobot:
     return TestedRobot(
         name,
         ("-m", "naoqi_simulator", "--control", *options),
-        lambda address: {"robots": [address], **settings},
+        settings,
         "volume",
         lambda number: {"level": number / 1_000_000},
         number,
@@ -247,7 +247,8 @@ def ros() -> TestedRobot:
 
 QUIET = {"rate": 1, "sonar": False, "people": False, "loudness": False, "touch": False}
 ROBOTS = (
-    naoqi("pepper", settings={"senses": QUIET}),
+    naoqi("pepper", lambda address: {"robots": [address], "senses": QUIET}),
+    naoqi("nao", lambda address: {"address": address}, "--robot", "nao"),
     reachy_mini(),
     furhat(),
     ros(),

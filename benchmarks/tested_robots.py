@@ -127,7 +127,7 @@ def naoqi(name: str, settings: Callable[[str], dict[str, Any]], *options: str) -
         service, method, args = call
         if (service, method) != ("ALTextToSpeech", "setVolume"):
             return None
-        return round(json.loads(args)[0] * 1_000_000)
+        return round(float(json.loads(args)[0]) * 1_000_000)
 
     return TestedRobot(
         name,
@@ -181,7 +181,7 @@ def reachy_mini() -> TestedRobot:
 
     def number(call: list[Any]) -> int | None:
         name, percent = call
-        return percent if name == "set_volume" else None
+        return int(percent) if name == "set_volume" else None
 
     return TestedRobot(
         "reachy-mini",
@@ -219,7 +219,7 @@ def ros() -> TestedRobot:
         name, message = call
         if name != "publish" or message["topic"] != topic:
             return None
-        return round(message["msg"]["angular"]["z"] * 1_000_000)
+        return round(float(message["msg"]["angular"]["z"]) * 1_000_000)
 
     def published(number: int) -> dict[str, Any]:
         speed = {"angular": {"z": number / 1_000_000}}

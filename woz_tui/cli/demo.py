@@ -18,6 +18,7 @@ DEMOS: dict[str, tuple[str, str, str]] = {
     "guide": ("guide.yaml", "alone", "G01"),
     "pepper": ("pepper.yaml", "lively", "P01"),
     "study": ("study.yaml", "", ""),
+    "all": ("all-robots.yaml", "", "G1"),
 }
 
 
@@ -35,6 +36,7 @@ def add(parser: ArgumentParser) -> None:
         " hand; show: two such bodies; guide: with engagement model, runs without a wizard;"
         " pepper: a simulated Pepper behind a real connection;"
         " study: a complete study, with a wizard who is blind to the conditions;"
+        " all: five robots and one wizard;"
         f" the museum guide on another robot: {', '.join(other_robots())}",
     )
     add_session(parser)

@@ -13,7 +13,7 @@ from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.background import Background
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
-from woz_drivers.naoqi_robot.senses import MemoryQuery
+from woz_drivers.naoqi_robot.senses import CALM_US, MemoryQuery
 from woz_tui.drivers.contract import DeviceLostError, DriverContext
 
 #: From one question to the next, in seconds: a fall and a touch are known after so long.
@@ -57,7 +57,8 @@ class BodySensesPart(NaoqiPart):
         self._query = MemoryQuery(robot)
         self._falls = FallWatch(robot, context)
         self._motors = MotorWatch(context)
-        self._felt: dict[str, float | None] = {}
+        #: By sensor: what was told last, and when.
+        self._felt: dict[str, tuple[float | None, int]] = {}
         self._polling = Background("reading what the robot feels", context)
 
     @classmethod
@@ -115,13 +116,15 @@ class BodySensesPart(NaoqiPart):
             self._motors.take(values)
 
     def _feel(self, sensor: str, raws: list[Any]) -> None:
-        """1 while any of them is touched; told when it changes."""
+        """1 while any of them is touched; told when it changes, else now and then."""
         touched = [memory.flag(raw) for raw in raws]
         known = [flag for flag in touched if flag is not None]
         value = float(any(known)) if known else None
-        if sensor in self._felt and self._felt[sensor] == value:
+        now_us = self._context.clock.now_us()
+        before, told_us = self._felt.get(sensor, (None, -CALM_US))
+        if value == before and now_us - told_us < CALM_US:
             return
-        self._felt[sensor] = value
+        self._felt[sensor] = value, now_us
         if value is None:
             self._context.sensor(sensor, "stale", "the robot does not say whether it is touched")
         else:

@@ -14,6 +14,7 @@ from typing import Any
 
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.parts import RobotCalls
+from woz_drivers.naoqi_robot.senses import CALM_US
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
 
 FALLING, FALLEN = "ALMotion/RobotIsFalling", "robotHasFallen"
@@ -23,8 +24,6 @@ UPRIGHT = ("Standing", "Crouching", "Sitting", "SittingOnChair", "Kneeling")
 #: It is up when its posture has been one of these for so long: in the moment of a fall the robot
 #: may still call it Standing.
 UPRIGHT_US = 1_000_000
-#: A reading that stays the same is told this often.
-_CALM_US = 1_000_000
 SENSOR = "fallen"
 REMEDY = "clear its way, then `posture: Stand` gets it up; or lift it"
 
@@ -135,7 +134,7 @@ class FallWatch:
             else:
                 self._robot.unwell("")
                 self._context.notice("info", "NAO is up again")
-        elif self._told_us is not None and now_us - self._told_us < _CALM_US:
+        elif self._told_us is not None and now_us - self._told_us < CALM_US:
             return
         self._told_us = now_us
         self._context.reading(SENSOR, float(fallen))

@@ -58,10 +58,20 @@ class NaoEyesPart(EyesPart):
         if job.verb != "emotion":
             return await super().perform(job)
         await self._clean_up.settled()
-        emotion = word(job.args, "emotion", tuple(EMOTIONS))
-        intensity = min(max(number(job.args, "intensity", 1.0), 0.0), 1.0)
-        await self.show(blended(EMOTIONS[emotion], intensity), EMOTION_S)
+        emotion, intensity, color = _feeling(job.args)
+        await self.show(color, EMOTION_S)
         return {"emotion": emotion, "intensity": intensity}
+
+    def implied(self, job: Job) -> Mapping[str, Json]:
+        """The eyes are to have the colour of the feeling."""
+        return {"eyes": _feeling(job.args)[2].text} if job.verb == "emotion" else {}
+
+
+def _feeling(args: Mapping[str, Json]) -> tuple[str, float, EyeColor]:
+    """Its name, its intensity, its colour. Raises `RejectedError`."""
+    emotion = word(args, "emotion", tuple(EMOTIONS))
+    intensity = min(max(number(args, "intensity", 1.0), 0.0), 1.0)
+    return emotion, intensity, blended(EMOTIONS[emotion], intensity)
 
 
 def blended(color: str, share: float) -> EyeColor:

@@ -167,9 +167,9 @@ class NaoqiRobot(Driver):
             raise
         except DriverError:
             # Perhaps it was done in part: what is missing shows as wanted.
-            self._reading.noticed(job)
+            self._reading.noticed(job, part.implied(job))
             raise
-        self._reading.noticed(job)
+        self._reading.noticed(job, part.implied(job))
         return sent
 
     async def stop(self, scope: Scope) -> StopReport | None:

@@ -128,6 +128,10 @@ class NaoqiPart:
         """
         raise RejectedError(f"{self.name} cannot {job.verb}")
 
+    def implied(self, job: Job) -> Mapping[str, Json]:
+        """Settings that the wizard wants since this verb, by name, besides those that it names."""
+        return {}
+
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Stand still; return what confirmed, in words (`speech`, `motion` ...). Raises if nothing
         did. Nothing to stop: return at once with nothing.

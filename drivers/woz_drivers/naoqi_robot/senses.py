@@ -349,7 +349,7 @@ class SensesPart(NaoqiPart):
 # -- from values to readings -----------------------------------------------------------------------
 
 #: What stays the same for hours is told this often: seldom, but not so that it looks stale.
-_CALM_US = 1_000_000
+CALM_US = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -367,12 +367,12 @@ class RoundReport:
         self._last_stamp: tuple[float, float] | None = None
         self._begun = False
         self._charge: float | None = None
-        self._charged_us = context.clock.now_us() - _CALM_US
+        self._charged_us = context.clock.now_us() - CALM_US
 
     def forget(self) -> None:
         """It may be another robot, with another clock."""
         self._last_stamp, self._begun = None, False
-        self._charged_us = self._context.clock.now_us() - _CALM_US
+        self._charged_us = self._context.clock.now_us() - CALM_US
 
     def plain(self, sensor: str, value: float | None, raw: Any, unit: str = "") -> None:
         """One number, as it was decoded from `said`."""
@@ -392,7 +392,7 @@ class RoundReport:
         charge = memory.battery(raw)
         share = None if charge is None else round(charge, 2)
         now_us = self._context.clock.now_us()
-        if share != self._charge or now_us - self._charged_us >= _CALM_US:
+        if share != self._charge or now_us - self._charged_us >= CALM_US:
             self._charge, self._charged_us = share, now_us
             self.plain("battery", share, raw)
 

@@ -70,9 +70,9 @@ class SettingsReader:
         """While a verb is performed: it counts for what may be in conflict, and a while longer."""
         return self._uses.of(verb)
 
-    def noticed(self, job: Job) -> None:
-        """A verb was performed: what it set is wanted, and looked at soon."""
-        self._desired.note(job.verb, job.args)
+    def noticed(self, job: Job, implied: Mapping[str, Json] | None = None) -> None:
+        """A verb was performed: what it set or `implied` is wanted, and looked at soon."""
+        self._desired.note(job.verb, job.args, implied)
         self._soon.set()
 
     async def close(self) -> None:
@@ -175,8 +175,11 @@ class DesiredSettings:
         """Every wanted value, by the name of its setting."""
         return self._by_setting
 
-    def note(self, verb: str, args: Mapping[str, Json]) -> None:
-        """A command was carried out: what it set is wanted from now on."""
+    def note(
+        self, verb: str, args: Mapping[str, Json], implied: Mapping[str, Json] | None = None
+    ) -> None:
+        """A command was carried out: what it set or `implied` is wanted from now on."""
+        self._by_setting |= implied or {}
         for argument, value in args.items():
             line = self._by_argument.get((verb, argument))
             if line is not None and value is not None:

@@ -138,7 +138,8 @@ async def test_feelings_are_colours_of_the_eyes(it: Played) -> None:
     assert await it.robot.get("eyes") == pytest.approx([1, 0, 0], abs=0.01)
     await it.do("emotion", emotion="angry", intensity=0.5)
     assert await it.robot.get("eyes") == pytest.approx([1, 0.5, 0.5], abs=0.01)
-    await it.shows(eyes="#ff8080")
+    shown = await it.shows(eyes="#ff8080")
+    assert "eyes" not in shown.wanted
 
 
 @pytest.mark.parametrize(

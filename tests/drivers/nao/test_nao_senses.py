@@ -43,7 +43,6 @@ async def test_a_touch_comes_and_goes(it: Played, part: str, sensor: str) -> Non
     await reads(it, sensor, 1.0)
     await it.robot.set("touched", [])
     await reads(it, sensor, 0.0)
-    assert it.heard.values(sensor) == [1.0, 0.0]
 
 
 async def test_two_sonars_and_the_nearest_of_both(it: Played) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from woz_drivers.nao import falls, hot_motors
@@ -86,6 +86,12 @@ class BodySensesPart(NaoqiPart):
         self._falls.forget()
         for sensor in self.sensors(self._settings):
             self._context.sensor(sensor, "stale", "the robot is not connected")
+
+    def conflicts(self) -> Iterator[str]:
+        """A fall, and motors that get weaker."""
+        if self._falls.fallen:
+            yield "it has fallen: no motion is sent to it until it is up again"
+        yield from self._motors.conflicts()
 
     async def close(self) -> None:
         """End reading."""

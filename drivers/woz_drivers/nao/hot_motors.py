@@ -6,7 +6,7 @@ temperature (family/nao_technical/dcm of NAOqi 2.8). Standing and crouching heat
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from woz_drivers.nao.nao_joints import LEGS, UPPER
@@ -44,6 +44,12 @@ class MotorWatch:
     def forget(self) -> None:
         """It may be another robot."""
         self._status, self._charge = {}, 1.0
+
+    def conflicts(self) -> Iterator[str]:
+        """One sentence while motors are hot."""
+        hot = [joint for joint, status in self._status.items() if status]
+        if hot:
+            yield f"motors are hot: {', '.join(hot)} get weaker; {REMEDY}"
 
     def take(self, values: Mapping[str, Any]) -> None:
         """What ALMemory says now."""

@@ -148,6 +148,10 @@ class NaoqiPart:
         """Settings as the robot has them now, by name; called once a second or more."""
         return {}
 
+    def conflicts(self) -> Iterable[str]:
+        """What keeps the robot from obeying, the gravest first: a short clause, a colon, why."""
+        return ()
+
     async def rest(self) -> None:
         """Take the pose in which the robot may be left alone."""
 

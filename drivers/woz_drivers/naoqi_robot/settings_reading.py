@@ -86,7 +86,8 @@ class SettingsReader:
         while self._loop is asyncio.current_task():
             self._soon.clear()
             values = await self._values()
-            against = conflicts(values, self._uses.now(), self._desired.by_name)
+            against = [sentence for part in self._parts for sentence in part.conflicts()]
+            against += conflicts(values, self._uses.now(), self._desired.by_name)
             self._show(values, self._desired.differing(values), against)
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(EVERY_S):

@@ -49,6 +49,7 @@ async def test_a_fall_is_told_with_a_remedy_and_so_is_the_rising(it: Played) -> 
     assert "fallen" in faulted.detail
     assert "posture: Stand" in faulted.remedy
     assert it.heard.values("fallen")[-1] == 1.0
+    await it.tells(lambda shown: "fallen" in "".join(shown.conflicts[:1]))
     told = [one for one in it.heard.all(Notice) if one.level == "error"]
     assert len(told) == 1
     assert "posture: Stand" in told[0].remedy

@@ -132,5 +132,6 @@ async def test_a_motor_of_the_robot_grows_hot(it: Played) -> None:
     await it.robot.set("temperatures", {"RShoulderPitch": 81})
     await reads(it, "temperature", 81.0)
     assert "RShoulderPitch is very hot" in it.notices[-1]
+    await it.tells(lambda shown: "RShoulderPitch" in " ".join(shown.conflicts))
     await it.robot.set("temperatures", {"RShoulderPitch": 40})
     await reads(it, "temperature", 40.0)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -248,6 +249,19 @@ def test_the_status_line_says_who_what_and_how_it_is() -> None:
         assert part in shown
     assert "connection 23 ms" in shown
     assert "● head" in shown
+
+
+def test_of_many_robots_each_is_named_and_who_is_lost_stands_first() -> None:
+    names = ("pepper.pepper", "nao.nao", "reachy.reachy", "furhat.furhat", "ros.turtlebot")
+    health = [m.DriverConnected(driver=name, t=NOW - 9) for name in names]
+    state = ConsoleState()
+    state.apply([msgspec.structs.replace(scenes.welcome(health), drivers=[*names])], 0)
+    row = status(state).splitlines()[1]
+    for robot in ("pepper", "nao", "reachy", "furhat", "ros"):
+        assert f"● {robot} " in row
+    state.apply([m.DriverLost(driver="ros.turtlebot", detail="gone", t=NOW)], 0)
+    assert "ros lost" in status(state, 60).splitlines()[1]
+    assert "reachy.reachy" in status(state, 120).splitlines()[1]
 
 
 def test_a_narrow_status_line_leaves_whole_parts_out() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rich.cells import cell_len
@@ -12,6 +14,7 @@ from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed, millis
 from woz_tui.console.replay.replay_state import wall_time
 from woz_tui.console.robot_settings.settings_status import driver_trouble
+from woz_tui.console.view_models import DriverView
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
@@ -48,7 +51,7 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     failures = (*_seers(state), *_failures(state, glyphs, line.failures))
     room = width - length(vitals)
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
-    drivers = _drivers(state, glyphs)
+    drivers = _drivers(state, glyphs, width - length(failures))
     phase = _phase(state, frame, line.phase, width - length(drivers) - length(failures))
     return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
 
@@ -196,11 +199,34 @@ _HEALTH = {
 }
 
 
-def _drivers(state: ConsoleState, glyphs: Glyphs) -> Row:
+def _drivers(state: ConsoleState, glyphs: Glyphs, room: int) -> Row:
+    """Every driver's health. Where they do not fit, a robot of one driver has the robot's name; if
+    that is not enough, whoever is not well stands first.
+    """
+    drivers = [*state.drivers.values()]
+    row = _told(state, glyphs, [(driver, driver.name) for driver in drivers])
+    if length(row) > room:
+        robots = Counter(driver.name.partition(".")[0] for driver in drivers)
+        short = [
+            (driver, robot if robots[robot] == 1 else driver.name)
+            for driver in drivers
+            for robot in (driver.name.partition(".")[0],)
+        ]
+        row = _told(state, glyphs, short)
+        if length(row) > room:
+            row = _told(state, glyphs, sorted(short, key=lambda each: _is_well(state, each[0])))
+    return row
+
+
+def _is_well(state: ConsoleState, driver: DriverView) -> bool:
+    return driver.health == "connected" and not driver_trouble(state, driver.name)
+
+
+def _told(state: ConsoleState, glyphs: Glyphs, named: Iterable[tuple[DriverView, str]]) -> Row:
     row: list[Piece] = [(" ", "plain")]
-    for driver in state.drivers.values():
+    for driver, name in named:
         sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
-        row.append((f"{getattr(glyphs, sign)} {clean(driver.name)}{word}", look))
+        row.append((f"{getattr(glyphs, sign)} {clean(name)}{word}", look))
         changed = state.session.modes.get(driver.name)
         if changed is not None and changed.now not in ("", "normal"):
             row.append((f" {changed.now}", "wait"))

@@ -41,7 +41,7 @@ screenshots: $(DEV)  ## draw the pictures of the documentation again
 	@$(BIN)/python -m tools.screenshots
 	@$(BIN)/python -m tools.film
 	@$(BIN)/python -m tools.report_picture
-	@$(BIN)/python -m tools.pepper_pictures
+	@$(BIN)/python -m tools.robot_pictures
 
 bench: $(DEV)  ## measure what benchmarks/ measures
 	@for file in benchmarks/[a-z]*.py; do \

@@ -31,6 +31,21 @@ TABLES: dict[str, tuple[str, ...]] = {
     "pepper_latency.py": ("idle: woz", "polling: woz"),
     "log_reading.py": ("LogIndex.open", "random seeks (ms)", "messages, without samples"),
     "finding.py": ("letter", "phase", "finder", "words"),
+    "robot_latency.py": (
+        "pepper: bare client",
+        "nao: key to call",
+        "reachy-mini: key",
+        "furhat",
+        "ros",
+    ),
+    "robot_faults.py": (
+        "pepper: killed",
+        "nao: frozen",
+        "reachy-mini: cut",
+        "furhat: cut",
+        "ros: cut",
+    ),
+    "five_robots.py": ("robot process", "simulated nao", "simulated furhat", "console"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }
 
@@ -40,7 +55,10 @@ if libqi.HERE:
 
 
 #: Longer than all others together: `make test ARGS="-m benchmarks"` runs them, quickly, too.
-LONG = {"key_latency.py", "screen_bytes.py", "start_up.py", "stop_latency.py"}
+LONG = {
+    *("key_latency.py", "screen_bytes.py", "start_up.py", "stop_latency.py"),
+    *("robot_latency.py", "robot_faults.py", "five_robots.py"),
+}
 
 
 @pytest.mark.parametrize(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 from woz_drivers.nao.driver import Nao
 from woz_drivers.nao.settings import NaoSettings
 
-from tests.drivers.pepper.played import Played
+from tests.drivers.pepper.played import Played, played
 from woz_tui.drivers.contract import DriverError, Scope
 from woz_tui.protocol.robot_outline import RobotOutline
 
@@ -48,6 +49,23 @@ async def test_a_stop_ends_the_walk_on_its_feet(it: Played, scope: Scope) -> Non
     assert await it.calls("ALMotion.killAll", "ALMotion.killMove") == []
     await it.cancel(walk) if not walk.done() else None
     await it.driver.resume()
+
+
+async def test_a_step_that_outlasts_the_stop_is_told_when_it_has_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", 0.05)
+    async with played(tmp_path, kind="nao", pace=0.5) as it:  # a step of 0.6 s
+        it.begin("drive", x=5.0)
+        await it.robot.called("ALMotion.moveTo")
+        await it.robot.until(lambda: moves(it))
+        assert "walking" in (await it.stop()).missing
+        await it.heard.until(lambda: any("walking" in text for text in it.notices))
+        assert await stands(it)
+
+
+async def moves(it: Played) -> bool:
+    return any(await it.robot.get("velocity"))
 
 
 async def test_a_cancelled_walk_ends_on_its_feet(it: Played) -> None:

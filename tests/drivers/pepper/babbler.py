@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from woz_drivers.pepper.pepper_model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard
+from tests.drivers.pepper.played import settings_for
 from woz_tui.protocol.messages import DriverConnected
 
 SETTINGS = PepperSettings(robots=())
@@ -22,6 +23,7 @@ _ASKED = {
     "ALMotion": (
         *(("stopMove", "()"), ("killAll", "()"), ("getRobotVelocity", "()")),
         *(("getStiffnesses", "([s])"), ("getAngles", "([s]b)"), ("robotIsWakeUp", "()")),
+        *(("moveIsActive", "()"), ("killTasksUsingResources", "([s])")),
         *(("moveTo", "(fff)"), ("setAngles", "([s][f]f)"), ("getBreathEnabled", "(s)")),
         *(("getTangentialSecurityDistance", "()"), ("getOrthogonalSecurityDistance", "()")),
     ),
@@ -33,7 +35,8 @@ _ASKED = {
     "ALLeds": (("getIntensity", "(s)"),),
     "ALAutonomousLife": (("getState", "()"),),
     "ALBasicAwareness": (("isEnabled", "()"), ("getEngagementMode", "()")),
-    "ALRobotPosture": (("getPosture", "()"),),
+    "ALRobotPosture": (("getPosture", "()"), ("getPostureFamily", "()"), ("stopMove", "()")),
+    "ALMemory": (("getData", "(s)"), ("getListData", "([s])"), ("insertData", "(sm)")),
     "ALBehaviorManager": (("stopBehavior", "(s)"), ("isBehaviorRunning", "(s)")),
     "ALAnimationPlayer": (("run", "(s)"),),
 }
@@ -51,7 +54,7 @@ class Babbler:
 
 
 @asynccontextmanager
-async def babbler(folder: Path, **settings: Any) -> AsyncIterator[Babbler]:
+async def babbler(folder: Path, kind: str = "pepper") -> AsyncIterator[Babbler]:
     """Such a robot, and a connection to it."""
     says: dict[str, Any] = {}
     called: dict[str, list[tuple[Any, ...]]] = {}
@@ -75,7 +78,7 @@ async def babbler(folder: Path, **settings: Any) -> AsyncIterator[Babbler]:
         server.add(service, methods=[method(f"{service}.{one}", takes) for one, takes in asked])
     end = await server.listen("127.0.0.1")
     heard = Heard(folder)
-    given = replace(SETTINGS, robots=(f"127.0.0.1:{end.port}",), **settings)
+    given = settings_for(kind, f"127.0.0.1:{end.port}")
     connection = RobotConnection(given, heard.context, on_connected=connected, on_lost=lambda: None)
     connection.start()
     try:

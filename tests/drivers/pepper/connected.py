@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from woz_drivers.nao.settings import NaoSettings
 from woz_drivers.naoqi_robot import robot_connection, robot_line
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
@@ -111,8 +113,10 @@ class Stand:
 
 
 @asynccontextmanager
-async def stand(folder: Path, *robots: str, **settings: Any) -> AsyncIterator[Stand]:
-    """A connection that has been started."""
+async def stand(
+    folder: Path, *robots: str, kind: str = "pepper", **settings: Any
+) -> AsyncIterator[Stand]:
+    """A connection that has been started, to a robot of this kind."""
     heard = Heard(folder)
 
     async def came() -> None:
@@ -121,7 +125,9 @@ async def stand(folder: Path, *robots: str, **settings: Any) -> AsyncIterator[St
     def went() -> None:
         made.went += 1
 
-    given = replace(SETTINGS, robots=robots, **settings)
+    given: NaoqiSettings = NaoSettings(address=next(iter(robots), ""), **settings)
+    if kind == "pepper":
+        given = replace(SETTINGS, robots=robots, **settings)
     made = Stand(RobotConnection(given, heard.context, on_connected=came, on_lost=went), heard)
     made.connection.start()
     try:

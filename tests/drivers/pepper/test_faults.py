@@ -25,6 +25,13 @@ MARK = ("ALMemory", "insertData", "Test/Mark")
 
 LAST = 1000
 SILENCE = {"ALTextToSpeech.stopAll", "ALMotion.stopMove", "ALMotion.killAll"}
+#: A NAO whose walk is killed falls: it is stopped, and what moves the rest is ended.
+NAO_SILENCE = {"ALTextToSpeech.stopAll", "ALMotion.stopMove", "ALMotion.killTasksUsingResources"}
+KINDS = pytest.mark.parametrize(
+    ("kind", "name", "silence"),
+    [("pepper", "Pepper", SILENCE), ("nao", "NAO", NAO_SILENCE | {"ALRobotPosture.stopMove"})],
+    ids=["pepper", "nao"],
+)
 #: What ends something and is sent to a robot that is silent.
 ENDS = (
     *("ALMotion.killAll", "ALMotion.killMove", "ALTextToSpeech.stopAll", "ALAudioPlayer.stopAll"),
@@ -56,8 +63,15 @@ async def marked_until(it: Stand, ended: asyncio.Task[Outcome]) -> list[asyncio.
     return sent
 
 
-async def test_a_killed_robot_is_told_of_and_found_again(tmp_path: Path) -> None:
-    async with stand_in() as robot, stand(tmp_path, robot.address) as it:
+@KINDS
+async def test_a_killed_robot_is_told_of_and_found_again(
+    tmp_path: Path, kind: str, name: str, silence: set[str]
+) -> None:
+    options = ("--robot", kind)
+    async with (
+        stand_in(options=options) as robot,
+        stand(tmp_path, robot.address, kind=kind) as it,
+    ):
         await it.is_so(Health.CONNECTED)
         port = robot.port
         saying = await said(robot, it)
@@ -65,16 +79,22 @@ async def test_a_killed_robot_is_told_of_and_found_again(tmp_path: Path) -> None
         assert is_lost(await saying)
         await it.is_so(Health.LOST)
         await it.until(lambda: it.went == 1)
-        async with stand_in(port=port) as again:
+        async with stand_in(port=port, options=options) as again:
             await it.is_so(Health.CONNECTED)
-            assert await it.connection.call("ALSystem", "robotName") == "Pepper"
+            assert await it.connection.call("ALSystem", "robotName") == name
             names = [call.name for call in await again.trace()]
-            assert names.index("ALTextToSpeech.stopAll") < names.index("ALSystem.robotName")
+            assert silence <= set(names[: names.index("ALSystem.robotName")])
             assert it.came == 2
 
 
-async def test_a_frozen_robot_wakes_and_is_silenced_first(tmp_path: Path) -> None:
-    async with stand_in() as robot, stand(tmp_path, robot.address) as it:
+@KINDS
+async def test_a_frozen_robot_wakes_and_is_silenced_first(
+    tmp_path: Path, kind: str, name: str, silence: set[str]
+) -> None:
+    async with (
+        stand_in(options=("--robot", kind)) as robot,
+        stand(tmp_path, robot.address, kind=kind) as it,
+    ):
         await it.is_so(Health.CONNECTED)
         saying = await said(robot, it)
         await it.connection.call(*MARK, 0)  # now calls pass unasked for a moment
@@ -97,8 +117,8 @@ async def test_a_frozen_robot_wakes_and_is_silenced_first(tmp_path: Path) -> Non
         for number, one in enumerate(outcomes, start=1):
             assert number not in arrived or one.begun_ns < blind_ns
         assert outcomes[-1].begun_ns > blind_ns, "the test has not tried anything in the silence"
-        stops = await robot.trace("ALTextToSpeech.stopAll", "ALMotion.stopMove", "ALMotion.killAll")
-        assert {stop.name for stop in stops} == SILENCE
+        stops = await robot.trace(*SILENCE, *NAO_SILENCE, "ALRobotPosture.stopMove")
+        assert {stop.name for stop in stops} == silence
         assert max(stop.at_ns for stop in stops) < arrived[LAST].at_ns
 
 

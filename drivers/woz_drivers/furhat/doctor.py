@@ -69,7 +69,10 @@ async def _visit(name: str, settings: FurhatSettings, socket: Any) -> list[Findi
         return [Finding("error", name, text, NO_ACCESS.format(key=settings.key))]
     voice = await _ask(socket, {"type": "request.voice.status"}, VoiceStatus)
     face = await _ask(socket, {"type": "request.face.status"}, FaceStatus)
-    system = await _ask(socket, {"type": "request.system.status"}, SystemStatus)
+    try:
+        system = await _ask(socket, {"type": "request.system.status"}, SystemStatus)
+    except (TimeoutError, ValueError):
+        system = SystemStatus()  # others' programs have this question, the vendor's client has not
     kind = "the vendor's virtual robot" if system.virtual else "a robot"
     findings = [
         await _line(name, socket, auth),

@@ -98,6 +98,7 @@ _SETTINGS = (
         argument="user",
         help="closest, nobody, or a user's id",
     ),
+    Setting(name="seen", section="Face", label="Sees", help="who is there, by id"),
 )
 
 

@@ -49,6 +49,8 @@ STEP_S = 0.04
 _FADE_S = 0.4
 #: A gesture must begin within this, in seconds, and lasts no longer than that.
 _BEGINS_WITHIN_S, _ENDS_WITHIN_S = 2.0, 30.0
+#: About so long the robot's own gestures take.
+_LASTS_S = 1.0
 _SECONDS = Argument("seconds", "seconds", "0: at once", default=0.0, range=Range(0, 60))
 _CONFIGURED = ("visible", "microexpressions", "blinking", "head_sway")
 
@@ -185,6 +187,7 @@ class FurhatFace(FurhatPart):
             await self._frames(job, HEAD_MOVES[move], speed, amplitude)
         else:
             gesture = COMMON_GESTURES.get(move, move)
+            job.expects(_LASTS_S / speed)
             await self._robot_gesture(gesture, 1.0 / speed, amplitude)
             return {"move": move, "gesture": gesture}
         return {"move": move}

@@ -144,8 +144,11 @@ class FurhatHead(FurhatPart):
             await self.look(self._yaw, self._pitch)
 
     def shown(self) -> Mapping[str, Json]:
-        """Whom it looks at."""
-        return {"attends": self._status}
+        """Whom it looks at, and who could be followed."""
+        shown: dict[str, Json] = {"attends": self._status}
+        if self._settings.senses.users:
+            shown["seen"] = ", ".join(sorted(self._seen)) or "nobody"
+        return shown
 
     async def _attend(self, kind: str, **fields: Any) -> None:
         attention = self._settings.attention

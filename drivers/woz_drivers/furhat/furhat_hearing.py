@@ -6,6 +6,7 @@ sensor `speech`, with the words as its text.
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Mapping
 
 from woz_drivers.furhat.furhat_link import FurhatLink
@@ -23,6 +24,9 @@ from woz_tui.protocol.messages import Json, SpeechEnded, SpeechStarted, SpeechTe
 
 #: It stops listening by itself for these reasons, and goes on after a while; else it is asked to.
 _BY_ITSELF = ("robot_speak",)
+#: Else it is asked again after so long, twice as long each time that nobody was heard meanwhile;
+#: after so many times that is told.
+_AGAIN_S, _AGAIN_AT_MOST_S, _OFTEN = 0.5, 30.0, 4
 
 
 class FurhatHearing(FurhatPart):
@@ -37,8 +41,9 @@ class FurhatHearing(FurhatPart):
         self._began: int | None = None
         #: Whether the last segment has ended before its text came.
         self._textless = False
-        #: Whether it has to be asked to listen again.
-        self.restarts = False
+        #: When it has to be asked to listen again, on the loop's clock; None: it has not.
+        self._again: float | None = None
+        self._ends_in_vain = 0
         link.on(ListenStarted, self._started)
         link.on(ListenEnded, self._ended)
         link.on(HearStarted, self._hears)
@@ -65,7 +70,7 @@ class FurhatHearing(FurhatPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Begin or end listening."""
-        self._wanted = job.args.get("on") is True
+        self._wanted, self._again = job.args.get("on") is True, None
         if self._wanted:
             await self._listen()
         else:
@@ -80,14 +85,14 @@ class FurhatHearing(FurhatPart):
 
     def lost(self) -> None:
         """Nobody knows whether they speak on."""
-        self._listens = self.restarts = False
+        self._listens, self._again, self._ends_in_vain = False, None, 0
         self._cut("the robot is not connected")
         self._context.sensor(SPEECH, "stale", "the robot is not connected")
 
     async def go_on(self) -> None:
         """Ask it to listen again if it has stopped for no reason of ours."""
-        if self.restarts and self._wanted:
-            self.restarts = False
+        if self._again is not None and asyncio.get_running_loop().time() >= self._again:
+            self._again = None
             await self._listen()
 
     async def close(self) -> None:
@@ -118,13 +123,23 @@ class FurhatHearing(FurhatPart):
     # -- what the robot tells ------------------------------------------------------------------
 
     def _started(self, _: ListenStarted) -> None:
-        self._listens, self.restarts = True, False
+        self._listens, self._again = True, None
         self._state()
 
     def _ended(self, event: ListenEnded) -> None:
         self._listens = False
         self._cut("")  # what it has understood of that is still told
-        self.restarts = self._wanted and event.cause not in _BY_ITSELF
+        if self._wanted and event.cause not in _BY_ITSELF:
+            after_s = min(_AGAIN_S * 2**self._ends_in_vain, _AGAIN_AT_MOST_S)
+            self._again = asyncio.get_running_loop().time() + after_s
+            self._ends_in_vain += 1
+            if self._ends_in_vain == _OFTEN:
+                why = f" ({event.cause})" if event.cause else ""
+                self._context.notice(
+                    "warning",
+                    f"the robot ends listening by itself again and again{why}",
+                    "look at the recognition of speech in its web interface",
+                )
         self._state()
 
     def _state(self) -> None:
@@ -134,6 +149,7 @@ class FurhatHearing(FurhatPart):
             self._context.sensor(SPEECH, "paused", "the robot does not listen now")
 
     def _hears(self, _: HearStarted) -> None:
+        self._ends_in_vain = 0
         self._cut("")
         self._begin()
 

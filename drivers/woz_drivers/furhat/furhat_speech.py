@@ -47,6 +47,8 @@ _GOES_ON_S = 60.0
 #: Sound is sent in pieces of this length, and so far ahead of what is heard, in seconds.
 _PIECE_S, _AHEAD_S = 0.2, 1.0
 _LONGEST_S = 600.0
+#: How loud it is, it tells within this; an older robot does not.
+_TELLS_WITHIN_S = 1.0
 
 
 class FurhatSpeech(FurhatPart):
@@ -146,14 +148,24 @@ class FurhatSpeech(FurhatPart):
         else:
             status = await self._link.ask("request.voice.status", VoiceStatus, voice_list=False)
             self._voice_id = status.voice_id or ""
-        status_of_system = await self._link.ask("request.system.status", SystemStatus)
-        if self._volume is None and status_of_system.volume is not None:
-            self._volume = min(max(status_of_system.volume / 100, 0.0), 1.0)
+        if self._volume is None:
+            await self._ask_volume()
 
     def shown(self) -> Mapping[str, Json]:
         """Voice and volume."""
         known: dict[str, Json] = {"voice": self._voice_id} if self._voice_id else {}
         return known if self._volume is None else {**known, "volume": self._volume}
+
+    async def _ask_volume(self) -> None:
+        """A robot that does not tell it has an unknown one."""
+        try:
+            status = await self._link.ask("request.system.status", SystemStatus, _TELLS_WITHIN_S)
+        except DeviceLostError:
+            raise
+        except DriverError:
+            return
+        if status.volume is not None:
+            self._volume = min(max(status.volume / 100, 0.0), 1.0)
 
     # -- speaking ------------------------------------------------------------------------------
 

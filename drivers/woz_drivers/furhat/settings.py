@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -15,6 +16,10 @@ from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 #: Where the Realtime API listens.
 PORT = 9000
 SPEEDS = ("xslow", "slow", "medium", "fast", "xfast")
+_NO_VARIABLE = (
+    "must be the name of an environment variable, in capitals, such as WOZ_FURHAT_KEY; the key"
+    " itself stands in no file"
+)
 _EXAMPLES = "write the address of the robot, such as 192.168.1.20, or simulated"
 
 
@@ -129,6 +134,8 @@ class FurhatSettings(Section):
             _ = self.place
         except RejectedError as error:
             found.append(("address", f"{error.what}; {error.remedy}"))
+        if not re.fullmatch("[A-Z][A-Z0-9_]*", self.key):
+            found.append(("key", _NO_VARIABLE))
         if self.led:
             try:
                 color({"color": self.led}, "color")

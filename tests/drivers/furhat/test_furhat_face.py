@@ -172,6 +172,7 @@ async def test_a_step_begins_where_it_looks_also_at_somebody(
         assert await it.do("nudge", yaw=5.0, pitch=-5.0) == {"yaw": 15.0, "pitch": -5.0}
         it.robot.person = SOMEBODY
         await it.passes(0.2)
+        await until(lambda: it.shown["seen"] == "user-1")  # and so the wizard knows whom to name
         await it.do("follow", user="closest")
         await until(lambda: it.shown["attends"] == "user-1")
         assert (await it.do("nudge", yaw=10.0))["yaw"] == pytest.approx(30.05, abs=0.1)

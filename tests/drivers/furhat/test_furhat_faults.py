@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from robot_simulators.furhat import FurhatSimulator
 from woz_drivers import web_socket_line
-from woz_drivers.furhat import Furhat, FurhatSettings, furhat_link
+from woz_drivers.furhat import Furhat, FurhatSettings, furhat_link, furhat_speech
 from woz_drivers.furhat.settings import FurhatSensesSettings, FurhatVoiceSettings
 
 from tests.drivers.furhat.acted import DEAF, QUIET, Acted, acted
@@ -144,10 +144,27 @@ async def test_an_answer_that_does_not_come_is_told(
 
 async def test_a_robot_that_lacks_something_is_played_without_it(tmp_path: Path) -> None:
     robot = FurhatSimulator(ManualPace(ManualClock()))
-    robot.faults.refused["request.system.status"] = "unknown event"
+    robot.faults.refused["request.face.status"] = "unknown event"
     async with acted(tmp_path, robot) as it:
         assert "unknown event" in it.notices
         await it.do("say", text="Hello")
+
+
+@pytest.mark.parametrize("silent", [True, False])
+async def test_a_robot_that_does_not_tell_its_volume_is_played_without_a_word(
+    tmp_path: Path, silent: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(furhat_speech, "_TELLS_WITHIN_S", 0.05)
+    robot = FurhatSimulator(ManualPace(ManualClock()))
+    if silent:
+        robot.ignored.add("request.system.status")
+    else:
+        robot.faults.refused["request.system.status"] = "unknown event"
+    async with acted(tmp_path, robot) as it:
+        assert not it.notices
+        assert "volume" not in it.shown
+        await it.do("volume", level=0.4)
+        assert it.shown["volume"] == 0.4
 
 
 # -- the key ---------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from naoqi_simulator.visitor import SimulatedPerson
+from woz_drivers.furhat import furhat_hearing
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
 
 from tests.drivers.furhat.acted import SOMEBODY, Acted, acted, looks_often
@@ -141,6 +142,28 @@ async def test_it_does_not_listen_to_itself_and_listens_again_afterwards(it: Act
     await until(lambda: it.robot.listening)
     states = [state for sensor, state, _ in it.context.states if sensor == "speech"]
     assert states[-3:] == ["ready", "paused", "ready"]
+
+
+async def test_a_robot_that_ends_listening_again_and_again_is_asked_ever_more_rarely(
+    it: Acted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks_often(monkeypatch)
+    monkeypatch.setattr(furhat_hearing, "_AGAIN_S", 0.01)
+    loop = asyncio.get_running_loop()
+
+    async def ends() -> float:
+        asked, begun = len(it.robot.requests("request.listen.start")), loop.time()
+        await it.robot.send_raw('{"type": "response.listen.end", "cause": "no service"}')
+        await until(lambda: len(it.robot.requests("request.listen.start")) > asked)
+        return loop.time() - begun
+
+    apart = [await ends() for _ in range(5)]
+    assert apart[4] > 0.15
+    assert it.notices.count("no service") == 1
+    await hears(it, "Hello")  # whoever is heard has it begin anew
+    for _ in range(4):
+        await ends()
+    assert it.notices.count("no service") == 2
 
 
 async def test_who_is_interrupted_by_the_robot_still_has_a_text(it: Acted) -> None:

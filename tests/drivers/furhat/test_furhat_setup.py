@@ -35,12 +35,14 @@ def test_addresses() -> None:
 
 def test_what_no_robot_takes_is_told_by_its_place() -> None:
     frames = (GestureFrame(0.5, {"BROW_DOWN_LEFT": 1.0, "BROW_DOWN_LEFF": 1.0, "JAW_OPEN": 7.0}),)
-    settings = FurhatSettings(address="no address!", led="blu", gestures={"doubt": frames})
+    settings = FurhatSettings("no address!", "a3f0-secret", led="blu", gestures={"doubt": frames})
     found = dict(settings.problems())
+    assert "a3f0" not in f"{found}"  # somebody wrote the key where its variable's name belongs
     assert sorted(found) == [
         "address",
         "gestures.doubt[0].face.BROW_DOWN_LEFF",
         "gestures.doubt[0].face.JAW_OPEN",
+        "key",
         "led",
     ]
     assert "BROW_DOWN_LEFT" in found["gestures.doubt[0].face.BROW_DOWN_LEFF"]

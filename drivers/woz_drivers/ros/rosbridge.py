@@ -290,7 +290,9 @@ class Rosbridge:
             self._session = aiohttp.ClientSession()
         try:
             return await self._session.ws_connect(
-                await self.place(), max_msg_size=1 << 26, timeout=aiohttp.ClientWSTimeout(0.1)
+                await self.place(),
+                max_msg_size=1 << 26,
+                timeout=aiohttp.ClientWSTimeout(ws_close=0.1),
             )
         except (aiohttp.ClientError, OSError) as error:
             raise DeviceLostError(

@@ -10,7 +10,7 @@ from typing import Any
 from woz_drivers.ros.declarations import TWIST_STAMPED, DriveDeclaration
 from woz_drivers.ros.rosbridge import Rosbridge
 from woz_drivers.simulated.argument_values import number
-from woz_tui.drivers.contract import Job, RejectedError
+from woz_tui.drivers.contract import DriverError, Job, RejectedError
 from woz_tui.protocol.messages import Json
 
 #: From one velocity to the next, in seconds.
@@ -63,8 +63,16 @@ class VelocityDrive:
             self._robot.later(self.zero())
         await self.zero()
         if declared.odometry:
-            await self.stands(_HALT_S)
+            await self._halted()
         return {"x": x, "y": y, "turn": turn, "seconds": round(seconds, 3)}
+
+    async def _halted(self) -> None:
+        try:
+            await self.stands(_HALT_S)
+        except TimeoutError:
+            topic = self._declared.odometry
+            text = f"{topic} is silent" if self._still is None else f"{topic} says that it moves on"
+            raise DriverError(f"the drive has ended, but {text}", "look at the robot") from None
 
     async def zero(self) -> None:
         """Publish a velocity of zero. Raises `DeviceLostError`."""

@@ -6,7 +6,6 @@ Each line is JSON with `at`, the monotonic time of the machine in seconds, and w
 from __future__ import annotations
 
 import json
-import sys
 import threading
 import time
 from typing import Any
@@ -85,4 +84,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

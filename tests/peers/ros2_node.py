@@ -5,7 +5,6 @@ gets, as `ros1_node.py` does.
 from __future__ import annotations
 
 import json
-import sys
 import threading
 import time
 from typing import Any
@@ -111,4 +110,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import Awaitable, Iterable, Mapping
+from collections.abc import Coroutine, Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -21,7 +21,7 @@ from woz_drivers.ros.settings import RosSettings
 from woz_drivers.ros.survey import survey
 from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
 from woz_drivers.ros.velocity_drive import VelocityDrive
-from woz_drivers.ros.verbs import DERIVED, arguments_of, offered
+from woz_drivers.ros.verbs import BRIEF, DERIVED, arguments_of, offered
 from woz_drivers.simulated.argument_values import color, known_joints, number
 from woz_tui.drivers.contract import (
     UNKNOWN,
@@ -215,7 +215,7 @@ class Ros(Driver):
         if not self._robot.line.ready:
             moving = self._moving() if self._lost_unasked else ()
             return StopReport(missing=tuple(moving)) if moving else None
-        stops: dict[str, Awaitable[None]] = {}
+        stops: dict[str, Coroutine[Any, Any, None]] = {}
         if self._base is not None:
             stops["driving"] = self._base.stop()
         if scope is Scope.ALL:
@@ -225,21 +225,15 @@ class Ros(Driver):
     def _moving(self) -> list[str]:
         return [*(["driving"] if self._base is not None else []), *sorted(self._leftovers)]
 
-    async def _confirmed(self, stops: Mapping[str, Awaitable[None]]) -> StopReport | None:
+    async def _confirmed(self, stops: Mapping[str, Coroutine[Any, Any, None]]) -> StopReport | None:
         if not stops:
             return None
-        tasks = {self._robot_task(stop): name for name, stop in stops.items()}
+        tasks = {self._robot.later(stop): name for name, stop in stops.items()}
         # Those that come too late go on: a slow line must not keep it moving.
         done, _ = await asyncio.wait(tasks, timeout=_STOP_S)
         good = [tasks[task] for task in done if not task.cancelled() and task.exception() is None]
         missing = {*tasks.values()} - {*good}
         return StopReport(tuple(sorted(good)), tuple(sorted(missing)))
-
-    def _robot_task(self, work: Awaitable[None]) -> asyncio.Task[None]:
-        task = asyncio.ensure_future(work)
-        task.add_done_callback(lambda over: over.cancelled() or over.exception())
-        self._robot.keep(task)
-        return task
 
     async def rest(self) -> None:
         """Stand still; poses are the robot's own affair."""
@@ -337,7 +331,9 @@ class Act:
     @property
     def stoppable(self) -> bool:
         """Whether a stop has anything to do, or to tell, about it."""
-        return bool(self._declared.action or self._declared.stop is not None or self._going_on)
+        if self._declared.action or self._declared.stop is not None:
+            return True
+        return self.going_on and self._verb not in BRIEF
 
     async def perform(self, job: Job, args: Mapping[str, Any]) -> Mapping[str, Json]:
         """Send it, and return when it has ended."""

@@ -149,21 +149,17 @@ class Rosbridge:
             self._session = None
         await self._simulated.close()
 
-    def later(self, work: Awaitable[Any]) -> asyncio.Task[Any]:
+    def later(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
         """Do something that nobody waits for; a robot that is gone needs it no more."""
-
-        async def quietly() -> None:
-            with contextlib.suppress(DriverError):
-                await work
-
-        task = asyncio.ensure_future(quietly())
+        task = asyncio.create_task(work)
         self.keep(task)
         return task
 
     def keep(self, task: asyncio.Task[Any]) -> None:
-        """A task of the driver that ends with the connection to the robot."""
+        """A task that ends with the connection to the robot, and whose failure is no surprise."""
         self._background.add(task)
         task.add_done_callback(self._background.discard)
+        task.add_done_callback(_look_at)
 
     def need(self) -> None:
         """Raise `DeviceLostError` unless the robot is there and ready."""
@@ -456,6 +452,12 @@ class Rosbridge:
         else:
             with contextlib.suppress(ServiceFailedError):  # without its server nothing goes on
                 await self.call(f"{action}/_action/cancel_goal", {}, within=1.0)
+
+
+def _look_at(task: asyncio.Task[Any]) -> None:
+    error = None if task.cancelled() else task.exception()
+    if error is not None and not isinstance(error, DriverError | TimeoutError):
+        log.error("something in the background failed", exc_info=error)
 
 
 async def _read(opened: aiohttp.ClientWebSocketResponse[bool]) -> Mapping[str, Any] | None:

@@ -18,7 +18,7 @@ from woz_drivers.ros.declarations import (
 )
 from woz_drivers.ros.message_types import MessageTypes
 from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
-from woz_drivers.ros.verbs import COMMON, DERIVED, DRIVE, arguments_of
+from woz_drivers.ros.verbs import BRIEF, COMMON, DERIVED, DRIVE, arguments_of
 from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import Argument, RejectedError
 from woz_tui.drivers.fields import Doc, Range, Section
@@ -67,7 +67,7 @@ class RosSettings(Section):
         return [
             (f"verbs.{name}", "cannot be stopped: say how with `stop`")
             for name, verb in self.verbs.items()
-            if verb.stop is None and not verb.action and _lasts(verb)
+            if verb.stop is None and not verb.action and name not in BRIEF and _lasts(verb)
         ]
 
     def _address_problems(self) -> Iterator[tuple[str, str]]:

@@ -29,7 +29,6 @@ class VelocityDrive:
     def __init__(self, robot: Rosbridge, declared: DriveDeclaration) -> None:
         self._robot = robot
         self._declared = declared
-        self.moving = False
         #: Whether its odometry says that it stands; None until it has said anything.
         self._still: bool | None = None
         self._told = asyncio.Event()
@@ -51,16 +50,15 @@ class VelocityDrive:
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.line.probe(_SILENT_S)
         end = loop.time() + seconds
-        self.moving = True
         try:
             while (left := end - loop.time()) > 0:
                 await self._robot.publish(declared.topic, velocity)
                 await asyncio.sleep(min(PERIOD_S, left))
                 await self._robot.line.probe(_SILENT_S)
-        finally:
-            self.moving = False
+        except BaseException:
             # Also what froze must find a zero behind what it still has to read.
             self._robot.later(self.zero())
+            raise
         await self.zero()
         if declared.odometry:
             await self._halted()

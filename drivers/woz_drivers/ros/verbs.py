@@ -13,6 +13,9 @@ DRIVE = "drive"
 #: Verbs that the driver makes of another one.
 DERIVED = {"nudge": "gaze", "poses": "pose"}
 
+#: What they change is over at once, so that a stop has nothing to end.
+BRIEF = frozenset({"volume", "torque", "eyes", "emotion", "screen", "mode"})
+
 _PAN, _TILT = Range(-180, 180, "deg"), Range(-90, 90, "deg")
 _SHARE = Range(0, 1)
 _METRES = Range(-5, 5, "m")

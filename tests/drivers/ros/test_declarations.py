@@ -1,0 +1,229 @@
+"""What a robot file declares: checked at its place, filled, and read out of messages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.ros.driver import Ros
+from woz_drivers.ros.message_types import MessageTypes, parse_definitions
+from woz_drivers.ros.templates import ValuePath, fill
+
+from tests.drivers.ros.robots import read, settings
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Written
+from woz_tui.drivers.plugins import installed
+
+ROOT = Path(__file__).parents[3]
+
+
+def verb(text: str) -> dict[str, str]:
+    """What is wrong with a file of this one verb."""
+    return read(f"verbs:\n  {text}")[1]
+
+
+@pytest.mark.parametrize(
+    ("declared", "place", "names"),
+    [
+        (
+            'say: {publish: /tts, type: std_msgs/String, message: {text: "{text}"}}',
+            "verbs.say.message.text",
+            ["std_msgs/String", "data"],
+        ),
+        (
+            'say: {publish: /tts, type: std_msgs/msg/String, message: {data: "{words}"}}',
+            "verbs.say.message.data",
+            ["words", "{text}"],
+        ),
+        (
+            'volume: {publish: /v, type: std_msgs/UInt8, message: {data: "{level*100}"}}',
+            "verbs.volume.message.data",
+            ["whole number", ":whole"],
+        ),
+        (
+            'gaze: {publish: /h, type: geometry_msgs/Vector3, message: {z: "{yaw:radian}"}}',
+            "verbs.gaze.message",
+            ["radian", "rad"],
+        ),
+        (
+            "say: {publish: /tts, service: /say, type: std_msgs/String, message: {}}",
+            "verbs.say",
+            ["publish", "service"],
+        ),
+        (
+            "play: {publish: /p, type: std_msgs/Int8, message: {data: '{move}'}, "
+            "values: {move: {wave: 1, bow: low}}}",
+            "verbs.play.message.data",
+            ["low"],
+        ),
+        (
+            "say: {publish: /tts, type: std_msgs/String, ends: {subscribe: /t, value: state}}",
+            "verbs.say.ends.value",
+            ["std_msgs/Bool", "data"],
+        ),
+        (
+            "say: {publish: /tts, type: std_msgs/String, "
+            "stop: {publish: /tts, type: std_msgs/String, message: {date: ''}}}",
+            "verbs.say.stop.message.date",
+            ["did you mean 'data'"],
+        ),
+        ("say: {publish: my tts, type: std_msgs/String}", "verbs.say.publish", ["/robot/tts"]),
+        ("drive: {publish: /cmd_vel, type: geometry_msgs/Twist}", "verbs.drive", ["beside"]),
+        ("nudge: {publish: /h, type: std_msgs/Empty}", "verbs.nudge", ["gaze"]),
+    ],
+)
+def test_a_verb_that_cannot_work_is_found_at_its_place(
+    declared: str, place: str, names: list[str]
+) -> None:
+    wrong = verb(declared)
+    assert [*wrong] == [place]
+    assert all(name in wrong[place] for name in names), wrong
+
+
+@pytest.mark.parametrize(
+    ("declared", "place", "names"),
+    [
+        ("sensors: {d: {subscribe: /s, type: sensor_msgs/Range, value: rang}}", "value", ["range"]),
+        ("sensors: {d: {subscribe: /s, type: sensor_msgs/LaserScan, value: ranges}}", "value", []),
+        ("sensors: {d: {subscribe: /s, type: sensor_msgs/LaserScan, value: min(range_min)}}", "value", ["min()"]),  # noqa: E501
+        ("sensors: {d: {subscribe: /o, type: nav_msgs/Odometry, value: twist.linear.x}}", "value", ["linear"]),  # noqa: E501
+        ("sensors: {d: {subscribe: /o, type: nav_msgs/Odometry, value: 'twist('}}", "value", ["path"]),  # noqa: E501
+    ],
+)  # fmt: skip
+def test_a_sensor_that_cannot_be_read_is_found_at_its_place(
+    declared: str, place: str, names: list[str]
+) -> None:
+    wrong = read(declared)[1]
+    assert [*wrong] == [f"sensors.d.{place}"]
+    assert all(name in wrong[f"sensors.d.{place}"] for name in names), wrong
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "drive: {speed: 3}",
+        "drive: {speed: 0}",
+        "drive: {turn_speed: 400}",
+        "drive: {type: geometry_msgs/Twst}",
+        "address: http://robot",
+        "address: robot:99999",
+        "ros: 3",
+        "joints: {pan: [40, -40]}",
+        "verbs: {pose: {publish: /j, type: std_msgs/Empty}}",
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(wrong: str) -> None:
+    made, problems = read(wrong)
+    assert made is None
+    assert problems
+
+
+def test_the_types_of_a_file_are_checked_like_the_standard_ones() -> None:
+    text = 'play: {action: /g, type: a/action/Go, message: {nme: "{move}"}}'
+    assert verb(text) == {}, "nobody knows the type"
+    text += "\ntypes: {a/Go_Goal: {name: string}}"
+    assert "did you mean 'name'" in verb(text)["verbs.play.message.nme"]
+
+
+def test_a_verb_that_goes_on_after_a_stop_is_warned_of() -> None:
+    of = settings("verbs: {say: {publish: /t, type: std_msgs/String, ends: {seconds: 2 s}}}")
+    assert [path for path, _ in of.warnings()] == ["verbs.say"]
+    own = settings("verbs: {bow: {service: /bow, type: std_srvs/Trigger}}")
+    assert [path for path, _ in own.warnings()] == ["verbs.bow"]
+    assert settings().warnings() == [], "a volume and a face need no stop, an action has one"
+
+
+@pytest.mark.parametrize(
+    ("template", "values", "message"),
+    [
+        ({"data": "{text}"}, {"text": "a {b}"}, {"data": "a {b}"}),
+        ({"data": "<{text}>"}, {"text": "a"}, {"data": "<a>"}),
+        ({"z": "{yaw:rad}", "y": "{-pitch:rad}"}, {"yaw": 180.0, "pitch": 90.0}, {"z": 3.141593, "y": -1.570796}),  # noqa: E501
+        ({"z": "{yaw}", "y": "{pitch}"}, {"yaw": 1.0, "pitch": None}, {"z": 1.0}),
+        ({"v": "{level*100:whole}"}, {"level": 0.256}, {"v": 26}),
+        ({"t": "{seconds:duration}"}, {"seconds": 1.25}, {"t": {"secs": 1, "nsecs": 250000000}}),
+        ({"n": "{joints:names}", "p": "{joints:rad}"}, {"joints": {"a": 180.0, "b": 0.0}}, {"n": ["a", "b"], "p": [3.141593, 0.0]}),  # noqa: E501
+        ({"c": ["{color:red}", "{color:blue255}"]}, {"color": "#ff0080"}, {"c": [1.0, 128]}),
+        ({"on": "{on}"}, {"on": True}, {"on": True}),
+    ],
+)  # fmt: skip
+def test_a_message_is_filled_with_the_arguments(
+    template: Any, values: dict[str, Any], message: Any
+) -> None:
+    assert fill(template, values) == message
+
+
+def test_a_placeholder_that_is_none_is_refused() -> None:
+    for wrong in ("{Text}", "{text", "{text:shout}", "{other}"):
+        declared = f"say: {{publish: /t, type: std_msgs/String, message: {{data: '{wrong}'}}}}"
+        assert len(verb(declared)) == 1
+
+
+SCAN = {"ranges": [1.0, 2.0, 3.0, 0.5, None, 0.01], "range_min": 0.1, "range_max": 10.0}
+
+
+@pytest.mark.parametrize(
+    ("path", "message", "value"),
+    [
+        ("a.b", {"a": {"b": 2}}, 2),
+        ("a.b", {"a": 3}, None),
+        ("ranges[1]", SCAN, 2.0),
+        ("ranges[9]", SCAN, None),
+        ("min(ranges)", SCAN, 0.5),
+        ("min(ranges[-2:2])", SCAN, 1.0),
+        ("max(ranges[0:2])", SCAN, 2.0),
+        ("mean(ranges[:2])", SCAN, 1.5),
+        ("min(ranges[4:5])", SCAN, None),
+        ("count(people)", {"people": [{}, {}]}, 2),
+        ("position[name=tilt]", {"name": ["pan", "tilt"], "position": [0.1, 0.2]}, 0.2),
+        ("position[name=roll]", {"name": ["pan"], "position": [0.1]}, None),
+    ],
+)
+def test_a_value_is_found_in_a_message(path: str, message: Any, value: object) -> None:
+    assert ValuePath.parse(path).of(message) == value
+
+
+def test_definitions_of_a_robot_are_understood() -> None:
+    text = """# A comment
+Header header
+int8 GOOD = 1
+float64[3] data  # three
+string<=20 name "none"
+Point[] points
+builtin_interfaces/Time stamp
+================
+MSG: std_msgs/Header
+time stamp
+================
+MSG: shapes/Point
+float64 x 0.5
+"""
+    types = MessageTypes(1, {})
+    for name, fields in parse_definitions("shapes/msg/Line", text).items():
+        types.learn(name, fields)
+    assert types.fields("shapes/Line") == {
+        "header": "std_msgs/Header",
+        "data": "float64[3]",
+        "name": "string",
+        "points": "shapes/Point[]",
+        "stamp": "time",
+    }
+    assert types.fields("shapes/msg/Point") == {"x": "float64"}
+
+
+@pytest.mark.parametrize("name", ["turtlebot", "qtrobot", "tiago"])
+def test_the_profiles_are_right(name: str, tmp_path: Path) -> None:
+    robot = ROOT / "experiments" / "robots" / f"{name}.yaml"
+    file = tmp_path / "experiment.yaml"
+    actions = "[{key: h, label: H, say: Hello}]"
+    file.write_text(f"title: T\nrobot: {robot}\npanels: [{{title: P, actions: {actions}}}]\n")
+    assert load(file, installed()).warnings == ()
+
+
+def test_an_argument_that_the_robot_is_not_told_is_warned_of() -> None:
+    of = settings()
+    written = Written("emotion", {"emotion": "happy", "intensity": 0.3}, Path())
+    assert [found.subject for found in Ros.remarks(of, written)] == ["intensity"]
+    written = Written("emotion", {"emotion": "happy", "intensity": 1.0}, Path())
+    assert [*Ros.remarks(of, written)] == []

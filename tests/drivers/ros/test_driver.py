@@ -1,0 +1,444 @@
+"""The driver `ros` against the simulated rosbridge: what it sends, what it makes of answers, how it
+stops, loses and finds the robot.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from robot_simulators.rosbridge import RosbridgeSimulator, SimulatedGoal
+from woz_drivers.ros import doctor, velocity_drive
+from woz_drivers.ros.driver import Ros
+
+from tests.drivers.ros.robots import ROBOT, played, settings, simulator
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverError,
+    Health,
+    Probe,
+    RejectedError,
+    Scope,
+    StopReport,
+)
+from woz_tui.testing import PlainJob, RecordingContext, until
+
+BOTH = pytest.mark.parametrize("ros", [1, 2], ids=["ros1", "ros2"])
+
+
+# -- what it plays ---------------------------------------------------------------------------------
+
+
+async def test_a_text_is_said_until_the_robot_says_that_it_has_ended() -> None:
+    async with played() as it:
+        task = it.begin("say", text="Hello")
+        await until(lambda: it.sent("/tts") == [{"data": "Hello"}])
+        assert not task.done()
+        assert (await task)["message"] == {"data": "Hello"}
+
+
+async def test_what_never_begins_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("woz_drivers.ros.driver._BEGINS_S", 0.05)
+    silent = ROBOT.replace("subscribe: /tts/speaking", "subscribe: /tts/other")
+    async with played(settings(silent)) as it:
+        it.robot.interface["speech"].clear()
+        with pytest.raises(DriverError, match="begun"):
+            await it.play("say", text="Hello")
+
+
+async def test_a_time_may_be_counted_from_the_text() -> None:
+    async with played() as it:
+        job = PlainJob("emotion", {"emotion": "joy!!", "intensity": 1.0})
+        await it.driver.perform(job)
+        assert job.expected == [pytest.approx(0.25)]
+
+
+async def test_looking_stays_within_the_bounds_of_the_file() -> None:
+    async with played() as it:
+        await it.play("gaze", yaw=30.0, pitch=10.0)
+        await it.play("nudge", yaw=50.0)
+        await it.play("nudge", pitch=-90.0)
+        radians = [(sent["z"], sent["y"]) for sent in it.sent("/head")]
+        wanted = [(30, -10), (60, -10), (60, 20)]
+        for found, (yaw, down) in zip(radians, wanted, strict=True):
+            assert found == pytest.approx((math.radians(yaw), math.radians(down)), abs=1e-4)
+
+
+async def test_poses_are_taken_one_after_the_other() -> None:
+    async with played() as it:
+        poses: Any = [{"joints": {"pan": 90.0}, "seconds": 0.1}, {"joints": {"tilt": 10.0}}]
+        task = it.begin("poses", poses=poses)
+        await until(lambda: len(it.sent("/joints")) == 2)
+        first, second = it.sent("/joints")
+        assert first["joint_names"] == ["pan"]
+        assert first["points"][0]["positions"] == [pytest.approx(1.570796)]
+        assert first["points"][0]["time_from_start"] == {"secs": 0, "nsecs": 100000000}
+        assert second["joint_names"] == ["tilt"]
+        task.cancel()
+        with pytest.raises(RejectedError, match="pan"):
+            await it.play("pose", joints={"pan": 91.0}, seconds=1.0)
+        with pytest.raises(RejectedError, match="neck"):
+            await it.play("pose", joints={"neck": 1.0}, seconds=1.0)
+
+
+@BOTH
+async def test_an_action_ends_with_its_result(ros: int) -> None:
+    async with played(settings(ros=ros)) as it:
+        sent = await it.play("play", move="wave")
+        assert sent["message"] == {"name": "hello_2"}
+        assert sent["result"] == {"success": True}
+
+
+@BOTH
+async def test_an_action_that_ends_badly_says_so(ros: int) -> None:
+    async with played(settings(ros=ros)) as it:
+        task = it.begin("play", move="wave")
+        await until(lambda: bool(it.robot.goals))
+        for goal in it.robot.goals.values():
+            goal.cancelled.set()
+        with pytest.raises(DriverError, match="cancelled"):
+            await task
+
+
+@BOTH
+async def test_a_goal_that_nobody_takes_holds_up_nothing(ros: int) -> None:
+    text = ROBOT.replace("values: {move", "within: 0.3\n    values: {move")
+    async with played(settings(text, ros=ros)) as it:
+        it.robot.refuse_goals = True
+        task = it.begin("play", move="wave")
+        await it.play("gaze", yaw=1.0)
+        with pytest.raises(DriverError, match=r"refused|did not end"):
+            await task
+        it.robot.refuse_goals = False
+        await it.play("play", move="nod")
+
+
+async def test_a_service_answers_and_may_say_that_it_failed() -> None:
+    async with played() as it:
+        sent = await it.play("volume", level=0.256)
+        assert sent["message"] == {"percent": 26}
+        it.robot.faults.refused["/volume"] = "no sound card"
+        with pytest.raises(DriverError, match="no sound card"):
+            await it.play("volume", level=1.0)
+
+
+@BOTH
+async def test_a_busy_service_keeps_neither_a_key_nor_the_stop_waiting(ros: int) -> None:
+    """The server of ROS 2 reads nothing of a connection on which a service is busy."""
+    async with played(settings(ros=ros)) as it:
+        it.robot.busy["/volume"] = asyncio.Event()
+        task = it.begin("volume", level=1.0)
+        await until(lambda: ("call_service", "/volume") in _services(it.robot))
+        await it.play("say", text="Hello")
+        drive = it.begin("drive", x=5.0)
+        await until(lambda: it.robot.speed[0] > 0)
+        report = await it.driver.stop(Scope.ALL)
+        assert report == StopReport(("driving", "play", "say"))
+        for job in (task, drive):
+            job.cancel()
+        await asyncio.gather(task, drive, return_exceptions=True)
+
+
+def _services(robot: RosbridgeSimulator) -> list[tuple[str, Any]]:
+    return [(name, message.get("service")) for name, message in robot.calls]
+
+
+# -- the base --------------------------------------------------------------------------------------
+
+
+async def test_a_drive_is_velocities_while_it_lasts_and_zero_at_its_end() -> None:
+    async with played(pace=1.0) as it:
+        sent = await it.play("drive", x=0.2, turn=-18.0)
+        assert sent["seconds"] == 0.4
+        _, *moving, last = [(x, turn) for _, x, turn in it.robot.velocities]
+        assert set(moving) == {(0.5, -0.7854)}
+        assert 3 <= len(moving) <= 5
+        assert last == (0.0, 0.0)
+        with pytest.raises(RejectedError):
+            await it.play("drive")
+
+
+async def test_a_stamped_velocity_has_its_frame() -> None:
+    text = ROBOT.replace("/cmd_vel, ", "/cmd_vel, type: geometry_msgs/TwistStamped, ")
+    async with played(settings(text)) as it:
+        await it.play("drive", x=0.01)
+        message = it.sent("/cmd_vel")[1]
+        assert message["header"] == {"frame_id": "base_link"}
+        assert message["twist"]["linear"]["x"] == 0.5
+        assert it.robot.velocities[-1][1:] == (0.0, 0.0)
+
+
+async def test_the_first_message_on_a_connection_is_a_velocity_of_zero() -> None:
+    async with played() as it:
+        await it.play("gaze", yaw=1.0)
+        published = [m["topic"] for name, m in it.robot.calls if name == "publish"]
+        assert published[:1] == ["/cmd_vel"]
+        assert it.robot.velocities[0][1:] == (0.0, 0.0)
+
+
+async def test_a_stop_of_driving_leaves_the_rest() -> None:
+    async with played() as it:
+        say = it.begin("say", text="x" * 500)
+        drive = it.begin("drive", x=5.0)
+        await until(lambda: it.robot.speed[0] > 0 and bool(it.sent("/tts")))
+        assert await it.driver.stop(Scope.DRIVE) == StopReport(("driving",))
+        assert it.robot.speed == (0.0, 0.0)
+        drive.cancel()
+        assert {"data": ""} not in it.sent("/tts")
+        assert not say.done()
+        say.cancel()
+        await asyncio.gather(drive, say, return_exceptions=True)
+
+
+async def test_a_base_that_rolls_on_has_not_confirmed() -> None:
+    async with played() as it:
+        it.robot.interface = {**it.robot.interface, "drive": ""}  # it hears of no velocity
+        it.robot._commanded = (math.inf, 0.3, 0.0)
+        report = await it.driver.stop(Scope.DRIVE)
+        assert report == StopReport(missing=("driving",))
+
+
+async def test_a_drive_that_is_cancelled_ends_with_zero() -> None:
+    async with played() as it:
+        task = it.begin("drive", x=5.0)
+        await until(lambda: it.robot.speed[0] > 0)
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        await until(lambda: it.robot.velocities[-1][1:] == (0.0, 0.0))
+
+
+# -- stopping --------------------------------------------------------------------------------------
+
+
+@BOTH
+async def test_a_stop_ends_all_of_it(ros: int) -> None:
+    async with played(settings(ros=ros)) as it:
+        jobs = [
+            it.begin("drive", x=5.0),
+            it.begin("say", text="x" * 500),
+            it.begin("play", move="wave"),
+        ]
+        await until(
+            lambda: it.robot.speed[0] > 0 and bool(it.robot.goals) and bool(it.sent("/tts"))
+        )
+        report = await it.driver.stop(Scope.ALL)
+        assert report == StopReport(("driving", "play", "say"))
+        assert it.robot.speed == (0.0, 0.0)
+        assert not it.robot.goals
+        assert it.sent("/tts")[-1] == {"data": ""}
+        for job in jobs:
+            job.cancel()
+        await asyncio.gather(*jobs, return_exceptions=True)
+        await it.play("say", text="Hi")
+
+
+@BOTH
+async def test_a_stop_reaches_a_goal_that_somebody_else_sent(ros: int) -> None:
+    async with played(settings(ros=ros)) as it:
+        other = it.robot.run(it.robot.pursue(_goal()))
+        await until(lambda: bool(it.robot.goals))
+        await it.driver.stop(Scope.ALL)
+        assert await other == "canceled"
+
+
+def _goal() -> Any:
+    return SimulatedGoal("theirs", "/gesture", "")
+
+
+async def test_what_cannot_be_stopped_is_named() -> None:
+    text = ROBOT + "\n  robot_msgs/Bow_Request: {}\n"
+    text = text.replace("\njoints:", "\n  bow: {service: /bow, type: robot_msgs/Bow}\njoints:")
+    async with played(settings(text)) as it:
+        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+        it.robot.busy["/bow"] = asyncio.Event()
+        task = it.begin("bow")
+        await until(lambda: ("call_service", "/bow") in _services(it.robot))
+        report = await it.driver.stop(Scope.ALL)
+        assert report == StopReport(("driving", "play", "say"), ("bow",))
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+
+
+async def test_a_voice_that_goes_on_has_not_confirmed() -> None:
+    async with played() as it:
+        task = it.begin("say", text="x" * 500)
+        await until(lambda: bool(it.sent("/tts")))
+        it.robot.interface["speech"].clear()  # it ignores the empty text
+        report = await it.driver.stop(Scope.ALL)
+        assert report == StopReport(("driving", "play"), ("say",))
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+
+
+# -- loss and return -------------------------------------------------------------------------------
+
+
+async def test_what_was_going_on_ends_first_when_the_robot_is_back() -> None:
+    async with played() as it:
+        jobs = [it.begin("say", text="x" * 500), it.begin("play", move="wave")]
+        await until(lambda: bool(it.sent("/tts")) and bool(it.robot.goals))
+        it.robot.drop()
+        for job in jobs:
+            with pytest.raises(DeviceLostError):
+                await job
+        await until(
+            lambda: [state for state, *_ in it.context.healths].count(Health.CONNECTED) == 2
+        )
+        assert it.sent("/tts")[-1] == {"data": ""}
+        assert not it.robot.goals
+        await it.play("say", text="Again")
+        await until(lambda: it.context.of("distance")[-1].value is not None)
+
+
+async def test_a_stop_while_it_is_gone_names_what_may_go_on() -> None:
+    async with played() as it:
+        task = it.begin("say", text="x" * 500)
+        await until(lambda: bool(it.sent("/tts")))
+        it.robot.faults.refused["/"] = "gone"
+        it.robot.drop()
+        await it.healthy(Health.LOST)
+        await asyncio.gather(task, return_exceptions=True)
+        assert await it.driver.stop(Scope.ALL) == StopReport(missing=("driving", "say"))
+        with pytest.raises(DeviceLostError):
+            await it.play("gaze", yaw=1.0)
+
+
+async def test_a_frozen_robot_gets_no_more_velocities_and_a_zero_behind_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(velocity_drive, "_SILENT_S", 0.15)
+    async with played(pace=1.0) as it:
+        task = it.begin("drive", x=20.0)
+        await until(lambda: len(it.robot.velocities) > 2)
+        it.robot.freeze()
+        before = len(it.robot.velocities)
+        with pytest.raises(DeviceLostError):
+            await task
+        it.robot.thaw()
+        await until(lambda: it.robot.velocities[-1][1:] == (0.0, 0.0))
+        late = [x for _, x, _ in it.robot.velocities[before:] if x > 0]
+        assert len(late) <= 2
+
+
+async def test_sensors_that_fall_silent_are_stale(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("woz_drivers.ros.driver._STALE_S", 0.2)
+    monkeypatch.setattr("woz_drivers.ros.driver._STALE_READINGS", 0)
+    async with played() as it:
+        await until(lambda: bool(it.context.of("distance")) and bool(it.context.of("ahead")))
+        assert it.context.latest("distance") == it.context.latest("ahead") == 4.5
+        it.robot.interface["sensors"].pop("distance")
+        await until(lambda: ("distance", "stale", "/sonar is silent") in it.context.states)
+        assert it.context.states[-1][0] != "ahead" or it.context.states[-1][1] == "ok"
+
+
+# -- wrong answers ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "nonsense",
+    [
+        "no JSON",
+        "[1, 2]",
+        '{"op": "service_response"}',
+        '{"op": "service_response", "id": 7, "values": null}',
+        '{"op": "publish", "topic": "/odom", "msg": {"twist": 3}}',
+        '{"op": "publish", "topic": "/sonar", "msg": {"range": "far"}}',
+        '{"op": "publish"}',
+        '{"op": "png", "data": "x"}',
+    ],
+)
+async def test_nonsense_does_no_harm(nonsense: str) -> None:
+    async with played() as it:
+        for client in tuple(it.robot._clients):
+            client._outgoing.put_nowait(nonsense)
+        await it.play("say", text="Hello")
+        assert it.context.healths[-1][0] is Health.CONNECTED
+        await it.play("drive", x=0.01)
+
+
+async def test_something_else_that_listens_there_is_not_taken_for_the_robot(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("woz_drivers.ros.rosbridge._KNOWN_WITHIN_S", 0.1)
+    of = settings()
+    async with simulator(of) as robot:
+        robot.busy["/rosapi/get_time"] = asyncio.Event()  # it takes what is sent, and says nothing
+        context = RecordingContext(Path())
+        driver = Ros("robot", replace(of, address=robot.address), context)
+        await driver.open()
+        await until(lambda: any("rosbridge" in what for _, what, _ in context.healths))
+        assert Health.CONNECTED not in [state for state, *_ in context.healths]
+        await driver.close()
+
+
+# -- comparing with the robot ----------------------------------------------------------------------
+
+
+@BOTH
+async def test_what_does_not_fit_the_robot_is_told_and_refused(ros: int) -> None:
+    of = settings(ros=ros)
+    async with simulator(of) as robot:
+        robot.topics["/tts"] = "std_msgs/Int32"
+        del robot.topics["/face"]
+        it = RecordingContext(Path())
+        driver = Ros("robot", replace(of, address=robot.address), it)
+        await driver.open()
+        await until(lambda: bool(it.notices))
+        assert any("/tts is std_msgs/Int32" in text for _, text, _ in it.notices)
+        assert any("no topic /face" in text for _, text, _ in it.notices)
+        with pytest.raises(DriverError, match="Int32"):
+            await driver.perform(PlainJob("say", {"text": "Hello"}))
+        await driver.perform(PlainJob("gaze", {"yaw": 1.0, "pitch": None}))
+        await driver.close()
+
+
+@BOTH
+async def test_the_doctor_lists_what_there_is_and_drafts_a_file(ros: int) -> None:
+    of = settings(ros=ros)
+    async with simulator(of) as robot:
+        there = replace(of, address=robot.address)
+        findings = await doctor.examine(Probe("robot", there))
+        text = await doctor.draft(there)
+    assert not [found for found in findings if found.level in ("error", "warning")]
+    listed = {found.subject: found.text for found in findings}
+    assert "/cmd_vel (geometry_msgs/Twist)" in listed["topics"]
+    assert "/volume (robot_msgs/Volume)" in listed["services"]
+    assert "/gesture" in listed["actions"]
+    drafted = settings("\n".join(line[4:] for line in text.splitlines()[5:]))
+    assert drafted.ros == ros
+    assert drafted.drive is not None
+    assert drafted.drive.topic == "/cmd_vel"
+    assert drafted.verbs["say"].publish == "/tts"
+
+
+async def test_the_doctor_warns_of_a_server_without_a_password() -> None:
+    of = replace(settings(), address="robot.invalid")
+    assert [found.level for found in doctor._protected(of)] == ["warning"]
+    for safe in ("wss://robot/ros", "127.0.0.1:9090", "simulated"):
+        assert not [*doctor._protected(replace(of, address=safe))]
+
+
+async def test_the_doctor_says_what_is_wrong_with_an_address() -> None:
+    [found] = await doctor.examine(Probe("robot", replace(settings(), address="127.0.0.1:9")))
+    assert found.level == "error"
+
+
+async def test_a_file_for_the_other_ros_is_told_so() -> None:
+    of = settings(ros=1)
+    async with simulator(of) as robot:
+        there = replace(of, ros=2, address=robot.address)
+        findings = await doctor.examine(Probe("robot", there))
+    assert "write ros: 1" in [found.remedy for found in findings]
+
+
+async def test_the_simulated_robot_of_a_file_is_started_and_ended(tmp_path: Path) -> None:
+    context = RecordingContext(tmp_path)
+    driver = Ros("robot", settings(), context)
+    await driver.open()
+    await until(lambda: context.healths[-1][0] is Health.CONNECTED, 30)
+    await driver.perform(PlainJob("play", {"move": "wave", "speed": 1.0, "amplitude": 1.0}))
+    await driver.close()

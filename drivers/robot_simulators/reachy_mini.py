@@ -18,6 +18,7 @@ import uuid
 import wave
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from typing import Any
 
 from aiohttp import web
@@ -136,6 +137,7 @@ class ReachyMiniSimulator(WebRobot):
         self.oddities = DaemonFaults()
         self.data_sets = dict(DATA_SETS)
         self._moves: dict[str, asyncio.Task[None]] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
         self._stop_requested = False
         self._sounds: dict[str, float] = {}
 
@@ -158,6 +160,7 @@ class ReachyMiniSimulator(WebRobot):
             web.post(
                 "/api/move/play/recorded-move-dataset/{owner}/{name}/{move}", self._play_recorded
             ),
+            web.post("/api/media/release", self._answer(lambda: {"status": "ok"})),
             web.get("/api/media/status", self._answer(self._media)),
             web.post("/api/media/play_sound", self._play_sound),
             web.post("/api/media/stop_sound", self._stop_sound),
@@ -197,7 +200,7 @@ class ReachyMiniSimulator(WebRobot):
 
     async def close(self) -> None:
         """End all moves, too."""
-        for move in self._moves.values():
+        for move in (*self._moves.values(), *self._tasks):
             move.cancel()
         await super().close()
 
@@ -308,7 +311,7 @@ class ReachyMiniSimulator(WebRobot):
 
     def _begun(self, name: str, work: Callable[[], Any]) -> web.Response:
         move = str(uuid.uuid4())
-        if not self._moves:
+        if not (self._moves or self._tasks):
             self._stop_requested = False
 
         async def run() -> None:
@@ -354,7 +357,7 @@ class ReachyMiniSimulator(WebRobot):
 
     async def _set_target(self, request: web.Request) -> web.Response:
         body = await self._body(request)
-        if self._moves or self.oddities.locked:
+        if self._moves or self._tasks or self.oddities.locked:
             return web.json_response({"status": "ignored", "reason": "move_running"})
         if body:
             self.target = self._goal(body, "target_")
@@ -365,7 +368,7 @@ class ReachyMiniSimulator(WebRobot):
         match message:
             case {"type": "set_full_target", **rest}:
                 self.calls.append(("set_full_target", message))
-                if self._moves or self.oddities.locked:
+                if self._moves or self._tasks or self.oddities.locked:
                     return
                 head, antennas = rest.get("head"), rest.get("antennas") or self.target.antennas
                 body = rest.get("body_yaw")
@@ -374,12 +377,37 @@ class ReachyMiniSimulator(WebRobot):
                     (antennas[0], antennas[1]),
                     self.target.body if body is None else body,
                 )
+            case {"type": "task", "uuid": str(task), "req": dict(wanted)}:
+                self.calls.append(("task", message))
+                self._begin_task(task, wanted)
             case {"type": "stop_move"}:
                 self.calls.append(("stop_move", None))
-                self._stop_requested = bool(self._moves)
+                self._stop_requested = bool(self._moves or self._tasks)
             case {"type": "set_volume", "volume": int(volume)}:
                 self.calls.append(("set_volume", volume))
                 self.volume = volume
+
+    def _begin_task(self, task: str, wanted: Mapping[str, Any]) -> None:
+        """A goto of the vendor's own client: in no list of moves, and its end is told to all."""
+        head, antennas = wanted.get("head"), wanted.get("antennas") or self.pose.antennas
+        body = wanted.get("body_yaw")
+        goal = WirePose(
+            _six(head) if head else self.pose.head,
+            (antennas[0], antennas[1]),
+            self.pose.body if body is None else body,
+        )
+        if not (self._moves or self._tasks):
+            self._stop_requested = False
+
+        async def run() -> None:
+            await self._travel(goal, float(wanted["duration"]))
+            told = {"uuid": task, "finished": True, "error": None}
+            now = datetime.now(UTC).isoformat()
+            await self.tell_all({"type": "task_progress", **told, "timestamp": now})
+
+        running = asyncio.create_task(run(), name="task")
+        self._tasks.add(running)
+        running.add_done_callback(self._tasks.discard)
 
     async def _stop(self, request: web.Request) -> web.Response:
         body = await self._body(request)
@@ -425,7 +453,10 @@ class ReachyMiniSimulator(WebRobot):
     async def _play_recorded(self, request: web.Request) -> web.Response:
         await self._body(request)
         parts = request.match_info
-        seconds = self.data_sets.get(f"{parts['owner']}/{parts['name']}", {}).get(parts["move"])
+        data_set = self.data_sets.get(f"{parts['owner']}/{parts['name']}")
+        if data_set is None:
+            return web.Response(status=500, text="Internal Server Error")
+        seconds = data_set.get(parts["move"])
         if seconds is None:
             return web.json_response({"detail": f"Move {parts['move']} not found"}, status=404)
 

@@ -134,7 +134,7 @@ EMOTIONS: Mapping[str, Sequence[PoseFrame]] = {
     "neutral": _shows(0.6),
     "happy": _shows(0.25, _both(45), _both(0), _both(45), _both(0), lift=10, roll=6, out=25),
     "friendly": _shows(0.5, {"tilt": 8}, roll=12, lift=4, out=20),
-    "amazed": _shows(0.3, {"tilt": -12, "lift": 20}, lift=18, out=-10, forward=-10),
+    "amazed": _shows(0.3, {"tilt": -12, "lift": 14}, lift=12, out=-10, forward=-6),
     "sad": _shows(0.9, {"tilt": 18}, lift=-22, out=110, roll=-5),
     "angry": _shows(0.25, {"tilt": 8}, {"tilt": -2}, lift=-8, out=60, forward=14),
     "sleepy": _shows(1.4, {"tilt": 16}, lift=-26, out=150, roll=8),

@@ -1,0 +1,508 @@
+"""The driver for Reachy Mini against the vendor's daemon, without a robot: a mockup, and MuJoCo.
+
+Against the same daemon the simulated robot is compared, and the vendor's own client plays that.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import math
+import os
+import signal
+import socket
+import wave
+from collections.abc import AsyncIterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+import psutil
+import pytest
+import pytest_asyncio
+from robot_simulators.reachy_mini import ReachyMiniSimulator
+from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings
+from woz_drivers.reachy_mini.reachy_pose import HOME
+from woz_drivers.speech.settings import SynthesisSettings
+
+from tests.peers.places import place
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    Health,
+    Probe,
+    RejectedError,
+    Scope,
+    StopReport,
+)
+from woz_tui.motion.body_feeds import SETPOINTS, Setpoints
+from woz_tui.protocol.messages import Json
+from woz_tui.testing import PlainJob, RecordingContext, until
+
+BACKENDS = {"mockup": "--mockup-sim", "mujoco": "--sim"}
+#: So long a daemon may take to start on a busy machine, in seconds.
+STARTS_S = 60.0
+#: A data set of ours, as the daemon finds it among those that were downloaded.
+DATA_SET = "woz/moves"
+
+
+class VendorsDaemon:
+    """A daemon on a port of its own; `start` again after its end takes the same port."""
+
+    def __init__(self, backend: str, folder: Path) -> None:
+        self._option = BACKENDS[backend]
+        self._folder = folder
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self._port = free.getsockname()[1]
+        self._process: asyncio.subprocess.Process | None = None
+
+    @property
+    def address(self) -> str:
+        """Where it listens."""
+        return f"127.0.0.1:{self._port}"
+
+    async def start(self) -> None:
+        """Return when it moves its robot."""
+        daemon = place("reachy-mini") / "bin" / "reachy-mini-daemon"
+        options = (self._option, "--headless", "--no-media", "--dataset-update-interval", "0")
+        with (self._folder / "daemon.log").open("ab") as log:
+            self._process = await asyncio.create_subprocess_exec(
+                *(str(daemon), *options, "--fastapi-port", str(self._port)),
+                env={**os.environ, "HF_HUB_OFFLINE": "1", "HOME": str(self._folder)},
+                stdout=log,
+                stderr=log,
+            )
+        async with aiohttp.ClientSession() as session, asyncio.timeout(STARTS_S):
+            while True:
+                with contextlib.suppress(aiohttp.ClientError):
+                    url = f"http://{self.address}/api/daemon/status"
+                    async with session.get(url) as answer:
+                        if (await answer.json())["state"] == "running":
+                            return
+                await asyncio.sleep(0.1)
+
+    def send(self, number: signal.Signals) -> None:
+        """A signal for it and what it has started."""
+        assert self._process is not None
+        for each in [*psutil.Process(self._process.pid).children(recursive=True), self._process]:
+            each.send_signal(number)
+
+    async def end(self) -> None:
+        """Kill it."""
+        if self._process is not None and self._process.returncode is None:
+            self.send(signal.SIGKILL)
+            await self._process.wait()
+
+
+def _downloaded(folder: Path) -> None:
+    """A data set as the vendor's library keeps those it has downloaded: one move of a second."""
+    base = folder / ".cache/huggingface/hub" / f"datasets--{DATA_SET.replace('/', '--')}"
+    snapshot = base / "snapshots" / ("0" * 40)
+    snapshot.mkdir(parents=True)
+    (base / "refs").mkdir()
+    (base / "refs" / "main").write_text("0" * 40)
+    steps = [step / 50 for step in range(51)]
+    poses = []
+    for step in steps:
+        sine, cosine = math.sin(0.4 * step), math.cos(0.4 * step)
+        head = [[cosine, -sine, 0, 0], [sine, cosine, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+        poses.append({"head": head, "antennas": [0.0, 0.0], "body_yaw": 0.0})
+    move = {"description": "turns to its left", "time": steps, "set_target_data": poses}
+    (snapshot / "turn.json").write_text(json.dumps(move))
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module", params=sorted(BACKENDS))
+async def daemon(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> AsyncIterator[VendorsDaemon]:
+    """The vendor's daemon with one of its simulations."""
+    folder = tmp_path_factory.mktemp(str(request.param))
+    _downloaded(folder)
+    made = VendorsDaemon(request.param, folder)
+    await made.start()
+    yield made
+    await made.end()
+
+
+class Played:
+    """A driver that plays the daemon."""
+
+    def __init__(self, daemon: VendorsDaemon, folder: Path, **settings: Any) -> None:
+        self.daemon = daemon
+        self.context = RecordingContext(folder)
+        voice = SynthesisSettings(recordings={"Hello.": "hello.wav"})
+        self.driver = ReachyMini(
+            "reachy",
+            ReachyMiniSettings(daemon.address, **{"voice": voice, "libraries": False, **settings}),
+            self.context,
+        )
+
+    async def do(self, verb: str, **args: Any) -> Mapping[str, Json]:
+        """Carry out a verb to its end."""
+        [offered] = [one for one in self.driver.verbs(self.driver.settings) if one.name == verb]
+        defaults = {one.name: one.default for one in offered.arguments if one.default is not None}
+        return await self.driver.perform(PlainJob(verb, {**defaults, **args}))
+
+    async def becomes(self, health: Health) -> None:
+        """Wait for what the wizard sees."""
+        told = self.context.healths
+        await until(lambda: bool(told) and told[-1][0] is health, 60)
+
+    async def stands(self, within: float = 2.5, **joints: float) -> None:
+        """Wait until the robot has this pose: degrees, MuJoCo's head sags a little."""
+        wanted = {name.replace("_", "-"): angle for name, angle in joints.items()}
+
+        def there() -> bool:
+            pose = self.driver._link.pose
+            return all(abs(pose[name] - angle) < within for name, angle in wanted.items())
+
+        try:
+            await until(there)
+        except TimeoutError:
+            pytest.fail(f"stands at {self.driver._link.pose}, not at {wanted}")
+
+    async def stopped(self, command: asyncio.Task[Any]) -> StopReport:
+        """Stop as the bus does: the driver first, then its jobs; then released."""
+        stop = asyncio.ensure_future(self.driver.stop(Scope.ALL))
+        await asyncio.sleep(0)
+        command.cancel()
+        report = await stop
+        await asyncio.gather(command, return_exceptions=True)
+        assert report is not None
+        return report
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def it(daemon: VendorsDaemon, tmp_path: Path) -> AsyncIterator[Played]:
+    """A driver that has found the daemon, and the robot at home."""
+    _write_hello(tmp_path)
+    made = Played(daemon, tmp_path)
+    await made.driver.open()
+    await made.becomes(Health.CONNECTED)
+    await made.do("torque", on=True)
+    await made.do("home")
+    yield made
+    await made.driver.close()
+
+
+def _write_hello(folder: Path) -> None:
+    with wave.open(str(folder / "hello.wav"), "wb") as sound:
+        sound.setnchannels(1)
+        sound.setsampwidth(2)
+        sound.setframerate(16000)
+        sound.writeframes(bytes(16000))
+
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+# -- moving ----------------------------------------------------------------------------------------
+
+
+async def test_poses_are_taken_in_degrees(it: Played) -> None:
+    pose = {"pan": 25, "tilt": -10, "roll": 8, "left-antenna": 60, "body": 10}
+    await it.do("pose", joints=pose, seconds=0.6)
+    await it.stands(pan=25, tilt=-10, roll=8, left_antenna=60, right_antenna=10, body=10)
+
+
+async def test_what_is_out_of_range_is_clamped(it: Played) -> None:
+    sent = await it.do("pose", joints={"tilt": 515})
+    assert sent["joints"] == {"tilt": 40}
+    await it.stands(tilt=40, within=5)
+
+
+async def test_the_body_follows_a_head_that_turns_too_far(it: Played) -> None:
+    await it.do("pose", joints={"pan": 120})
+    await it.stands(pan=120, body=55, within=4)
+
+
+async def test_a_gaze_and_steps_from_it(it: Played) -> None:
+    await it.do("gaze", yaw=30, pitch=0)
+    await it.stands(pan=30)
+    await it.do("nudge", yaw=-10)
+    await it.do("nudge", yaw=-10, pitch=10)
+    await it.stands(pan=10, tilt=10)
+    assert [text for level, text, _ in it.context.notices if "told to" in text] == []
+
+
+@pytest.mark.parametrize("move", ["nod", "wave", "point-left"])
+async def test_a_move_ends_where_it_began(it: Played, move: str) -> None:
+    await it.do("gaze", yaw=15)
+    await it.do("play", move=move, speed=4)
+    await it.stands(pan=15, tilt=0, roll=0, body=0, within=3)
+
+
+@pytest.mark.parametrize("emotion", ["happy", "sad"])
+async def test_an_emotion_is_held(it: Played, emotion: str) -> None:
+    await it.do("emotion", emotion=emotion)
+    held = it.driver._body.pose
+    await it.stands(within=3, **{name.replace("-", "_"): held[name] for name in HOME})
+
+
+async def test_one_move_at_a_time(it: Played) -> None:
+    most = 0
+
+    async def count() -> None:
+        nonlocal most
+        async with aiohttp.ClientSession() as session:
+            while True:
+                async with session.get(f"http://{it.daemon.address}/api/move/running") as answer:
+                    most = max(most, len(await answer.json()))
+
+    counting = asyncio.ensure_future(count())
+    first = asyncio.ensure_future(it.do("pose", joints={"pan": 90}, seconds=20))
+    await asyncio.sleep(0.3)
+    first.cancel()
+    await it.do("play", move="nod", speed=3)
+    await it.do("gaze", yaw=20)
+    await it.do("emotion", emotion="friendly")
+    counting.cancel()
+    assert most == 1
+    await it.stands(pan=20)
+
+
+async def test_it_sleeps_and_wakes_up(it: Played) -> None:
+    await it.do("go_to_sleep")
+    await it.stands(left_antenna=175, within=5)
+    with pytest.raises(RejectedError, match="motors"):
+        await it.do("home")
+    await it.do("wake_up")
+    await it.stands(pan=0, tilt=0, left_antenna=10)
+
+
+async def test_a_recorded_move_of_the_daemon(it: Played) -> None:
+    await it.do("recorded", move=f"{DATA_SET}/turn")
+    await it.stands(pan=math.degrees(0.4))
+
+
+async def test_it_follows_a_body(daemon: VendorsDaemon, tmp_path: Path) -> None:
+    it = Played(daemon, tmp_path, follows="body")
+    feed = it.context.feed(SETPOINTS, of="body")
+    await it.driver.open()
+    await it.becomes(Health.CONNECTED)
+
+    async def breathe() -> None:
+        while True:
+            now = it.context.clock.now_us()
+            tilt = 6 + 2 * math.sin(now / 2e5)
+            feed.put(Setpoints(now, {"pan": -20.0, "tilt": tilt, "roll": 0.0}))
+            await asyncio.sleep(0.02)
+
+    breathing = asyncio.ensure_future(breathe())
+    await it.stands(pan=-20, tilt=6, within=4)
+    report = await it.driver.stop(Scope.ALL)
+    assert report is not None and report.missing == ()
+    breathing.cancel()
+    await it.driver.close()
+
+
+# -- the stop --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("verb", "args"),
+    [
+        ("pose", {"joints": {"pan": 60, "tilt": 20}, "seconds": 3}),
+        ("play", {"move": "look-around"}),
+        ("emotion", {"emotion": "sleepy"}),
+        ("gaze", {"yaw": 100}),
+        ("recorded", {"move": f"{DATA_SET}/turn"}),
+        ("wake_up", {}),
+        ("go_to_sleep", {}),
+        ("say", {"text": "Hello."}),
+    ],
+)
+async def test_a_stop_is_confirmed_and_it_stands_still(
+    it: Played, verb: str, args: dict[str, object]
+) -> None:
+    await it.do("pose", joints={"pan": -30, "roll": 10})
+    command = asyncio.ensure_future(it.do(verb, **args))
+    await asyncio.sleep(0.3)
+    report = await it.stopped(command)
+    assert report.missing == ()
+    before = it.driver._link.pose
+    await asyncio.sleep(0.3)
+    after = it.driver._link.pose
+    assert await it.driver._link.running() == []
+    assert max(abs(after[name] - before[name]) for name in before) < 5.0  # MuJoCo's head swings
+    await it.driver.resume()
+
+
+async def test_moves_of_another_program_are_stopped_too(it: Played) -> None:
+    async with aiohttp.ClientSession() as session:
+        body = {"head_pose": {"yaw": 1.0}, "duration": 20}
+        async with session.post(f"http://{it.daemon.address}/api/move/goto", json=body) as answer:
+            assert answer.status == 200
+    await asyncio.sleep(0.2)
+    report = await it.driver.stop(Scope.ALL)
+    assert report is not None and report.missing == ()
+    assert await it.driver._link.running() == []
+
+
+# -- sound, faults ---------------------------------------------------------------------------------
+
+
+async def test_without_media_it_says_so_once_and_speech_takes_its_time(it: Played) -> None:
+    assert (await it.do("say", text="Hello."))["heard"] is False
+    assert len([text for _, text, _ in it.context.notices if "media" in text]) == 1
+
+
+async def test_its_daemon_takes_our_sounds(it: Played, tmp_path: Path) -> None:
+    form = aiohttp.FormData()
+    content = (tmp_path / "hello.wav").read_bytes()
+    form.add_field("file", content, filename="woz-test.wav", content_type="audio/wav")
+    answer = await it.driver._link.ask("POST", "media/sounds/upload", data=form, within=10)
+    assert answer["status"] == "ok"
+    assert "woz-test.wav" in (await it.driver._link.ask("GET", "media/sounds"))["files"]
+    await it.driver._link.ask("DELETE", "media/sounds/woz-test.wav")
+
+
+async def test_an_error_of_the_daemon_costs_no_further_command(it: Played) -> None:
+    """It answers 500 and hangs up."""
+    for _ in range(2):
+        await it.driver._link.end("0b9b0a3e-0000-4000-8000-000000000000")
+        await it.do("pose", joints={"pan": 5})
+    assert it.context.healths[-1][0] is Health.CONNECTED
+
+
+async def test_the_doctor_finds_nothing_wrong_but_the_media(it: Played, tmp_path: Path) -> None:
+    settings = it.driver.settings
+    findings = await ReachyMini.examine(Probe("reachy", settings, tmp_path))
+    assert [finding.text for finding in findings if finding.level == "error"] == []
+    assert "1.12.0" in " ".join(finding.text for finding in findings)
+
+
+@pytest.mark.parametrize("how", ["killed", "frozen"])
+async def test_a_daemon_that_is_lost_is_found_again(it: Played, how: str) -> None:
+    command = asyncio.ensure_future(it.do("pose", joints={"pan": 60}, seconds=20))
+    await asyncio.sleep(0.3)
+    if how == "killed":
+        await it.daemon.end()
+    else:
+        it.daemon.send(signal.SIGSTOP)
+    with pytest.raises(DeviceLostError):
+        await command
+    await it.becomes(Health.LOST)
+    if how == "killed":
+        await it.daemon.start()
+    else:
+        it.daemon.send(signal.SIGCONT)
+    await it.becomes(Health.CONNECTED)
+    report = await it.driver.stop(Scope.ALL)
+    assert report is not None and report.missing == ()
+    await it.driver.resume()
+    await it.do("home")
+    await it.stands(pan=0)
+
+
+# -- the simulated robot beside it -----------------------------------------------------------------
+
+GETS = ("daemon/status", "state/full", "motors/status", "move/running", "media/status")
+GETS = (*GETS, "media/tracking/face", "media/sounds")
+POSTS: tuple[tuple[str, Any], ...] = (
+    ("move/set_target", {}),
+    ("move/set_target", {"target_head_pose": {"yaw": 0.1}}),
+    ("move/goto", {"head_pose": {"yaw": "left"}, "duration": 1}),
+    ("move/goto", {"head_pose": {"yaw": 0.1}}),
+    ("move/stop", {"uuid": "0b9b0a3e-0000-4000-8000-000000000000"}),
+    ("motors/set_mode/enabled", None),
+    ("motors/set_mode/limp", None),
+    ("media/play_sound", {"file": "nothing.wav"}),
+    ("media/stop_sound", None),
+    ("media/wobbling/enable", None),
+    ("media/wobbling/disable", None),
+    ("media/tracking/enable", {"weight": 0.5}),
+    ("media/tracking/disable", None),
+    ("move/play/recorded-move-dataset/pollen-robotics/none/nod", None),
+)
+
+
+def _shape(value: Any) -> Any:
+    """Names and types of an answer, without its values; numbers are alike."""
+    match value:
+        case dict():
+            return {key: _shape(inner) for key, inner in value.items()}
+        case list():
+            return [_shape(inner) for inner in value[:1]]
+        case bool() | str():
+            return type(value).__name__
+        case int() | float():
+            return "number"
+    return None
+
+
+async def _answers(address: str) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    async with aiohttp.ClientSession(f"http://{address}/api/") as session:
+        for path in GETS:
+            async with session.get(path) as answer:
+                found[path] = (answer.status, _shape(await answer.json()))
+        for number, (path, body) in enumerate(POSTS):
+            async with session.post(path, json=body, headers={"Connection": "close"}) as answer:
+                text = await answer.text()
+            shape = _shape(json.loads(text)) if answer.status == 200 else None
+            found[f"{number} {path}"] = (answer.status, shape)
+        # While a move runs targets are ignored; two moves run at once; each can be stopped.
+        begun = []
+        for yaw in (0.5, -0.5):
+            goto = {"head_pose": {"yaw": yaw}, "duration": 20}
+            async with session.post("move/goto", json=goto) as answer:
+                begun.append((await answer.json())["uuid"])
+        async with session.post("move/set_target", json={}) as answer:
+            found["ignored"] = await answer.json()
+        async with session.get("move/running") as answer:
+            found["two"] = [each["uuid"] for each in await answer.json()] == begun
+        for each in begun:
+            async with session.post("move/stop", json={"uuid": each}) as answer:
+                found["stopped"] = (answer.status, _shape(await answer.json()))
+        async with session.ws_connect(f"http://{address}/ws/sdk") as line:
+            kinds: dict[str, Any] = {}
+            async with asyncio.timeout(10):
+                while len(kinds) < 3:
+                    message = json.loads((await line.receive()).data)
+                    kinds[message["type"]] = _shape(message)
+            found["messages"] = kinds
+    return found
+
+
+async def test_the_simulated_robot_answers_as_the_daemon_does(daemon: VendorsDaemon) -> None:
+    async with ReachyMiniSimulator() as robot:
+        robot.media = False
+        ours, theirs = await _answers(robot.address), await _answers(daemon.address)
+    # Which of both simulations it is, and the time of an answer, differ.
+    for answers in (ours, theirs):
+        for status in (answers["daemon/status"][1], answers["messages"]["daemon_status"]):
+            del status["simulation_enabled"], status["mockup_sim_enabled"]
+        del answers["state/full"][1]["timestamp"]
+    assert {name: ours[name] for name in theirs} == theirs
+
+
+VENDORS_CLIENT = """
+import sys
+from reachy_mini import ReachyMini
+from reachy_mini.utils import create_head_pose
+
+host, port = sys.argv[1].split(":")
+with ReachyMini(
+    host=host, port=int(port), connection_mode="network", media_backend="no_media"
+) as robot:
+    robot.goto_target(create_head_pose(yaw=20, degrees=True), antennas=[-0.5, 0.5], duration=0.5)
+    robot.set_target(antennas=[-0.2, 0.2])
+    print(robot.get_current_head_pose()[1][0], robot.client.get_status().version)
+"""
+
+
+async def test_the_vendors_client_takes_the_simulated_robot_for_one() -> None:
+    python = place("reachy-mini") / "bin" / "python"
+    async with ReachyMiniSimulator() as robot:
+        program = await asyncio.create_subprocess_exec(
+            *(str(python), "-c", VENDORS_CLIENT, robot.address),
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+        )
+        output, errors = await asyncio.wait_for(program.communicate(), STARTS_S)
+    assert program.returncode == 0, errors.decode()
+    turned, version = output.decode().split()[-2:]
+    assert float(turned) == pytest.approx(math.sin(math.radians(20)), abs=0.02)
+    assert version == "1.12.0"

@@ -220,7 +220,8 @@ class ReachyMini(Driver):
         self._installed: Mapping[str, list[str]] | None = None
         self._library: asyncio.Task[None] | None = None
         self._told_silent = self._asked_library = False
-        self._stopped = self._closed = False
+        self._closed = False
+        self._stops: list[asyncio.Future[None]] = []
         self._performers: dict[str, Callable[[Job], Awaitable[Sent]]] = {
             "say": self._sounds.say,
             "sound": self._sounds.sound,
@@ -303,13 +304,16 @@ class ReachyMini(Driver):
         """
         if scope is Scope.DRIVE or not self._link.ready:
             return None
-        self._stopped = True
         if self._demo is not None:
             self._demo.cancel()
+        self._end_late_stops()
+        ended = asyncio.ensure_future(self._body.end_moves())
         parts = {
-            asyncio.ensure_future(self._stop_motion()): "motion",
-            asyncio.ensure_future(self._sounds.stop()): "sound",
+            asyncio.ensure_future(self._stop_motion(ended)): "motion",
+            asyncio.ensure_future(self._stop_sound(ended)): "sound",
         }
+        # Those that come too late go on: a slow line must not keep it moving.
+        self._stops = [ended, *parts]
         await asyncio.wait(parts, timeout=STOP_S)
         confirmed, missing = [], []
         for part, name in parts.items():
@@ -317,19 +321,30 @@ class ReachyMini(Driver):
                 confirmed.append(name)
             else:
                 missing.append(name)
-                part.cancel()
         return StopReport(tuple(confirmed), tuple(missing))
 
-    async def _stop_motion(self) -> None:
+    def _end_late_stops(self) -> None:
+        for stop in self._stops:
+            stop.add_done_callback(lambda over: over.cancelled() or over.exception())
+            stop.cancel()
+
+    async def _stop_motion(self, ended: asyncio.Future[None]) -> None:
         tracked, self._mode = self._mode == "tracking", MODES[0]
-        await asyncio.gather(
-            *(self._senses.track(False) for _ in range(tracked)), self._body.stop()
-        )
+        if tracked:
+            await self._senses.track(False)
+        await asyncio.shield(ended)
+        await self._body.stand_still()
         self.context.mode(self._mode)
+
+    async def _stop_sound(self, ended: asyncio.Future[None]) -> None:
+        """Now, and when no move is left that begins a sound of its own, as waking up does."""
+        await self._sounds.stop()
+        await asyncio.shield(ended)
+        await self._sounds.stop()
 
     async def resume(self) -> None:
         """The stop was released: a body is followed again."""
-        self._stopped = False
+        self._end_late_stops()  # what is asked for from now on must not end by them
         self._body.resume()
 
     async def rest(self) -> None:
@@ -346,6 +361,8 @@ class ReachyMini(Driver):
         if self._closed:
             return
         self._closed = True
+        self._end_late_stops()
+        await asyncio.gather(*self._stops, return_exceptions=True)
         await self._end_demo()
         if self._library is not None:
             self._library.cancel()

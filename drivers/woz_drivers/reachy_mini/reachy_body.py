@@ -118,6 +118,7 @@ class ReachyBody:
         self._next = {}
         try:
             taken = await self._go(pose, seconds)
+            await self._settle()
         finally:
             self._look_on()
         return {
@@ -131,6 +132,13 @@ class ReachyBody:
         seconds = max(seconds, shortest_s(pose, self.setpoint))
         await self._carry_out(lambda: self._link.goto(pose, seconds), seconds, pose)
         return seconds
+
+    async def _settle(self) -> None:
+        """Hold the very pose: the daemon's last step of a goto is before its end, on a busy machine
+        by several degrees.
+        """
+        if self._held is not None:
+            await self._link.setpoint(self._held)
 
     def seconds_for(self, wanted: Pose, seconds: float) -> float:
         """How long `go` will take, in seconds."""
@@ -155,6 +163,7 @@ class ReachyBody:
                 pose = reachable(frame.after(base, amplitude), {**pose, **self._next})
                 self._base, self._next = base, {}
                 total += await self._go(pose, frame.seconds / speed)
+            await self._settle()
         finally:
             self._base = None
             self._look_on()
@@ -364,21 +373,22 @@ class ReachyBody:
 
     # -- standing still --------------------------------------------------------------------------
 
-    async def stop(self) -> None:
-        """End every move, whoever began it, and return when nothing moves any more."""
+    async def end_moves(self) -> None:
+        """End every move, whoever began it; returns when none runs any more."""
         self._stopped = True
-        began = asyncio.get_running_loop().time()
         if not self.following:
             await self._end_stream()
         await self._link.end_any()
-        while True:
-            running = await self._link.running()
+        while (running := await self._link.running()) or self._moves or self._tidying:
             await asyncio.gather(*(self._link.end(uuid) for uuid in running))
-            busy = running or self._moves or self._tidying
-            if not busy and self._link.still_since(began):
-                break
             await asyncio.sleep(_LOOK_S)
         self._unknown()
+
+    async def stand_still(self) -> None:
+        """Return when the poses that come from now on say that nothing moves."""
+        began = asyncio.get_running_loop().time()
+        while not self._link.still_since(began):  # noqa: ASYNC110 - poses set no event
+            await asyncio.sleep(_LOOK_S)
 
     def resume(self) -> None:
         """The stop was released."""

@@ -46,13 +46,14 @@ async def it(folder: Path) -> AsyncIterator[PlayedReachy]:
     ("verb", "args"),
     [
         ("pose", {"joints": {"pan": 90}, "seconds": 400}),
-        ("recorded", {"move": "dances/groovy_sway_and_roll"}),
+        ("recorded", {"move": "dances/slow"}),
         ("say", {"text": "A long story."}),
     ],
 )
 async def test_a_loss_ends_what_is_under_way_and_it_is_found_again(
     it: PlayedReachy, how: str, verb: str, args: dict[str, object]
 ) -> None:
+    it.robot.data_sets["pollen-robotics/reachy-mini-dances-library"] = {"slow": 900.0}
     command = it.begin(verb, **args)
     await until(lambda: it.asked_to_move or it.robot.sound is not None)
     match how:
@@ -125,6 +126,16 @@ async def test_a_stop_while_it_is_frozen_is_not_confirmed(it: PlayedReachy) -> N
     assert report is not None and set(report.missing) == {"motion", "sound"}
     moving.cancel()
     it.robot.thaw()
+
+
+async def test_a_stop_that_is_too_slow_to_be_confirmed_still_happens(it: PlayedReachy) -> None:
+    moving = it.begin("pose", joints={"pan": 90}, seconds=400)
+    await until(lambda: it.asked_to_move)
+    it.robot.faults.delay_s = 1.0 * PACE
+    report = await it.driver.stop(Scope.ALL)
+    assert report is not None and set(report.missing) == {"motion", "sound"}
+    moving.cancel()
+    await until(lambda: not it.asked_to_move)
 
 
 async def test_a_command_that_comes_late_moves_nothing_after_the_stop(it: PlayedReachy) -> None:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Verb
-from woz_tui.drivers.fields import Range
+from woz_tui.drivers.contract import DriverContext, DriverError
 from woz_tui.protocol.messages import Json
 
 NAME = "listen_room"
@@ -19,20 +18,6 @@ LEAST_THRESHOLD = 0.001
 _MOST_THRESHOLD = 0.9
 #: Noise of a room is never so many times as loud as its median for 20 ms.
 _STANDS_OUT = 4.0
-_SECONDS = 10.0
-
-
-def verb() -> Verb:
-    """What drivers with a microphone offer."""
-    seconds = Argument("seconds", "seconds", "how long", default=_SECONDS, range=Range(0.1, 120))
-    summary = "learn the threshold of speech from the room's noise, while nobody speaks"
-    return Verb(NAME, summary, (seconds,), lane="listen", limit_s=150.0)
-
-
-def seconds(args: Mapping[str, Json]) -> float:
-    """How long a command wants to listen."""
-    found = args.get("seconds")
-    return float(found) if isinstance(found, int | float) else _SECONDS
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.drivers.verb_names import COMMON_VERBS
+from woz_tui.drivers.robot_verbs import COMMON_VERBS, main_argument
 
 DRIVERS = Path(__file__).parents[2] / "drivers"
 EXAMPLE = DRIVERS / "example"
@@ -110,4 +110,4 @@ def test_the_readme_shows_every_method_of_the_example() -> None:
 
 def test_the_readme_lists_every_common_verb() -> None:
     table = dict(re.findall(r"^\| `(\w+)` \| `(\w+)`", README.read_text(), re.MULTILINE))
-    assert table == COMMON_VERBS
+    assert table == {name: main_argument(name) for name in COMMON_VERBS}

@@ -75,7 +75,7 @@ async def test_the_same_seed_teaches_the_same(tmp_path: Path) -> None:
 
 
 async def test_ten_seconds_are_usual(it: Rig) -> None:
-    sent = it.begin(room_threshold.NAME)
+    sent = it.begin(room_threshold.NAME, seconds=10.0)
     await it.pace.advance(10.3)
     assert sent.done()
     assert (await sent)["seconds"] == 10.0
@@ -149,4 +149,4 @@ async def test_the_stop_ends_it_and_it_can_be_done_again(it: Rig) -> None:
 async def test_without_a_visitor_there_is_no_microphone(tmp_path: Path) -> None:
     async with rig(tmp_path) as alone:
         with pytest.raises(RejectedError, match="cannot listen_room"):
-            await alone.do(room_threshold.NAME)
+            await alone.do(room_threshold.NAME, seconds=10.0)

@@ -25,7 +25,7 @@ from woz_tui.config.settings_table import settings_rows
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, DriverFacts, Verb
-from woz_tui.drivers.verb_names import COMMON_VERBS
+from woz_tui.drivers.robot_verbs import COMMON_VERBS
 from woz_tui.protocol.messages import Json
 
 #: Columns of a page that goes into a file or a pipe.

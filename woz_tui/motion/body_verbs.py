@@ -6,9 +6,11 @@ The bus, a script for `woz render` and the engine share these: an input is a ver
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.motion.body_shape import GAZE_EASINGS, BodyShape
 from woz_tui.motion.control_scales import TRAITS
 from woz_tui.motion.modes import InputKind, Mode
@@ -56,7 +58,7 @@ CONTROLS = tuple(CONTROL_KINDS)
 
 _UNIT = Range(0, 1)
 _BOTH = Range(-1, 1)
-_ANGLE = Range(-180, 180, "deg")
+_ANGLE, _METRES = Range(-180, 180, "degrees"), Range(-100, 100, "m")
 #: No movement takes longer than a day.
 _DAY = Range(0, 86_400, "s")
 _SECONDS = Argument("seconds", "seconds", "in how long; empty: as fast as it may", range=_DAY)
@@ -67,55 +69,36 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
     """The verbs of a body with these moves."""
     joints = Argument("joints", "joints", "degrees by joint", required=True)
     body = (
-        Verb(
+        common_verb(
             "play",
-            "play a move",
-            (
-                Argument("move", "choice", "which one", required=True, choices=tuple(moves)),
-                Argument("speed", "number", "1: as written", default=1.0, range=Range(0.1, 5)),
-                Argument("amplitude", "number", "1: as written", default=1.0, range=Range(0, 3)),
-            ),
-            lane="body",
-            limit_s=120.0,
+            "",
+            Argument("speed", "number", "1: as written", default=1.0, range=Range(0.1, 5)),
+            Argument("amplitude", "number", "1: as written", default=1.0, range=Range(0, 3)),
+            choices=tuple(moves),
         ),
-        Verb("pose", "take a pose", (joints, _SECONDS, _EASING), lane="body"),
-        Verb(
-            "poses",
-            "take poses one after the other",
-            (Argument("poses", "poses", "joints and seconds", required=True), _EASING),
-            lane="body",
-            limit_s=120.0,
-        ),
-        Verb(
-            "home",
-            "take the home pose",
-            (Argument("seconds", "seconds", "in how long", default=1.0, range=_DAY), _EASING),
-            lane="body",
-        ),
-        Verb(
+        common_verb("pose", "", _SECONDS, _EASING, limit_s=30.0),
+        common_verb("poses", "", _EASING, limit_s=120.0),
+        common_verb("home", "", replace(_SECONDS, summary="in how long", default=1.0), _EASING),
+        common_verb(
             "gaze",
-            "look at a direction, or at a point in space",
-            (
-                Argument("yaw", "number", "to its left", range=_ANGLE),
-                Argument("pitch", "number", "downwards", range=Range(-90, 90, "deg")),
-                Argument("x", "number", "forward from the base", range=Range(-100, 100, "m")),
-                Argument("y", "number", "to its left", range=Range(-100, 100, "m")),
-                Argument("z", "number", "above the base", range=Range(-100, 100, "m")),
-                _SECONDS,
-                _EASING,
-            ),
+            "look in a direction, or at a point in space",
+            Argument("pitch", "number", "down is positive", range=Range(-90, 90, "degrees")),
+            Argument("x", "number", "forward from the base", range=_METRES),
+            Argument("y", "number", "to its left", range=_METRES),
+            Argument("z", "number", "above the base", range=_METRES),
+            _SECONDS,
+            _EASING,
             lane="body",
-            stream=True,
         ),
-        Verb(
+        common_verb(
             "nudge",
-            "look a bit further",
-            (
-                Argument("yaw", "number", "to its left", default=0.0, range=_ANGLE),
-                Argument("pitch", "number", "downwards", default=0.0, range=_ANGLE),
-            ),
+            "",
+            Argument("yaw", "number", "left is positive", default=0.0, range=_ANGLE),
+            Argument("pitch", "number", "down is positive", default=0.0, range=_ANGLE),
             lane="body",
             stream=True,
+            brief=False,
+            limit_s=30.0,
         ),
         Verb("joints", "joints directly, as fast as they may", (joints,), lane="body", stream=True),
         Verb(
@@ -135,17 +118,10 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
             lane="control",
             brief=True,
         ),
-        Verb(
+        common_verb(
             "mode",
             "change the mode; normal ends whatever goes on",
-            (
-                Argument(
-                    "mode",
-                    "choice",
-                    required=True,
-                    choices=tuple(mode.value for mode in Mode),
-                ),
-            ),
+            choices=tuple(mode.value for mode in Mode),
             lane="mode",
         ),
         Verb(
@@ -179,14 +155,11 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
 
 
 _FACE_VERBS = (
-    Verb(
+    common_verb(
         "emotion",
-        "show an emotion",
-        (
-            Argument("emotion", "choice", required=True, choices=EMOTIONS),
-            Argument("intensity", "number", "empty: as it was", range=_UNIT),
-        ),
-        lane="face",
+        "",
+        Argument("intensity", "number", "empty: as it was", range=_UNIT),
+        choices=EMOTIONS,
     ),
     Verb(
         "affect",

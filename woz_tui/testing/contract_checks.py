@@ -35,7 +35,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Section
-from woz_tui.drivers.verb_names import COMMON_VERBS
+from woz_tui.drivers.robot_verbs import COMMON_VERBS, main_argument
 from woz_tui.protocol.messages import Json
 from woz_tui.testing.recording_context import PlainJob, RecordingContext, until
 
@@ -163,11 +163,11 @@ def _verb(verb: Verb) -> Iterable[Finding]:
     if not verb.limit_s > 0:
         yield _error(subject, f"limit_s must be more than 0, not {verb.limit_s}")
     main = verb.arguments[0].name if verb.arguments else ""
-    if verb.name in COMMON_VERBS and main != COMMON_VERBS[verb.name]:
+    if verb.name in COMMON_VERBS and main != main_argument(verb.name):
         yield _error(
             subject,
             f"its main argument is {main!r}",
-            f"everybody's is {COMMON_VERBS[verb.name]!r}, and it comes first",
+            f"everybody's is {main_argument(verb.name)!r}, and it comes first",
         )
     yield from _repeated(subject, [argument.name for argument in verb.arguments])
     for argument in verb.arguments:

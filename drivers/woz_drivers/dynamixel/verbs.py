@@ -10,6 +10,7 @@ from woz_drivers.dynamixel.setpoint_planning import Keyframe
 from woz_drivers.dynamixel.settings import SECONDS, ServoSettings
 from woz_tui.drivers.contract import Argument, RejectedError, Verb
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 
 BODY = "body"
 HEAD = "head"
@@ -24,26 +25,23 @@ def servo_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
     power = _power_verbs(settings)
     if settings.follows:
         return power
-    pose = Argument("joints", "joints", "angles by joint, in degrees", required=True)
-    poses = Argument("poses", "poses", "angles by joint, each with seconds", required=True)
     verbs = [
-        Verb("pose", "Move joints to angles in degrees, together", (pose, _seconds(1.0)), BODY),
-        Verb("poses", "Move through several poses, one after the other", (poses,), BODY),
-        Verb("home", "Move all joints to their home angles", (_seconds(2.0),), BODY),
+        common_verb("pose", "", _seconds(1.0)),
+        common_verb("poses"),
+        common_verb("home", "", _seconds(2.0)),
         *power,
     ]
     if names := (*settings.moves, *settings.poses):
-        move = Argument("move", "choice", "its name", required=True, choices=names)
-        speed = Argument("speed", "number", "1 is as written", False, 1.0, Range(0.1, 5.0))
+        speed = Argument("speed", "number", "2 is twice as fast", False, 1.0, Range(0.1, 5.0))
         share = "share of the way from home"
         amplitude = Argument("amplitude", "number", share, False, 1.0, Range(0.0, 2.0))
-        summary = "Play a named move or take a named pose"
-        verbs.append(Verb("play", summary, (move, speed, amplitude), BODY))
+        summary = "play a named move, or take a named pose"
+        verbs.append(common_verb("play", summary, speed, amplitude, choices=names))
     if settings.pan or settings.tilt:
         # Each step counts, so `nudge` is queued; of a stream of gazes only the last one counts.
         verbs += [
-            _turn("gaze", "Look into a direction", 90.0),
-            _turn("nudge", "Look further", 45.0),
+            _turn("gaze", 90.0),
+            _turn("nudge", 45.0),
         ]
     return tuple(verbs)
 
@@ -54,27 +52,22 @@ def _seconds(default: float) -> Argument:
 
 def _power_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
     joint = Argument("joint", "choice", "only this one", False, "", choices=("", *settings.joints))
-    on = Argument("on", "flag", "whether the joints hold", required=True)
-    summary = "Switch the joints on (they hold) or off (they go limp)"
-    torque = Verb("torque", summary, (on, joint), POWER)
+    summary = "switch the joints on (they hold) or off (they go limp)"
+    torque = common_verb("torque", summary, joint, lane=POWER)
     if settings.protocol == 1:
         return (torque,)
     alarmed = replace(joint, summary="only this one; empty: all with an alarm")
-    summary = "Restart servos that report an alarm; they are limp afterwards"
+    summary = "restart servos that report an alarm; they are limp afterwards"
     return (torque, Verb("reboot", summary, (alarmed,), POWER))
 
 
-def _turn(name: str, summary: str, reach: float) -> Verb:
-    bound = Range(-2 * reach, 2 * reach, "deg")
-    return Verb(
+def _turn(name: str, reach: float) -> Verb:
+    bound = Range(-2 * reach, 2 * reach, "degrees")
+    return common_verb(
         name,
-        summary,
-        (
-            Argument("yaw", "number", "degrees to the left", False, None, bound),
-            Argument("pitch", "number", "degrees down", False, None, bound),
-        ),
-        lane=HEAD,
-        stream=name == "gaze",
+        "",
+        Argument("yaw", "number", "left is positive", False, None, bound),
+        Argument("pitch", "number", "down is positive", False, None, bound),
     )
 
 

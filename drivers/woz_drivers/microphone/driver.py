@@ -28,6 +28,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Verb,
 )
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.speech_endpoint import SpeechEnd
 
@@ -78,7 +79,7 @@ class Microphone(PassiveDriver):
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """It can learn the room's noise."""
-        return (room_threshold.verb(),)
+        return (common_verb(room_threshold.NAME),)
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
@@ -120,7 +121,7 @@ class Microphone(PassiveDriver):
             raise DeviceLostError(
                 f"{self.name} delivers no sound", "see the driver's health for the reason"
             )
-        learning = _Learning(room_threshold.seconds(job.args))
+        learning = _Learning(job.args["seconds"])
         self._learning = learning
         job.expects(learning.seconds)
         try:

@@ -8,7 +8,6 @@ import time
 from collections.abc import Awaitable, Callable, Collection, Mapping
 from typing import Any
 
-from woz_drivers import room_threshold
 from woz_drivers.simulated import doctor, verbs
 from woz_drivers.simulated import settings as _settings
 from woz_drivers.simulated.argument_values import (
@@ -486,7 +485,7 @@ class SimulatedRobot(Driver):
         if self._ears is None:
             raise RejectedError("a robot without a visitor has no microphone")
         self._tick()  # what was heard before does not count
-        with self._ears.lesson(room_threshold.seconds(job.args)) as lesson:
+        with self._ears.lesson(job.args["seconds"]) as lesson:
             await self._spend(job, lesson.seconds, lesson.done)
             self._tick()
             return self._ears.adopt(lesson)

@@ -11,6 +11,7 @@ from woz_drivers.simulated.senses import SENSORS
 from woz_drivers.simulated.settings import SimulatedSettings
 from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Argument, Verb
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 
 # -- moves ----------------------------------------------------------------------------------------
 # The gestures that `play` knows, as poses at fractions of their duration.
@@ -114,20 +115,22 @@ def roles(settings: SimulatedSettings) -> dict[str, str]:
 
 # --------------------------------------------------------------------------------------------------
 
-#: How coloured eyes move.
-ANIMATIONS = ("steady", "blink", "intermittent")
-
-_DEGREES = Range(-180, 180, "degrees")
 _STEP = Range(-90, 90, "degrees")
-_METRES = Range(-5, 5, "m")
 
 
 def offered(settings: SimulatedSettings) -> tuple[Verb, ...]:
     """The verbs of a robot with these joints, moves and modes."""
-    senses = (room_threshold.verb(), _LEARN_FACE) if settings.visitor else ()
+    senses = (
+        (common_verb(room_threshold.NAME), common_verb("learn_face")) if settings.visitor else ()
+    )
     if settings.voice_only:
         return (*_VOICE, *senses)
-    rest = (*_body(settings), *_face(settings), _DRIVE, *_control(settings))
+    face = (
+        common_verb("emotion", choices=settings.emotions),
+        common_verb("eyes"),
+        common_verb("screen"),
+    )
+    rest = (*_body(settings), *face, common_verb("drive"), *_control(settings))
     return (*_VOICE, *rest, *senses)
 
 
@@ -148,112 +151,24 @@ def lanes(settings: SimulatedSettings) -> tuple[str, ...]:
 
 
 _VOICE = (
-    Verb(
-        "say",
-        "speak a sentence; tags for pauses and rate count",
-        (Argument("text", "text", "what to say", required=True),),
-        lane="voice",
-        limit_s=180.0,
-    ),
-    Verb(
-        "sound",
-        "play a sound file",
-        (Argument("file", "file", "a WAV file", required=True),),
-        lane="sound",
-        limit_s=600.0,
-    ),
-    Verb(
-        "volume",
-        "set how loud it speaks",
-        (Argument("level", "number", "0 mute, 1 full", required=True, range=Range(0, 1)),),
-        lane="control",
-    ),
-)
-
-
-_LEARN_FACE = Verb(
-    "learn_face",
-    "recognise the present visitor by this name from now on",
-    (Argument("name", "text", "a code or a pseudonym", required=True),),
-    lane="eye",
-    limit_s=10.0,
+    common_verb("say", "speak a sentence; tags for pauses and rate count"),
+    common_verb("sound"),
+    common_verb("volume"),
 )
 
 
 def _body(settings: SimulatedSettings) -> tuple[Verb, ...]:
     moves = [
-        Verb(
-            "play",
-            "play a gesture by name",
-            (
-                Argument(
-                    "move", "choice", required=True, choices=tuple(sorted(playable_moves(settings)))
-                ),
-                Argument("speed", "number", "2 is twice as fast", default=1.0, range=Range(0.1, 4)),
-                Argument("amplitude", "number", "size", default=1.0, range=Range(0, 2)),
-            ),
-            lane="body",
-            limit_s=120.0,
-        )
+        common_verb("play", "play a gesture by name", choices=sorted(playable_moves(settings)))
     ]
     if settings.joints:
-        moves += _JOINT_VERBS
+        moves += [common_verb(name) for name in ("pose", "poses", "home", "torque")]
     have = roles(settings)
     if "yaw" in have or "pitch" in have:
-        moves += _HEAD
+        moves += [common_verb("gaze"), common_verb("nudge")]
     if "hip" in have or "roll" in have:
         moves.append(_HIP)
     return tuple(moves)
-
-
-_SECONDS = Argument("seconds", "seconds", "0: as fast as it can", default=0.0)
-_JOINT_VERBS = (
-    Verb(
-        "pose",
-        "take a pose",
-        (Argument("joints", "joints", "degrees by joint", required=True), _SECONDS),
-        lane="body",
-        limit_s=60.0,
-    ),
-    Verb(
-        "poses",
-        "pass through poses, one after the other",
-        (Argument("poses", "poses", "poses, each with `seconds`", required=True),),
-        lane="body",
-        limit_s=300.0,
-    ),
-    Verb("home", "take the home pose", (_SECONDS,), lane="body", limit_s=60.0),
-    Verb(
-        "torque",
-        "switch the motors on or off",
-        (Argument("on", "flag", required=True),),
-        lane="control",
-    ),
-)
-
-
-_HEAD = (
-    Verb(
-        "gaze",
-        "look in a direction",
-        (
-            Argument("yaw", "number", "left is positive", range=_DEGREES),
-            Argument("pitch", "number", "down is positive", range=_DEGREES),
-        ),
-        lane="head",
-        stream=True,
-    ),
-    Verb(
-        "nudge",
-        "turn the head a step from where it looks",
-        (
-            Argument("yaw", "number", "left is positive", default=0.0, range=_STEP),
-            Argument("pitch", "number", "down is positive", default=0.0, range=_STEP),
-        ),
-        lane="head",
-        limit_s=5.0,
-    ),
-)
 
 
 _HIP = Verb(
@@ -268,65 +183,9 @@ _HIP = Verb(
 )
 
 
-def _face(settings: SimulatedSettings) -> tuple[Verb, ...]:
-    return (
-        Verb(
-            "emotion",
-            "show an emotion",
-            (
-                Argument("emotion", "choice", required=True, choices=settings.emotions),
-                Argument(
-                    "intensity", "number", "0 neutral, 1 full", default=1.0, range=Range(0, 1)
-                ),
-            ),
-            lane="face",
-        ),
-        Verb(
-            "eyes",
-            "colour the eyes",
-            (
-                Argument("color", "text", "a name or #rrggbb; off", required=True),
-                Argument(
-                    "animation",
-                    "choice",
-                    "steady, blinking lids, or a pulsing light",
-                    default="steady",
-                    choices=ANIMATIONS,
-                ),
-            ),
-            lane="face",
-        ),
-        Verb(
-            "screen",
-            "show a file on the screen",
-            (Argument("file", "file", "picture, video or page", required=True),),
-            lane="screen",
-        ),
-    )
-
-
-_DRIVE = Verb(
-    "drive",
-    "drive and turn from where it stands",
-    (
-        Argument("x", "number", "metres forward", default=0.0, range=_METRES),
-        Argument("y", "number", "metres to the left", default=0.0, range=_METRES),
-        Argument("turn", "number", "degrees to the left", default=0.0, range=Range(-360, 360)),
-    ),
-    lane="base",
-    drives=True,
-    limit_s=120.0,
-)
-
-
 def _control(settings: SimulatedSettings) -> tuple[Verb, ...]:
     return (
-        Verb(
-            "mode",
-            "change the robot's mode",
-            (Argument("mode", "choice", required=True, choices=settings.modes),),
-            lane="control",
-        ),
+        common_verb("mode", choices=settings.modes),
         Verb(
             "fault",
             "simulate a fault, for rehearsals",

@@ -72,6 +72,9 @@ class Clerk:
         self.asked.append(asyncio.get_running_loop().time())
         return self._values
 
+    def conflicts(self) -> tuple[str, ...]:
+        return ()
+
 
 def test_a_burst_of_keys_is_read_back_once_it_is_over_and_meanwhile_now_and_then() -> None:
     async def scene() -> tuple[float, float, list[float]]:

@@ -32,7 +32,7 @@ def test_the_robot_is_chosen_on_the_command_line(capsys: pytest.CaptureFixture[s
     assert parser.parse_args([]).robot == "simulated"
     assert demo.run(parser.parse_args(["--robot", "eyepy"])) == 2
     assert "did you mean 'eyepi'?" in capsys.readouterr().err
-    assert demo.run(parser.parse_args(["--robot", "hal"])) == 2
+    assert demo.run(parser.parse_args(["--robot", "xyz"])) == 2
     assert "simulated" in capsys.readouterr().err
 
 

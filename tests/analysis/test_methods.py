@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, study
@@ -182,3 +183,9 @@ def test_that_a_lost_console_stops_the_drive_is_no_emergency_stop() -> None:
         1, m.StopPressed(source="no wizard's console is attached", scope="drive")
     )
     assert "emergency stop" not in text(told(it.end(9)))
+
+
+def test_another_robot_than_the_files_own_is_named() -> None:
+    other = replace(told(ExampleSession().act(1).end(60)), robot="nao")
+    assert "In 1 session the file was played with the robot nao." in text(other)
+    assert "the robot nao" not in text(replace(other, robot=""))

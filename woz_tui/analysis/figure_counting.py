@@ -95,6 +95,7 @@ def figures_of(
         schema=start.schema,
         experiment=start.experiment,
         experiment_sha256=start.experiment_sha256,
+        robot=start.robot,
         title=plan.title if plan else "",
         started=start.clock.get("wall_at_t0", "") or start.ts,
         duration_us=timeline.end - timeline.begin,

@@ -286,7 +286,8 @@ class SessionFigures:
 
     `parts` are by participant and condition, in the order in which they came; `whole` has all of
     them together. Both leave out what happened in trials that do not count (aborted or excluded)
-    unless `all_trials`. Everything else is of the session as it was. `participants` are those who
+    unless `all_trials`. Everything else is of the session as it was. `robot`: the one that played
+    instead of the file's own. `participants` are those who
     took part (see `people`); `participant` names them, or all codes if nobody did. `unanswered` are
     titles of questionnaires that were due and neither answered nor declined, and after which trial.
     """
@@ -303,6 +304,7 @@ class SessionFigures:
     schema: int
     experiment: str
     experiment_sha256: str
+    robot: str
     title: str
     started: str
     duration_us: int

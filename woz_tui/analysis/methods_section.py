@@ -117,6 +117,9 @@ def _attended(facts: StudyFacts) -> Iterator[str]:
     title = f' ("{facts.title}")' if facts.title and file else ""
     if software:
         yield f"The robot was run by {listed(sorted(software))}{file}{title}."
+    for robot, count in sorted(facts.robots.items()):
+        if robot:
+            yield f"In {counted(count, 'session')} the file was played with the robot {robot}."
     for name, count in facts.questionnaires.items():
         yield f"The questionnaire {name} was given {times(count)}."
     if facts.declined:

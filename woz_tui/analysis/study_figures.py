@@ -60,6 +60,7 @@ class StudyFacts:
     wizards: Counter[str] = field(default_factory=Counter)
     practice: dict[str, WizardTraining] = field(default_factory=dict)
     software: Counter[str] = field(default_factory=Counter)
+    robots: Counter[str] = field(default_factory=Counter)
     orders: Counter[str] = field(default_factory=Counter)
     panels: dict[str, bool] = field(default_factory=dict)
     offered: set[tuple[str, str]] = field(default_factory=set)
@@ -110,6 +111,7 @@ class StudyFacts:
         self.lengths.add(figures.duration_us - nobodys)
         self.wizards[figures.wizard] += 1
         self.software[figures.software] += 1
+        self.robots[figures.robot] += 1
         self._people(figures)
         self._production(figures)
         self._answers(figures)

@@ -232,6 +232,7 @@ SESSIONS: TableDefinition[SessionFigures] = TableDefinition(
             lambda it: "; ".join(it.wholeness.sentences),
         ),
         _plain("boolean", "redacted", "texts and dates were taken out"),
+        _session("string", "robot", "the robot that played instead of the file's own; empty: none"),
     ),
     lambda figures: (figures,),
     key=("log",),

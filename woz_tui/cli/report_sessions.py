@@ -67,6 +67,7 @@ def title(page: ReportPage, figures: SessionFigures) -> None:
     what = [
         experiment_of(figures) or "experiment not recorded",
         figures.title,
+        f"robot {figures.robot}" if figures.robot else "",
         figures.started[:16].replace("T", " ") + " UTC" if figures.started else "",
         clock(figures.duration_us),
         figures.software,

@@ -27,7 +27,7 @@ KEPT = frozenset(
         *("command", "original_command", "verb", "driver", "when_busy", "code", "by", "lane"),
         *("scope", "confirmed", "missing", "unreached", "sensor", "unit", "bad", "state", "level"),
         *("halted", "now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
-        *("method", "order", "cues", "sort", "hidden", "blurred", "what"),
+        *("method", "order", "cues", "sort", "hidden", "blurred", "what", "without"),
         *("questionnaire", "item", "cue", "expects", "judged", "tells", "sees"),
         *("script", "conditions", "keyboard", "drivers", "variables"),
     }
@@ -43,7 +43,7 @@ KEPT_INSIDE: Mapping[str, frozenset[str]] = {
     "software": frozenset({"name", "version"}),
     "clock": frozenset({"source", "unit"}),
     "items": frozenset({"name"}),
-    "panels": frozenset({"title", "name", "key", "verbs"}),
+    "panels": frozenset({"title", "name", "key", "verbs", "without"}),
     "signs": frozenset({"filter"}),
 }
 #: Texts within objects that stay in these kinds only, if they are a lone word or a colour: what a

@@ -33,6 +33,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "commands": ("", "how many commands are to be sent again"),
     "condition": ("", "the participant's condition"),
     "conditions": ("", "all conditions of the experiment"),
+    "confidence": ("", "how sure the program is, 0 to 1"),
     "confirmed": ("", "drivers that confirmed the stop in time"),
     "conflicts": ("", "settings that conflict, one sentence each"),
     "console": ("", "id of the connection it came over"),
@@ -204,6 +205,10 @@ FIELDS: dict[str, tuple[str, str]] = {
     "width": ("lights", "of a row of the face"),
     "window_us": ("µs", "time limit for the answer"),
     "wizard": ("", "wizard's code"),
+    "words": (
+        "",
+        "each with `text`, `began` and `ended` (µs, on the `t` axis), perhaps `confidence`",
+    ),
     "wrong": ("", "cues that were answered by another action"),
 }
 

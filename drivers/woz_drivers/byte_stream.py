@@ -8,15 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_drivers import child_process
-from woz_drivers.child_process import Child
+from woz_drivers.child_process import Child, RestartPauses
 from woz_tui.drivers.contract import DriverError
 from woz_tui.system.clock import Clock
 
-#: Pauses before a dead command is started again, in seconds: doubled each time up to the limit,
-#: back to the first after it has run well for a while.
-_FIRST_PAUSE_S = 0.5
-_LONGEST_PAUSE_S = 10.0
-_WELL_S = 10.0
 #: A command that writes nothing is told of, and later ended and started again, in seconds; the
 #: first output may take longer, because cameras start slowly and ssh needs time to connect.
 _STALE_S = 1.0
@@ -111,17 +106,14 @@ class ByteStream:
             self._received_us = self._clock.now_us()
 
     async def _keep_running(self) -> None:
-        pause = _FIRST_PAUSE_S
+        pauses = RestartPauses()
         while True:
             try:
                 trouble = await self._run()
             except DriverError as error:
                 trouble = error
-            if self.lasted_us >= _WELL_S * 1_000_000:
-                pause = _FIRST_PAUSE_S
             self._listener.ended(trouble)
-            await asyncio.sleep(pause)
-            pause = min(2 * pause, _LONGEST_PAUSE_S)
+            await asyncio.sleep(pauses.after(self.lasted_us / 1_000_000))
 
     async def _run(self) -> DriverError:
         """Run the command until it ends; returns why it did. Raises if it cannot be started."""

@@ -90,10 +90,28 @@ guard = Guard()
 
 #: How long the last words of a dead child may take to arrive, in seconds.
 _LAST_WORDS_S = 0.2
+#: Pauses before a dead child is started again, in seconds: doubled each time up to the limit, back
+#: to the first after it has run well for a while.
+_FIRST_PAUSE_S = 0.5
+_LONGEST_PAUSE_S = 10.0
+_WELL_S = 10.0
 #: How long a listing of sound cards may take, in seconds.
 _LIST_S = 8.0
 #: How much of what a child says on stderr is kept, in bytes.
 _KEPT = 4096
+
+
+class RestartPauses:
+    """How long to wait before a child that ended is started again."""
+
+    def __init__(self) -> None:
+        self._next = _FIRST_PAUSE_S
+
+    def after(self, lasted_s: float) -> float:
+        """Seconds to wait after a run that went well for `lasted_s`."""
+        pause = _FIRST_PAUSE_S if lasted_s >= _WELL_S else self._next
+        self._next = min(2 * pause, _LONGEST_PAUSE_S)
+        return pause
 
 
 class Child(asyncio.SubprocessProtocol):
@@ -151,6 +169,12 @@ class Child(asyncio.SubprocessProtocol):
         if isinstance(pipe, asyncio.WriteTransport):
             pipe.write(text.encode())
             pipe.close()
+
+    def write(self, data: bytes) -> None:
+        """Give it `data` on stdin, which stays open; nothing happens if it has ended."""
+        pipe = self._pipe(0)
+        if isinstance(pipe, asyncio.WriteTransport) and not pipe.is_closing():
+            pipe.write(data)
 
     def hold(self, held: bool) -> None:
         """Stop fetching its output, or go on; a piece that was fetched already still arrives."""
@@ -227,11 +251,13 @@ async def start(
     *,
     on_output: Callable[[bytes], None] | None = None,
     text: str | None = None,
+    keeps_reading: bool = False,
     humble: bool = False,
 ) -> Child:
     """Run a command in `folder`; `text` goes to its stdin. The caller must await `end()`.
 
-    A `humble` one gets the processor only when the robot does not need it.
+    One that `keeps_reading` gets its input with `write`. A `humble` one gets the processor only
+    when the robot does not need it.
 
     Raises `ProgramMissing`, or `DriverError` if the system refuses to start it.
     """
@@ -244,7 +270,7 @@ async def start(
             *(_humbly() if humble else ()),
             path,
             *words[1:],
-            stdin=nothing if text is None else asyncio.subprocess.PIPE,
+            stdin=asyncio.subprocess.PIPE if keeps_reading or text is not None else nothing,
             stdout=nothing if on_output is None else asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
             cwd=folder,

@@ -7,7 +7,11 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.microphone.segment_files import SegmentFiles
-from woz_drivers.microphone.transcriber import SpeechToTranscribe, Transcriber
+from woz_drivers.microphone.transcriber import (
+    ProgramForEachSegment,
+    SpeechToTranscribe,
+    Transcriber,
+)
 
 from tests.drivers.heard import until
 from woz_tui.protocol.messages import SpeechText
@@ -44,7 +48,9 @@ async def test_a_system_without_another_thread_is_told_and_frees_the_writer(
 
 async def test_a_segment_that_cannot_be_read_costs_only_its_own_text(tmp_path: Path) -> None:
     context = RecordingContext(tmp_path)
-    transcriber = Transcriber("ear", ("echo", "hello"), 30.0, context)
+    transcriber = Transcriber(
+        "ear", ProgramForEachSegment(("echo", "hello"), 30.0, tmp_path), context
+    )
     transcriber.start()
     loop = asyncio.get_running_loop()
     for number, trouble in ((1, ValueError("no such sound")), (2, None)):
@@ -53,7 +59,7 @@ async def test_a_segment_that_cannot_be_read_costs_only_its_own_text(tmp_path: P
             file.set_result(tmp_path / "a.wav")
         else:
             file.set_exception(trouble)
-        transcriber.add(SpeechToTranscribe(number, file, 0))
+        transcriber.add(SpeechToTranscribe(number, file, 0, 0))
     await until(lambda: len(context.told) == 2)
     await transcriber.close()
     texts = [told for told in context.told if isinstance(told, SpeechText)]

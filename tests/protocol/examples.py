@@ -259,6 +259,14 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         next_file="/mnt/stick/spill/2026-03-01T10-00-00_P07_S01.2.jsonl",
         reason="the disk is full",
     ),
+    m.SpeechText(
+        driver="ears",
+        segment=3,
+        text="Gern.",
+        took_us=310_000,
+        words=[m.SpokenWord(text="Gern.", began=600_000, ended=910_000, confidence=0.75)],
+        confidence=0.5,
+    ),
 )
 
 _PANELS = [

@@ -451,9 +451,21 @@ class SpeechEnded(Message, frozen=True, kw_only=True, tag="speech.ended"):
     detail: str = ""
 
 
+class SpokenWord(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A word of what somebody says: when, in microseconds on the axis of `t`, and how sure the
+    program is, 0 to 1.
+    """
+
+    text: str
+    began: int
+    ended: int
+    confidence: float | None = None
+
+
 class SpeechText(Message, frozen=True, kw_only=True, tag="speech.text"):
     """What a segment says, as a program understood it. An empty text means that nothing
     was understood, or that it failed: then `detail` says why. `took_us`: from the end of speech.
+    `words` and `confidence` (0 to 1) are there if the program tells them.
     """
 
     driver: str
@@ -461,6 +473,8 @@ class SpeechText(Message, frozen=True, kw_only=True, tag="speech.text"):
     text: str
     took_us: int = 0
     detail: str = ""
+    words: list[SpokenWord] = msgspec.field(default_factory=list)
+    confidence: float | None = None
 
 
 #: What a driver that cuts speech into segments tells of them.

@@ -426,7 +426,7 @@ class Redactor:
 
     def _speech_text(self, message: m.SpeechText) -> m.Message:
         blurs = self.perception.blurs("transcript")
-        return replace(message, text=dots(message.text)) if blurs else message
+        return replace(message, text=dots(message.text), words=[]) if blurs else message
 
     def _cue(self, message: m.CueGiven) -> m.Message:
         if not message.text or not self.perception.keeps("transcript"):
@@ -552,7 +552,7 @@ def perceived_kind(sensor: str) -> str:
     parts = sensor.split(".")
     if "joint" in parts or "setpoint" in parts:
         return "joints"
-    if parts[-1] == SPEECH:
+    if SPEECH in parts[-2:]:  # speech.text, too
         return "transcript"
     return next((part for part in reversed(parts) if part in PERCEIVED), "")
 

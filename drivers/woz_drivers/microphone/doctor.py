@@ -8,11 +8,14 @@ import numpy as np
 
 from woz_drivers import child_process, command_lines, pcm_audio
 from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.resident_program import ResidentProgram
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: How much is listened to, and how long that may take, in seconds.
 _LISTEN_S = 1.0
 _PATIENCE_S = 8.0
+#: So long may a program that stays loaded take to load, in seconds; `woz doctor` waits for 15.
+_LOAD_PATIENCE_S = 6.0
 #: Below this many dB of full scale, speech at one metre will hardly stand out.
 _VERY_QUIET_DB = -80.0
 
@@ -25,7 +28,11 @@ async def examine(probe: Probe) -> list[Finding]:
         block = await _record(settings, words, probe)
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
-    return [_level(probe.name, settings, block), *_transcriber(probe, settings)]
+    return [
+        _level(probe.name, settings, block),
+        *_transcriber(probe, settings),
+        *await _resident(probe, settings),
+    ]
 
 
 def _transcriber(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
@@ -38,6 +45,26 @@ def _transcriber(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
     return [Finding("ok", probe.name, f"speech is recognised by {path}")]
+
+
+async def _resident(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
+    """Whether the program that stays loaded comes up, if one is wanted."""
+    if not settings.resident_words:
+        return []
+    program = ResidentProgram(settings.resident_words, probe.folder, humble=True)
+    try:
+        seconds = await program.load(_LOAD_PATIENCE_S)
+    except DriverError as error:
+        return [Finding("error", probe.name, error.what, error.remedy)]
+    finally:
+        await program.close()
+    return [
+        Finding(
+            "ok",
+            probe.name,
+            f"speech is recognised by {program.program}, loaded in {seconds:.1f} s",
+        )
+    ]
 
 
 async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: Probe) -> bytes:

@@ -12,7 +12,12 @@ from woz_drivers.microphone import doctor
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
 from woz_drivers.microphone.speech_segments import SpeechSegments
-from woz_drivers.microphone.transcriber import Transcriber
+from woz_drivers.microphone.transcriber import (
+    ProgramForEachSegment,
+    ResidentTranscriber,
+    Transcriber,
+    TranscribingProgram,
+)
 from woz_tui.drivers.contract import (
     SPEECH,
     SPEECH_TEXT,
@@ -68,9 +73,11 @@ class Microphone(PassiveDriver):
         self._warned = False
         self._resume: asyncio.TimerHandle | None = None
         self._source: ByteStream | None = None
-        words = settings.transcriber
+        program = _transcribing_program(settings, context)
         self._transcriber = (
-            Transcriber(name, words, settings.transcribe_limit, context) if words else None
+            Transcriber(name, program, context, settings.partial_texts)
+            if program is not None
+            else None
         )
         self._segments = SpeechSegments(
             name, settings.rate, context, settings.segments, self._transcriber
@@ -90,7 +97,7 @@ class Microphone(PassiveDriver):
             SENSOR,
             room_threshold.THRESHOLD,
             SPEECH,
-            *((SPEECH_TEXT,) if settings.transcribe else ()),
+            *((SPEECH_TEXT,) if settings.transcribe or settings.resident_transcriber else ()),
         )
 
     @classmethod
@@ -263,6 +270,18 @@ class Microphone(PassiveDriver):
         published = learnt.publish(self.context, self._speaking.threshold)
         self._speaking.threshold = learnt.threshold
         return published
+
+
+def _transcribing_program(
+    settings: MicrophoneSettings, context: DriverContext
+) -> TranscribingProgram | None:
+    """What turns speech into text, if anything does."""
+    limit = settings.transcribe_limit
+    if settings.resident_words:
+        return ResidentTranscriber(settings.resident_words, limit, settings.language, context)
+    if settings.transcriber:
+        return ProgramForEachSegment(settings.transcriber, limit, context.folder)
+    return None
 
 
 class _Learning:

@@ -8,6 +8,7 @@ from typing import Annotated
 from woz_drivers import command_lines, pcm_audio
 from woz_drivers.microphone import voice_detection
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechCriteria
+from woz_drivers.resident_program import resident_words
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 
@@ -52,7 +53,21 @@ class MicrophoneSettings(Section):
         str | tuple[str, ...],
         Doc("program that turns the WAV file {file} into text on stdout; empty: none"),
     ] = ""
-    transcribe_limit: Annotated[float, Seconds(1, 600), Doc("time limit of that program")] = 30.0
+    resident_transcriber: Annotated[
+        str | tuple[str, ...],
+        Doc("program that stays loaded and turns speech into text, instead of `transcribe`"),
+    ] = ""
+    language: Annotated[
+        str, Doc("what is spoken, for that program, such as en; empty: as it likes")
+    ] = ""
+    partial_texts: Annotated[
+        float,
+        Seconds(0, 10),
+        Doc("ask that program this often what is understood so far; 0: never"),
+    ] = 0.0
+    transcribe_limit: Annotated[
+        float, Seconds(1, 600), Doc("time limit of either program for a segment")
+    ] = 30.0
     silent_after: Annotated[
         float,
         Seconds(0.1, 600),
@@ -84,7 +99,16 @@ class MicrophoneSettings(Section):
         )
 
     def _transcriber_problems(self) -> list[tuple[str, str]]:
+        try:
+            resident = self.resident_words
+        except DriverError as error:
+            return [("resident_transcriber", f"{error.what}; {error.remedy}")]
         found = command_lines.problems(self.transcribe, "transcribe")
+        if resident and self.transcribe:
+            found.append(("transcribe", "resident_transcriber replaces it: leave one out"))
+        if not resident and (self.language or self.partial_texts):
+            name = "language" if self.language else "partial_texts"
+            found.append((name, "it is for resident_transcriber, which is not there"))
         if found or not self.transcribe:
             return found
         try:
@@ -98,6 +122,11 @@ class MicrophoneSettings(Section):
     def transcriber(self) -> tuple[str, ...]:
         """The command that turns speech into text; empty if there is none."""
         return command_lines.split(self.transcribe, "transcribe") if self.transcribe else ()
+
+    @property
+    def resident_words(self) -> tuple[str, ...]:
+        """The program that stays loaded and does so; empty if there is none."""
+        return resident_words(self.resident_transcriber, "resident_transcriber")
 
     @property
     def words(self) -> tuple[str, ...]:

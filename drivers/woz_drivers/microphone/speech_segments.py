@@ -52,7 +52,8 @@ class SpeechSegments:
     """The tape of the last seconds, and what is cut out of it.
 
     `keep`: WAV files of what is said stay in the session's folder for media. With a `transcriber`
-    each segment is understood too.
+    each segment is understood too, and what was said of it so far while the transcriber has
+    nothing else to do.
     """
 
     def __init__(
@@ -73,6 +74,9 @@ class SpeechSegments:
         self._first = 0
         self._segment = 0
         self._began = 0
+        #: First block of the segment under way; None: nobody speaks.
+        self._open: int | None = None
+        self._partial_blocks = round(transcriber.partial_s / BLOCK_S) if transcriber else 0
         self._warned_not_kept = False
         self._warned_unsafe = False
         self._unpublished: deque[SpeechStarted | _PendingEnd] = deque()
@@ -82,6 +86,7 @@ class SpeechSegments:
         self._time.forget()
         self._tape.clear()
         self._first = 0
+        self._open = None
 
     def gap(self) -> None:
         """Sound is missing between the last block and the next."""
@@ -100,12 +105,15 @@ class SpeechSegments:
             self._started(event)
         elif isinstance(event, SpeechEnd):
             self.ended(event, "cut: it goes on in the next segment" if event.cut else "")
+        elif self._open is not None:
+            self._ask_so_far(self._open)
         while self._first < earliest and self._tape:
             self._tape.popleft()
             self._first += 1
 
     def ended(self, event: SpeechEnd, detail: str) -> None:
         """A segment is over; `detail` says why, where it is not because of silence."""
+        self._open = None
         blocks = [self._tape[n - self._first] for n in range(event.first, event.last + 1)]
         message = SpeechEnded(
             driver=self._driver,
@@ -142,10 +150,27 @@ class SpeechSegments:
 
     def _started(self, event: SpeechStart) -> None:
         self._segment += 1
+        self._open = event.first
         self._began = self._context.t(self._time.begins(event.first))
         message = SpeechStarted(driver=self._driver, segment=self._segment, began=self._began)
         self._unpublished.append(message)
         self._publish()
+
+    def _ask_so_far(self, first: int) -> None:
+        """Have the transcriber say what was said so far, if it is time and has nothing to do."""
+        count = self._first + len(self._tape) - first
+        every, transcriber = self._partial_blocks, self._transcriber
+        if not every or count % every or transcriber is None or not transcriber.idle:
+            return
+        pcm = b"".join(self._tape[n - self._first].pcm for n in range(first, first + count))
+        file = self._files.lend(f"{self._driver}-{self._segment:04d}-{count}.wav", pcm)
+        transcriber.add(
+            SpeechToTranscribe(
+                *(self._segment, file, self._began, self._context.clock.now_us()),
+                self._files.give_back,
+                goes_on=True,
+            )
+        )
 
     def _give_up_file(self, ending: _PendingEnd) -> None:
         ending.late = True
@@ -169,8 +194,10 @@ class SpeechSegments:
         self._context.tell(self._with_file(ending))
         if self._transcriber is not None and ending.file is not None:
             back = None if self._keep else self._files.give_back
-            segment = ending.message.segment
-            self._transcriber.add(SpeechToTranscribe(segment, ending.file, ending.clock_us, back))
+            end = ending.message
+            self._transcriber.add(
+                SpeechToTranscribe(end.segment, ending.file, end.began, ending.clock_us, back)
+            )
 
     # -- files ---------------------------------------------------------------------------------
 

@@ -1,7 +1,8 @@
 """What a segment of speech says, by any program: whisper.cpp, vosk, a script, `ssh other ...`.
 
-One segment at a time, and never in anybody's way: it has the lowest priority and a time limit, and
-what waits too long is left out. Each segment that is handed in gets exactly one answer.
+It is started for each segment, or stays loaded. One segment at a time, and never in anybody's way:
+it has the lowest priority and a time limit, and what waits too long is left out. Each segment that
+is handed in gets exactly one answer.
 """
 
 from __future__ import annotations
@@ -9,54 +10,217 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Protocol
+
+import msgspec
 
 from woz_drivers import child_process, command_lines
-from woz_tui.drivers.contract import DriverContext, DriverError
-from woz_tui.protocol.messages import SpeechText
+from woz_drivers.resident_program import ResidentProgram
+from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, DriverContext, DriverError
+from woz_tui.protocol.messages import SpeechText, SpokenWord
 
 log = logging.getLogger(__name__)
 
 #: So many segments wait for the one that is being understood; the oldest is left out.
 WAITING = 4
-#: Longer texts are cut off, in characters: it is one utterance.
+#: Longer texts are cut off, in characters and in words with times: it is one utterance.
 LONGEST = 2000
+_MOST_WORDS = 400
 _MOST_BYTES = 65_536
 #: How long a file may take to get to the disk before its text is given up, in seconds.
 _FILE_S = 10.0
 
 
+#: What is understood so far is published this often at most, in microseconds.
+_PARTIAL_EVERY_US = 300_000
+
+
 @dataclass(frozen=True, slots=True)
 class SpeechToTranscribe:
-    """A segment to be understood: its number, its file once that is there, when it ended on the
-    clock, and what becomes of the file afterwards.
+    """A segment to be understood: its number, its file once that is there, when it began on the
+    axis of `t` and ended on the clock, what becomes of the file afterwards, and whether it goes on
+    (then its text is shown and not kept).
     """
 
     segment: int
     file: asyncio.Future[Path]
+    began: int
     ended_us: int
     done_with: Callable[[Path], object] | None = None
+    goes_on: bool = False
+
+
+class TranscribedWord(msgspec.Struct, frozen=True):
+    """A word; `begin` and `end` in seconds from the beginning of the file."""
+
+    word: str
+    begin: float
+    end: float
+    confidence: float | None = None
+
+
+class Transcript(msgspec.Struct, frozen=True):
+    """What a program says of a file. `confidence` 0 to 1."""
+
+    text: str = ""
+    words: list[TranscribedWord] = []
+    confidence: float | None = None
+
+
+class TranscribingProgram(Protocol):
+    """How a program is asked."""
+
+    @property
+    def name(self) -> str:
+        """How it is named in sentences."""
+
+    @property
+    def warned(self) -> bool:
+        """Whether it has told the wizard itself that it is not there."""
+
+    def start(self) -> None:
+        """The session begins."""
+
+    async def transcribe(self, file: Path, on_part: Callable[[str], None]) -> Transcript:
+        """What is said in a file; `on_part` hears the text so far. Raises `DriverError`."""
+
+    async def close(self) -> None:
+        """End it."""
+
+
+class ProgramForEachSegment:
+    """Runs `words` for each segment; what it prints is the text."""
+
+    warned = False
+
+    def __init__(self, words: tuple[str, ...], limit_s: float, folder: Path) -> None:
+        self._words = words
+        self._limit_s = limit_s
+        self._folder = folder
+
+    @property
+    def name(self) -> str:
+        """The program's."""
+        return self._words[0]
+
+    def start(self) -> None:
+        """It is started later."""
+
+    async def close(self) -> None:
+        """It has ended with its segment."""
+
+    async def transcribe(self, file: Path, on_part: Callable[[str], None]) -> Transcript:
+        """Run it once."""
+        output = bytearray()
+
+        def collect(data: bytes) -> None:
+            output.extend(data[: _MOST_BYTES - len(output)])
+
+        words = command_lines.fill(self._words, {"file": str(file)})
+        running = await child_process.start(words, self._folder, on_output=collect, humble=True)
+        try:
+            async with asyncio.timeout(self._limit_s):
+                status = await running.wait()
+                await running.output_ended()
+        except TimeoutError:
+            raise DriverError(
+                f"{self.name} took longer than {self._limit_s:g} s",
+                "take a smaller model, or raise transcribe_limit",
+            ) from None
+        finally:
+            await running.end()
+        if status:
+            raise DriverError(f"{self.name} ended: {running.reason(status)}")
+        return Transcript(output.decode("utf-8", "replace"))
+
+
+class ResidentTranscriber:
+    """A program that stays loaded; the sensor `speech.text` tells how it is.
+
+    Request: `file`, and `language` if one is wanted. Answer: a `Transcript`.
+    """
+
+    def __init__(
+        self, words: tuple[str, ...], limit_s: float, language: str, context: DriverContext
+    ) -> None:
+        self._limit_s = limit_s
+        self._request = {"language": language} if language else {}
+        self._context = context
+        self._program = ResidentProgram(words, context.folder, self._state, humble=True)
+        self.warned = False
+
+    @property
+    def name(self) -> str:
+        """The program's."""
+        return self._program.program
+
+    def start(self) -> None:
+        """Load it."""
+        self._program.start()
+
+    async def close(self) -> None:
+        """End it."""
+        await self._program.close()
+
+    async def transcribe(self, file: Path, on_part: Callable[[str], None]) -> Transcript:
+        """Ask it."""
+
+        def part(line: Mapping[str, Any]) -> None:
+            on_part(str(line.get("text", "")))
+
+        request = {"file": str(file), **self._request}
+        transcript = await self._program.ask(request, Transcript, self._limit_s, part)
+        self.warned = False
+        return transcript
+
+    def _state(self, state: str, why: str, remedy: str) -> None:
+        if state == "lost":
+            self._context.sensor(SPEECH_TEXT, "stale", why)
+            if not self.warned:
+                self._context.notice("warning", f"{why}; it is started again", remedy)
+            self.warned = True
+        elif state == "loading":
+            self._context.sensor(SPEECH_TEXT, "loading", why)
+        else:
+            self._context.sensor(SPEECH_TEXT, "ready", why)
 
 
 class Transcriber:
-    """Runs `words` for each segment and tells the context what came out."""
+    """Has a program understand segments, and tells the context what came out.
+
+    `partial_s`: how often it is to be asked what was said so far; 0: never.
+    """
 
     def __init__(
-        self, driver: str, words: tuple[str, ...], limit_s: float, context: DriverContext
+        self,
+        driver: str,
+        program: TranscribingProgram,
+        context: DriverContext,
+        partial_s: float = 0.0,
     ) -> None:
+        self.partial_s = partial_s
         self._driver = driver
-        self._words = words
-        self._limit_s = limit_s
+        self._program = program
         self._context = context
         self._waiting: deque[SpeechToTranscribe] = deque()
         self._news = asyncio.Event()
         self._warned = False
+        self._busy = False
         self._task: asyncio.Task[None] | None = None
+        #: The text so far that was published last, and when.
+        self._shown, self._shown_us = "", 0
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing waits or is under way."""
+        return not self._waiting and not self._busy
 
     def start(self) -> None:
         """Begin to work."""
+        self._program.start()
         self._task = asyncio.create_task(self._work())
 
     def add(self, heard: SpeechToTranscribe) -> None:
@@ -64,7 +228,7 @@ class Transcriber:
         self._waiting.append(heard)
         if len(self._waiting) > WAITING:
             late = self._waiting.popleft()
-            self._answer(late, "", f"not recognised: {self._words[0]} is too slow")
+            self._answer(late, Transcript(), f"not recognised: {self._program.name} is too slow")
             self._finish_with(late)
         self._news.set()
 
@@ -74,20 +238,27 @@ class Transcriber:
         if task is not None:
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
+        await self._program.close()
         while self._waiting:
-            self._answer(self._waiting.popleft(), "", "the session ended before its turn")
+            ended = self._waiting.popleft()
+            self._answer(ended, Transcript(), "the session ended before its turn")
 
     async def _work(self) -> None:
         while True:
             await self._news.wait()
             self._news.clear()
             while self._waiting:
-                await self._transcribe(self._waiting.popleft())
+                self._busy = True
+                try:
+                    await self._transcribe(self._waiting.popleft())
+                finally:
+                    self._busy = False
 
     async def _transcribe(self, heard: SpeechToTranscribe) -> None:
-        text, trouble = "", DriverError("the session ended meanwhile")
+        transcript, trouble = Transcript(), DriverError("the session ended meanwhile")
         try:
-            text = await self._run(await _written_file(heard.file))
+            file = await _written_file(heard.file)
+            transcript = await self._program.transcribe(file, self._show)
         except DriverError as error:
             trouble = error
         except Exception as error:  # one segment that cannot be read must not cost all later ones
@@ -96,13 +267,13 @@ class Transcriber:
         else:
             trouble = DriverError("")
         finally:
-            self._answer(heard, text, trouble.what)
+            self._answer(heard, transcript, trouble.what)
             self._finish_with(heard)
         self._warn_once(trouble)
 
     def _warn_once(self, trouble: DriverError) -> None:
         """Tell the wizard once, and again only after it has worked in between."""
-        if trouble.what and not self._warned:
+        if trouble.what and not self._warned and not self._program.warned:
             self._context.notice(
                 "warning",
                 f"speech is not recognised: {trouble.what}",
@@ -110,10 +281,28 @@ class Transcriber:
             )
         self._warned = bool(trouble.what)
 
-    def _answer(self, heard: SpeechToTranscribe, text: str, detail: str) -> None:
+    def _show(self, text: str) -> None:
+        """Publish what is understood so far."""
+        text, now = one_line(text), self._context.clock.now_us()
+        if text and text != self._shown and now - self._shown_us >= _PARTIAL_EVERY_US:
+            self._shown, self._shown_us = text, now
+            self._context.reading(SPEECH, None, text=text)
+
+    def _answer(self, heard: SpeechToTranscribe, transcript: Transcript, detail: str) -> None:
+        if heard.goes_on:
+            self._show(transcript.text)
+            return
         took_us = max(0, self._context.clock.now_us() - heard.ended_us)
+        if not detail:
+            self._context.reading(SPEECH_TEXT, round(took_us / 1_000_000, 2), unit="s")
         message = SpeechText(
-            driver=self._driver, segment=heard.segment, text=text, took_us=took_us, detail=detail
+            driver=self._driver,
+            segment=heard.segment,
+            text=one_line(transcript.text),
+            took_us=took_us,
+            detail=detail,
+            words=[_placed(word, heard.began) for word in transcript.words[:_MOST_WORDS]],
+            confidence=transcript.confidence,
         )
         self._context.tell(message)
 
@@ -124,32 +313,15 @@ class Transcriber:
 
         heard.file.add_done_callback(over)
 
-    async def _run(self, file: Path) -> str:
-        """What the program says of the file. Raises `DriverError`."""
-        output = bytearray()
 
-        def collect(data: bytes) -> None:
-            output.extend(data[: _MOST_BYTES - len(output)])
-
-        program = self._words[0]
-        words = command_lines.fill(self._words, {"file": str(file)})
-        running = await child_process.start(
-            words, self._context.folder, on_output=collect, humble=True
-        )
-        try:
-            async with asyncio.timeout(self._limit_s):
-                status = await running.wait()
-                await running.output_ended()
-        except TimeoutError:
-            raise DriverError(
-                f"{program} took longer than {self._limit_s:g} s",
-                "take a smaller model, or raise transcribe_limit",
-            ) from None
-        finally:
-            await running.end()
-        if status:
-            raise DriverError(f"{program} ended: {running.reason(status)}")
-        return one_line(output.decode("utf-8", "replace"))
+def _placed(word: TranscribedWord, began: int) -> SpokenWord:
+    """A word at its time on the axis of `t`; the segment began at `began`."""
+    return SpokenWord(
+        text=one_line(word.word),
+        began=began + round(word.begin * 1_000_000),
+        ended=began + round(word.end * 1_000_000),
+        confidence=word.confidence,
+    )
 
 
 def one_line(text: str) -> str:

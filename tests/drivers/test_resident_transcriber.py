@@ -1,0 +1,255 @@
+"""A transcriber that stays loaded: a good one, and one that dies, hangs, babbles or is late."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from woz_drivers.child_process import RestartPauses
+from woz_drivers.microphone.driver import Microphone
+from woz_drivers.microphone.settings import MicrophoneSettings
+
+from tests.drivers.ears import ears
+from tests.drivers.heard import Heard, until
+from tests.fakes import resident
+from tests.fakes.piped_command import PipedCommand
+from tests.fakes.sound import square, told
+from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Probe
+from woz_tui.protocol.messages import Notice, Reading, SpeechEnded, SpeechText
+from woz_tui.system.clock import RealClock
+
+Begin = Callable[..., Any]
+
+BLOCK = 640
+SPOKEN = square(0.1, 0.5) + square(0.1, 0.01)
+SECOND = "hello 4524"  # what the fake makes of SPOKEN: 7 blocks and the header
+
+
+def command(journal: Path, *behaviours: str) -> tuple[str, ...]:
+    return ("{python}", "-m", resident.__name__, str(journal), *behaviours)
+
+
+@pytest.fixture(autouse=True)
+def importable(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The script is found from wherever it is started."""
+    monkeypatch.setenv("PYTHONPATH", str(Path(resident.__file__).parents[2]))
+
+
+@pytest.fixture
+def journal(tmp_path: Path) -> Path:
+    return tmp_path / "journal"
+
+
+@pytest.fixture
+def pipe(tmp_path: Path) -> PipedCommand:
+    return PipedCommand(tmp_path / "pipe")
+
+
+@pytest.fixture
+async def begin(tmp_path: Path, pipe: PipedCommand, journal: Path) -> AsyncIterator[Begin]:
+    async with ears(tmp_path) as some:
+
+        async def started(*behaviours: str, **settings: Any) -> tuple[Microphone, Heard]:
+            settings = {
+                **{"command": pipe.command, "threshold": 0.1, "hang_over": 0.04, "onset": 0.02},
+                **{"pre_roll": 0.0, "resident_transcriber": command(journal, *behaviours)},
+                **settings,
+            }
+            opened = await some.open(RealClock(), **settings)
+            await until(pipe.connected)
+            return opened
+
+        yield started
+
+
+async def texts(heard: Heard, pipe: PipedCommand, count: int) -> list[SpeechText]:
+    """What becomes of so many sentences, one after the other."""
+    found = []
+    for number in range(count):
+        pipe.send(SPOKEN)
+        found.append(await heard.first(SpeechText, after=number))
+    return found
+
+
+async def test_it_is_started_once_and_understands_sentence_after_sentence(
+    begin: Begin, pipe: PipedCommand, journal: Path
+) -> None:
+    microphone, heard = await begin("ok", language="en")
+    await heard.state(SPEECH_TEXT, "ready")
+    one, two = await texts(heard, pipe, 2)
+    assert (one.segment, one.text, one.detail) == (1, SECOND, "")
+    assert (two.segment, two.text, two.confidence) == (2, SECOND, 0.75)
+    ended = heard.all(SpeechEnded)[1]
+    (word,) = two.words
+    assert (word.text, word.began - ended.began, word.ended - ended.began) == (
+        "hello",
+        100_000,
+        300_000,
+    )
+    assert len(told(journal, "start")) == 1
+    assert [line["language"] for line in told(journal, "request")] == ["en", "en"]
+    delays = [reading for reading in heard.all(Reading) if reading.sensor == SPEECH_TEXT]
+    assert [reading.unit for reading in delays] == ["s", "s"]
+    assert delays[0].value == round(one.took_us / 1_000_000, 2)
+    await microphone.close()
+    assert heard.all(Notice) == []
+
+
+async def test_it_is_loaded_with_the_session_and_what_is_said_meanwhile_is_understood_later(
+    begin: Begin, pipe: PipedCommand, tmp_path: Path
+) -> None:
+    _, heard = await begin("slow", "ok")
+    await heard.state(SPEECH_TEXT, "loading")
+    pipe.send(SPOKEN)
+    await heard.first(SpeechEnded)
+    (tmp_path / "loaded").touch()
+    assert (await heard.first(SpeechText)).text == SECOND
+
+
+async def test_one_that_dies_is_told_of_with_a_remedy_and_started_again(
+    begin: Begin, pipe: PipedCommand, journal: Path
+) -> None:
+    _, heard = await begin("die", "ok")
+    lost, found = await texts(heard, pipe, 2)
+    assert lost.text == ""
+    assert "out of memory" in lost.detail
+    assert found.text == SECOND
+    assert len(told(journal, "start")) == 2
+    (notice,) = heard.all(Notice)
+    assert "out of memory" in notice.text
+    assert str(journal) in notice.remedy, "it names the command"
+    assert heard.states(SPEECH_TEXT) == ["loading", "ready", "stale", "loading", "ready"]
+
+
+async def test_one_that_dies_between_two_sentences_is_back_for_the_next(
+    begin: Begin, pipe: PipedCommand, journal: Path
+) -> None:
+    _, heard = await begin("ok")
+    await texts(heard, pipe, 1)
+    await until(lambda: len(told(journal, "start")) == 1)
+    heard_before = len(heard.all(Notice))
+    for one in resident_processes(journal):
+        one.kill()
+    await heard.state(SPEECH_TEXT, "stale")
+    assert len(heard.all(Notice)) == heard_before + 1
+    pipe.send(SPOKEN)
+    assert (await heard.first(SpeechText, after=1)).text == SECOND
+
+
+@pytest.mark.parametrize("behaviour", ["hang", "babble"])
+async def test_one_that_does_not_answer_is_ended_and_started_again(
+    behaviour: str, begin: Begin, pipe: PipedCommand, journal: Path
+) -> None:
+    _, heard = await begin(behaviour, "ok", transcribe_limit=1.0)
+    lost, found = await texts(heard, pipe, 2)
+    assert "did not answer within 1 s" in lost.detail
+    assert ("Segment 1 of 1" in lost.detail) == (behaviour == "babble")
+    assert found.text == SECOND
+    assert len(resident_processes(journal)) == 1
+
+
+@pytest.mark.parametrize("behaviour", ["twice", "late", "nonsense", "parts"])
+async def test_what_is_no_answer_is_passed_over(
+    behaviour: str, begin: Begin, pipe: PipedCommand, journal: Path
+) -> None:
+    _, heard = await begin(behaviour)
+    assert [text.text for text in await texts(heard, pipe, 2)] == [SECOND, SECOND]
+    assert len(told(journal, "start")) == 1
+    assert heard.all(Notice) == []
+
+
+async def test_a_wrong_answer_and_an_error_cost_one_sentence(
+    begin: Begin, pipe: PipedCommand, journal: Path
+) -> None:
+    _, heard = await begin("wrong", "error", "ok")
+    wrong, error, found = await texts(heard, pipe, 3)
+    assert "wrong answer" in wrong.detail
+    assert "no such voice" in error.detail
+    assert found.text == SECOND
+    assert len(told(journal, "start")) == 1
+
+
+async def test_a_line_that_never_ends_is_given_up_and_a_long_one_is_cut(
+    begin: Begin, pipe: PipedCommand, journal: Path
+) -> None:
+    _, heard = await begin("endless", "long")
+    endless, long = await texts(heard, pipe, 2)
+    assert "more than 1 MiB" in endless.detail
+    assert long.text.startswith("x x x")
+    assert len(long.text) == 2000
+    assert len(told(journal, "start")) == 2
+
+
+async def test_one_that_does_not_come_up_holds_nothing_up(begin: Begin, pipe: PipedCommand) -> None:
+    _, heard = await begin("unloadable")
+    found = await texts(heard, pipe, 2)
+    assert all("no model" in text.detail for text in found)
+    assert len(heard.all(Notice)) == 1
+
+
+async def test_what_is_said_so_far_is_shown_while_they_speak(
+    begin: Begin, pipe: PipedCommand, journal: Path
+) -> None:
+    _, heard = await begin("ok", partial_texts=0.2)
+    await heard.state(SPEECH_TEXT, "ready")
+    pipe.send(square(0.24, 0.5))
+
+    def so_far() -> list[str]:
+        return [reading.text for reading in heard.all(Reading) if reading.sensor == SPEECH]
+
+    await until(lambda: bool(so_far()))
+    assert so_far() == [f"hello {44 + 10 * BLOCK}"]
+    assert heard.all(SpeechText) == []
+    pipe.send(square(0.1, 0.01))
+    final = await heard.first(SpeechText)
+    assert final.text == f"hello {44 + 14 * BLOCK}"
+    assert [line["do"] for line in told(journal)] == ["start", "request", "request"]
+
+
+async def test_parts_of_an_answer_are_shown_before_it(begin: Begin, pipe: PipedCommand) -> None:
+    _, heard = await begin("parts")
+    await texts(heard, pipe, 1)
+    (part,) = [reading for reading in heard.all(Reading) if reading.sensor == SPEECH]
+    assert part.text == "hel"
+
+
+async def test_doctor_loads_it(tmp_path: Path, journal: Path) -> None:
+    (tmp_path / "sound.raw").write_bytes(square(1.5, 0.01))
+    for behaviour, level in (("ok", "ok"), ("unloadable", "error")):
+        settings = MicrophoneSettings(
+            command="cat sound.raw", resident_transcriber=command(journal, behaviour)
+        )
+        _, found = await Microphone.examine(Probe("ear", settings, tmp_path))
+        assert found.level == level
+        assert resident_processes(journal) == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "name"),
+    [
+        ({"resident_transcriber": "a", "transcribe": "b {file}"}, "transcribe"),
+        ({"resident_transcriber": "a {file}"}, "resident_transcriber"),
+        ({"language": "en"}, "language"),
+        ({"transcribe": "b {file}", "partial_texts": 1.0}, "partial_texts"),
+    ],
+)
+def test_settings_that_contradict_each_other(settings: dict[str, Any], name: str) -> None:
+    assert [found for found, _ in MicrophoneSettings(**settings).problems()] == [name]
+
+
+def test_pauses_grow_until_a_run_goes_well() -> None:
+    pauses = RestartPauses()
+    assert [pauses.after(0) for _ in range(7)] == [0.5, 1, 2, 4, 8, 10, 10]
+    assert [pauses.after(60), pauses.after(1)] == [0.5, 1]
+
+
+def resident_processes(journal: Path) -> list[psutil.Process]:
+    """Those of this test that run."""
+    return [
+        one
+        for one in psutil.Process().children(recursive=True)
+        if one.status() != "zombie" and str(journal) in one.cmdline()
+    ]

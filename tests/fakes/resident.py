@@ -1,0 +1,110 @@
+"""A transcriber or a voice that stays loaded, as a script that behaves well or badly.
+
+`resident.py JOURNAL BEHAVIOUR...`: the n-th request, counted over all runs, gets the n-th
+behaviour, the last one for ever. Each start and each request is a line of the file JOURNAL.
+
+    ok          a transcript, or a WAV file for a request with a text
+    die         ends without an answer
+    hang        never answers
+    twice       answers twice
+    late        answers the request before, and then this one
+    nonsense    prints what is no answer, and then answers
+    babble      prints what is no answer, and nothing else
+    wrong       answers with values of the wrong kind
+    error       says why it has no answer
+    endless     begins a line that never ends
+    long        answers with a line of 900 kB
+    parts       tells the text so far before the text
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+import wave
+from pathlib import Path
+
+from tests.fakes.sound import RATE, square, told
+
+
+def _tell(journal: Path, **what: object) -> None:
+    with journal.open("a") as file:
+        file.write(json.dumps(what) + "\n")
+
+
+def _write(line: object, end: str = "\n") -> None:
+    sys.stdout.write((line if isinstance(line, str) else json.dumps(line)) + end)
+    sys.stdout.flush()
+
+
+def _answer(journal: Path, request: dict[str, object]) -> dict[str, object]:
+    if "text" not in request:
+        size = Path(str(request["file"])).stat().st_size
+        words = [{"word": "hello", "begin": 0.1, "end": 0.3, "confidence": 0.5}]
+        return {"id": request["id"], "text": f"hello {size}", "words": words, "confidence": 0.75}
+    path = journal.with_name(f"made-{time.monotonic_ns()}.wav")
+    with wave.open(str(path), "wb") as out:
+        out.setnchannels(1)
+        out.setsampwidth(2)
+        out.setframerate(RATE)
+        out.writeframesraw(square(0.1, 0.5))
+    words = [{"word": "hello", "begin": 0.0, "end": 0.05}]
+    return {"id": request["id"], "wav": str(path), "words": words}
+
+
+def _behave(behaviour: str, journal: Path, request: dict[str, object]) -> None:
+    answer = _answer(journal, request)
+    number = int(str(request["id"]))
+    match behaviour:
+        case "die":
+            sys.exit("out of memory")
+        case "hang" | "babble":
+            if behaviour == "babble":
+                _write("Segment 1 of 1")
+            while True:
+                time.sleep(60)
+        case "twice":
+            _write(answer)
+            _write({**answer, "text": "again"})
+        case "late":
+            _write({**answer, "id": number - 1, "text": "too late"})
+            _write(answer)
+        case "nonsense":
+            for line in ("Loading ...", "[1, 2]", '{"id": "x"}', '{"id": 1', "\xff\x00", ""):
+                _write(line)
+            _write(answer)
+        case "wrong":
+            _write({"id": number, "text": 7, "wav": [], "words": "no"})
+        case "error":
+            _write({"id": number, "error": "no such voice"})
+        case "endless":
+            while True:
+                _write("x" * 65536, end="")
+        case "long":
+            _write({**answer, "text": "x " * 450_000})
+        case "parts":
+            _write({"id": number, "text": "hel", "final": False})
+            _write(answer)
+        case _:
+            _write(answer)
+
+
+def main() -> None:
+    journal, behaviours = Path(sys.argv[1]), sys.argv[2:]
+    _tell(journal, do="start")
+    if "unloadable" in behaviours:
+        sys.exit("no model")
+    while "slow" in behaviours and not journal.with_name("loaded").exists():
+        time.sleep(0.01)
+    _write({"ready": True, "name": "fake"})
+    for line in sys.stdin:
+        request = json.loads(line)
+        count = len(told(journal, "request"))
+        _tell(journal, do="request", **request)
+        usable = [one for one in behaviours if one != "slow"]
+        _behave(usable[min(count, len(usable) - 1)], journal, request)
+
+
+if __name__ == "__main__":
+    main()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from woz_drivers.naoqi_robot.eyes import LANE, LEDS, LONGEST, MARGIN_S, EyeColor, EyesPart
+from woz_drivers.naoqi_robot.eyes import LEDS, LONGEST, MARGIN_S, EyeColor, EyesPart
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.simulated.argument_values import color as color_of
@@ -18,7 +18,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Verb,
 )
-from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 #: What a face shows that has no other means than the colour of its eyes: a choice of ours, warm
@@ -41,16 +41,8 @@ class NaoEyesPart(EyesPart):
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """Those of the eyes, and `emotion`."""
-        emotion = Verb(
-            "emotion",
-            "show a feeling by the colour of the eyes",
-            (
-                Argument("emotion", "choice", required=True, choices=tuple(EMOTIONS)),
-                Argument("intensity", "number", "0 neutral, 1 full", False, 1.0, Range(0, 1)),
-            ),
-            lane=LANE,
-            limit_s=10.0,
-        )
+        summary = "show a feeling by the colour of the eyes"
+        emotion = common_verb("emotion", summary, choices=tuple(EMOTIONS), limit_s=10.0)
         return (*super().verbs(settings), emotion)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -13,14 +13,13 @@ from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, answers
 from woz_drivers.simulated.argument_values import number
 from woz_tui.drivers.contract import (
-    Argument,
     DriverError,
     Job,
     RejectedError,
     Scope,
     Verb,
 )
-from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 MOTION = "ALMotion"
@@ -28,7 +27,6 @@ MOTION = "ALMotion"
 SLACK_FACTOR, SLACK_S = 4.0, 10.0
 #: Slower than this it stands (m/s, rad/s); how often it is asked while it comes to a halt.
 STILL, ASK_S = 0.01, 0.03
-_METRES = Range(-5, 5, "m")
 
 
 class BasePart(NaoqiPart):
@@ -44,20 +42,7 @@ class BasePart(NaoqiPart):
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`drive`."""
-        return (
-            Verb(
-                "drive",
-                cls.SUMMARY,
-                (
-                    Argument("x", "number", "metres forward", False, 0.0, _METRES),
-                    Argument("y", "number", "metres to the left", False, 0.0, _METRES),
-                    Argument("turn", "number", "degrees to the left", False, 0.0, Range(-360, 360)),
-                ),
-                lane="base",
-                drives=True,
-                limit_s=120.0,
-            ),
-        )
+        return (common_verb("drive", cls.SUMMARY),)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Drive there; fails with a sentence when something is in the way."""

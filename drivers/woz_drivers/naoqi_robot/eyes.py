@@ -29,12 +29,12 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS, common_verb
 from woz_tui.protocol.messages import Json
 
 LEDS = "ALLeds"
 GROUP, FIRST_LIGHT = "FaceLeds", "RightFaceLed1"
 LANE = "face"
-ANIMATIONS = ("steady", "blink", "intermittent")
 KINDS = ("rasta", "random", "rotate")
 #: Blinking lids, in seconds: open, and closed.
 OPEN_S, CLOSED_S = 3.5, 0.15
@@ -67,21 +67,11 @@ class EyesPart(NaoqiPart):
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """A colour, an animation, the brightness."""
         return (
-            Verb(
+            common_verb(
                 "eyes",
-                "colour the eyes",
-                (
-                    SETTINGS["eyes"].taken(required=True),
-                    Argument(
-                        "animation",
-                        "choice",
-                        "steady, blinking lids, or a pulsing light",
-                        default="steady",
-                        choices=ANIMATIONS,
-                    ),
-                    Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
-                ),
-                lane=LANE,
+                "",
+                SETTINGS["eyes"].taken(required=True),
+                Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
                 limit_s=60.0,
             ),
             Verb(
@@ -174,7 +164,7 @@ class EyesPart(NaoqiPart):
     async def _color(self, job: Job) -> dict[str, Json]:
         shown = EyeColor.of(color_of(job.args, "color"))
         animation = word(
-            {"animation": job.args.get("animation", "steady")}, "animation", ANIMATIONS
+            {"animation": job.args.get("animation", "steady")}, "animation", EYE_ANIMATIONS
         )
         seconds = positive(job.args, "seconds", 0.0)
         job.expects(seconds)

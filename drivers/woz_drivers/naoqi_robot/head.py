@@ -27,6 +27,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 from woz_tui.system.clock import Clock
 
@@ -138,17 +139,7 @@ class HeadPart(NaoqiPart):
                 stream=True,
                 limit_s=5.0,
             ),
-            Verb(
-                "nudge",
-                "turn the head a step from where it looks",
-                (
-                    Argument("yaw", "number", "degrees, left is positive", False, 0.0, STEP),
-                    Argument("pitch", "number", "degrees, down is positive", False, 0.0, STEP),
-                ),
-                lane="head",
-                limit_s=5.0,
-                brief=True,
-            ),
+            common_verb("nudge"),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.config.catalogue import CATALOGUE, Bare, NoSettings
+from tests.config.catalogue import CATALOGUE, Bare, NoSettings, VoiceSettings
 from tools.driver_settings import bundled
 from woz_tui.cli import robots
-from woz_tui.drivers.contract import Driver, DriverFacts
+from woz_tui.drivers.contract import Driver, DriverFacts, Verb
 
 ROOT = Path(__file__).parents[2]
 
@@ -58,6 +58,32 @@ def test_one_is_shown_with_settings_and_arguments(capsys: pytest.CaptureFixture[
     assert "where it is [required]" in out
     assert "1 to 200 Hz" in out
     assert "speed: number, 0.1 to 4" in out
+
+
+class Declared(Bare):
+    """It does what its robot file declares."""
+
+    Settings = VoiceSettings
+    summary = "whatever a file says"
+    facts = DriverFacts(robot=True)
+
+    @classmethod
+    def verbs(cls, settings: VoiceSettings) -> tuple[Verb, ...]:
+        return tuple(Verb(word, "declared") for word in settings.words)
+
+
+def test_a_robot_that_its_file_declares_is_there_by_the_files_name(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "mine.yaml").write_text(
+        "drivers: {it: {type: declared, words: [greet]}}"
+    )
+    monkeypatch.chdir(tmp_path)
+    assert shown("--json", catalogue={"declared": Declared}) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["declared"]["verbs"] == []
+    assert told["mine"]["verbs"] == ["greet"]
 
 
 def test_one_that_is_not_there_is_answered_with_its_neighbour(

@@ -65,7 +65,8 @@ def robots(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
 
 @dataclass(frozen=True, slots=True)
 class RobotDescription:
-    """A driver's type with what it offers; `files`: robot files that use it, by name.
+    """A driver's type with what it offers, or a robot file of a type that offers nothing without
+    one; `files`: robot files that use it, by name.
 
     Verbs and sensors are those that it has without any setting; where it needs some, those of the
     first robot file, or of made-up settings (`sample`).
@@ -79,6 +80,11 @@ class RobotDescription:
     sample: bool = False
 
     @property
+    def declared(self) -> bool:
+        """Whether robot files say what it offers, each something else."""
+        return bool(self.files and not self.verbs and not self.sensors)
+
+    @property
     def facts(self) -> DriverFacts:
         """What its class says of it."""
         return self.driver.facts
@@ -88,9 +94,10 @@ class RobotDescription:
         names = [verb.name for verb in self.verbs]
         common = [name for name in COMMON_VERBS if name in names]
         own = [name for name in dict.fromkeys(names) if name not in COMMON_VERBS]
-        yield "verbs", ", ".join(common) or ("" if own else "none")
+        nothing = "those of its robot file" if self.declared else "none"
+        yield "verbs", ", ".join(common) or ("" if own else nothing)
         yield "own verbs", ", ".join(own)
-        yield "sensors", ", ".join(self.sensors) or "none"
+        yield "sensors", ", ".join(self.sensors) or nothing
         yield "stop", self.facts.stop or "nothing to stop"
         yield "simulated", self.facts.simulated or "no"
         yield "needs", self.facts.needs
@@ -120,10 +127,10 @@ def descriptions(
     for name, file in robot_files(folder).items():
         for spec in _drivers_of(file, catalogue):
             used.setdefault(spec.type, {}).setdefault(name, spec)
-    found = []
+    found: list[RobotDescription] = []
     for name in sorted(catalogue):
         try:
-            found.append(_described(name, catalogue[name], used.get(name, {})))
+            found += _described(name, catalogue[name], used.get(name, {}))
         except plugins.PluginError as error:
             print(f"woz: {error}", file=sys.stderr)
         except Exception as error:  # noqa: BLE001 - a plug-in's code
@@ -138,18 +145,25 @@ def _drivers_of(file: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[Driv
         return ()
 
 
-def _described(name: str, driver: type[Driver], used: Mapping[str, DriverSpec]) -> RobotDescription:
+def _described(
+    name: str, driver: type[Driver], used: Mapping[str, DriverSpec]
+) -> list[RobotDescription]:
     """Raises whatever the driver's code raises with made-up settings."""
     files = tuple(used)
     with contextlib.suppress(Exception):  # it needs settings; which, only its own code knows
-        verbs, sensors = _offers(driver, driver.Settings())
-        if verbs or sensors or not used:
-            return RobotDescription(name, driver, verbs, sensors, files)
+        found = RobotDescription(name, driver, *_offers(driver, driver.Settings()), files)
+        if not found.declared:
+            return [found]
+        own = [
+            RobotDescription(file, driver, spec.verbs, spec.sensors, (file,))
+            for file, spec in used.items()
+        ]
+        return [found, *own]
     if used:
         first = next(iter(used.values()))
-        return RobotDescription(name, driver, first.verbs, first.sensors, files)
+        return [RobotDescription(name, driver, first.verbs, first.sensors, files)]
     offers = _offers(driver, sample_settings(driver.Settings))
-    return RobotDescription(name, driver, *offers, files, sample=True)
+    return [RobotDescription(name, driver, *offers, files, sample=True)]
 
 
 def _offers(driver: type[Driver], settings: Any) -> tuple[tuple[Verb, ...], tuple[str, ...]]:
@@ -158,7 +172,8 @@ def _offers(driver: type[Driver], settings: Any) -> tuple[tuple[Verb, ...], tupl
 
 def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
     """The whole robots as tables of Markdown: who offers which common verb, and the rest."""
-    found = [each for each in descriptions(catalogue, None).values() if each.facts.robot]
+    every = descriptions(catalogue, None).values()
+    found = [each for each in every if each.facts.robot and not each.declared]
     offered = [{verb.name for verb in each.verbs} for each in found]
     verbs = [
         (f"`{verb}`", *("yes" if verb in names else "-" for names in offered))

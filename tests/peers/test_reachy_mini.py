@@ -6,19 +6,16 @@ Against the same daemon the simulated robot is compared, and the vendor's own cl
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import json
 import math
-import os
 import signal
-import socket
+import sys
 import wave
 from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import aiohttp
-import psutil
 import pytest
 import pytest_asyncio
 from robot_simulators.reachy_mini import ReachyMiniSimulator
@@ -33,6 +30,7 @@ from woz_drivers.reachy_mini.reachy_pose import HOME
 from woz_drivers.speech.settings import SynthesisSettings
 
 from tests.peers.places import place
+from tests.peers.vendors_daemon import BACKENDS, STARTS_S, VendorsDaemon
 from woz_tui.drivers.contract import (
     DeviceLostError,
     Health,
@@ -45,61 +43,8 @@ from woz_tui.motion.body_feeds import SETPOINTS, Setpoints
 from woz_tui.protocol.messages import Json
 from woz_tui.testing import PlainJob, RecordingContext, until
 
-BACKENDS = {"mockup": "--mockup-sim", "mujoco": "--sim"}
-#: So long a daemon may take to start on a busy machine, in seconds.
-STARTS_S = 60.0
 #: A data set of ours, as the daemon finds it among those that were downloaded.
 DATA_SET = "woz/moves"
-
-
-class VendorsDaemon:
-    """A daemon on a port of its own; `start` again after its end takes the same port."""
-
-    def __init__(self, backend: str, folder: Path) -> None:
-        self._option = BACKENDS[backend]
-        self._folder = folder
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self._port = free.getsockname()[1]
-        self._process: asyncio.subprocess.Process | None = None
-
-    @property
-    def address(self) -> str:
-        """Where it listens."""
-        return f"127.0.0.1:{self._port}"
-
-    async def start(self) -> None:
-        """Return when it moves its robot."""
-        daemon = place("reachy-mini") / "bin" / "reachy-mini-daemon"
-        options = (self._option, "--headless", "--no-media", "--dataset-update-interval", "0")
-        with (self._folder / "daemon.log").open("ab") as log:
-            self._process = await asyncio.create_subprocess_exec(
-                *(str(daemon), *options, "--fastapi-port", str(self._port)),
-                env={**os.environ, "HF_HUB_OFFLINE": "1", "HOME": str(self._folder)},
-                stdout=log,
-                stderr=log,
-            )
-        async with aiohttp.ClientSession() as session, asyncio.timeout(STARTS_S):
-            while True:
-                with contextlib.suppress(aiohttp.ClientError):
-                    url = f"http://{self.address}/api/daemon/status"
-                    async with session.get(url) as answer:
-                        if (await answer.json())["state"] == "running":
-                            return
-                await asyncio.sleep(0.1)
-
-    def send(self, number: signal.Signals) -> None:
-        """A signal for it and what it has started."""
-        assert self._process is not None
-        for child in psutil.Process(self._process.pid).children(recursive=True):
-            child.send_signal(number)
-        self._process.send_signal(number)
-
-    async def end(self) -> None:
-        """Kill it."""
-        if self._process is not None and self._process.returncode is None:
-            self.send(signal.SIGKILL)
-            await self._process.wait()
 
 
 def _downloaded(folder: Path) -> None:
@@ -524,3 +469,17 @@ async def test_the_vendors_client_takes_the_simulated_robot_for_one() -> None:
     turned, version = output.decode().split()[-2:]
     assert float(turned) == pytest.approx(math.sin(math.radians(20)), abs=0.02)
     assert version == "1.12.0"
+
+
+async def test_the_benchmark_prints_its_tables() -> None:
+    place("reachy-mini")
+    program = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "benchmarks.reachy_daemon", "--quick"),
+        cwd=Path(__file__).parents[2],
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+    )
+    output, errors = await asyncio.wait_for(program.communicate(), 3 * STARTS_S)
+    assert program.returncode == 0, errors.decode()
+    for line in ("goto: driver", "stands still", "killed", "frozen", "cut"):
+        assert line in output.decode()

@@ -60,7 +60,8 @@ class DaemonStatus:
 class DaemonLink:
     """One daemon, looked for until `close`.
 
-    `get_ready()` is awaited after each opening, when a pose has come; `on_lost` is called once for
+    `get_ready()` is awaited after each opening, when a pose has come; `on_status()` is
+    called with each status that comes, once a second; `on_lost` is called once for
     each opening that ended.
     """
 
@@ -70,10 +71,12 @@ class DaemonLink:
         context: DriverContext,
         *,
         get_ready: Callable[[], Coroutine[Any, Any, None]],
+        on_status: Callable[[], None],
         on_lost: Callable[[DeviceLostError], None],
     ) -> None:
         self._settings = settings
         self._get_ready = get_ready
+        self._on_status = on_status
         self._on_lost = on_lost
         #: Set while no robot is there.
         self._gone = asyncio.Event()
@@ -175,6 +178,7 @@ class DaemonLink:
                 self._pose |= body_from_joints(head, antennas)
             case {"type": "daemon_status"}:
                 self.status = read_status(message)
+                self._on_status()
                 return
             case {"type": str()}:
                 return

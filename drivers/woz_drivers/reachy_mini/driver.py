@@ -33,7 +33,8 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.protocol.messages import Json
+from woz_tui.protocol.messages import Json, SettingsShown
+from woz_tui.protocol.robot_outline import RobotOutline, Setting
 
 #: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
 STOP_S = 0.45
@@ -181,6 +182,47 @@ def _moving(settings: ReachyMiniSettings) -> tuple[Verb, ...]:
     )
 
 
+#: What the console's robot screen shows and changes, each by its verb.
+_SETTINGS = (
+    Setting(
+        name="awake",
+        section="Motors",
+        label="Motors",
+        verb="torque",
+        argument="on",
+        kind="flag",
+        help="on: it holds its pose; off: it is limp",
+    ),
+    Setting(
+        name="mode",
+        section="Motors",
+        label="Mode",
+        verb="mode",
+        argument="mode",
+        kind="choice",
+        choices=list(MODES),
+        help="tracking: the head follows faces; demo: it shows its moves",
+    ),
+    Setting(
+        name="volume",
+        section="Voice",
+        label="Volume",
+        verb="volume",
+        argument="level",
+        kind="number",
+        help="of the robot's loudspeaker; empty: it has none",
+    ),
+    Setting(
+        name="wobble",
+        section="Voice",
+        label="Wobbling",
+        verb="wobble",
+        argument="on",
+        kind="flag",
+        help="the head moves along with speech and sounds",
+    ),
+)
+
 # --------------------------------------------------------------------------------------------------
 
 
@@ -202,7 +244,11 @@ class ReachyMini(Driver):
     def __init__(self, name: str, settings: ReachyMiniSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
         self._link = DaemonLink(
-            settings, context, get_ready=self._get_ready, on_lost=self._when_lost
+            settings,
+            context,
+            get_ready=self._get_ready,
+            on_status=self._show_settings,
+            on_lost=self._when_lost,
         )
         self._body = ReachyBody(self._link, settings, context)
         self._sounds = ReachySounds(self._link, settings, context)
@@ -218,7 +264,10 @@ class ReachyMini(Driver):
         self._demo: asyncio.Task[None] | None = None
         #: Recorded moves by library; None: not asked for, or nobody answered.
         self._installed: Mapping[str, list[str]] | None = None
-        self._library: asyncio.Task[None] | None = None
+        self._asking: asyncio.Task[None] | None = None
+        #: Of the robot's loudspeaker, 0 to 1; None: it does not say.
+        self._level: float | None = None
+        self._shown: dict[str, Json] = {}
         self._told_silent = self._asked_library = False
         self._closed = False
         self._stops: list[asyncio.Future[None]] = []
@@ -261,6 +310,14 @@ class ReachyMini(Driver):
         return reachy_pose.joint_ranges()
 
     @classmethod
+    def outline(cls, settings: ReachyMiniSettings) -> dict[str, Json]:
+        """Settings that can be shown and changed, and moves."""
+        verbs = {verb.name for verb in cls.verbs(settings)}
+        moves = list(settings.playable) if "play" in verbs else []
+        shown = [setting for setting in _SETTINGS if setting.verb in verbs]
+        return RobotOutline(settings=shown, moves=moves).told()
+
+    @classmethod
     def remarks(cls, settings: ReachyMiniSettings, written: Written) -> Iterable[Finding]:
         """A recorded move that is written as none."""
         move = written.args.get("move") if written.verb == "recorded" else None
@@ -295,7 +352,10 @@ class ReachyMini(Driver):
         self._link.need()
         if self._demo is not None and job.verb in _ENDS_DEMO:
             await self._end_demo()
-        return await performer(job)
+        try:
+            return await performer(job)
+        finally:
+            self._show_settings()
 
     async def stop(self, scope: Scope) -> StopReport | None:
         """Stand still and fall silent; return which of both was confirmed in time.
@@ -364,9 +424,9 @@ class ReachyMini(Driver):
         self._end_late_stops()
         await asyncio.gather(*self._stops, return_exceptions=True)
         await self._end_demo()
-        if self._library is not None:
-            self._library.cancel()
-            await asyncio.gather(self._library, return_exceptions=True)
+        if self._asking is not None:
+            self._asking.cancel()
+            await asyncio.gather(self._asking, return_exceptions=True)
         await self._senses.close()
         await asyncio.gather(self._body.close(), self._sounds.close())
         if self._link.ready:
@@ -387,10 +447,22 @@ class ReachyMini(Driver):
         if self._link.status.silent and not self._told_silent:
             self._told_silent = True
             self.context.notice("warning", *_SILENT)
-        if self.settings.libraries and not self._asked_library:
-            self._asked_library = True
-            self._library = asyncio.create_task(self._ask_library(), name="reachy-mini library")
+        if self._asking is not None:
+            self._asking.cancel()
+        self._asking = asyncio.create_task(self._ask(), name="reachy-mini questions")
         self._body.follow()
+
+    def _show_settings(self) -> None:
+        """Tell of a change, unless nobody knows."""
+        shown: dict[str, Json] = {
+            "awake": self._link.status.motors == "enabled",
+            "mode": self._mode,
+            "volume": self._level,
+            "wobble": self._wobbles,
+        }
+        if self._link.ready and shown != self._shown:
+            self._shown = shown
+            self.context.show(SettingsShown(values=dict(shown)))
 
     def _when_lost(self, error: DeviceLostError) -> None:
         self._mode = MODES[0]
@@ -398,6 +470,15 @@ class ReachyMini(Driver):
             self._demo.cancel()
         self._body.forget()
         self._senses.lost()
+
+    async def _ask(self) -> None:
+        """Ask for what takes the daemon its time."""
+        with contextlib.suppress(DeviceLostError):
+            self._level = await self._sounds.volume()
+            self._show_settings()
+        if self.settings.libraries and not self._asked_library:
+            self._asked_library = True
+            await self._ask_library()
 
     async def _ask_library(self) -> None:
         """Say which recorded moves are there. Asked once: a daemon that has none looks for them in
@@ -572,7 +653,8 @@ class ReachyMini(Driver):
         return {}
 
     async def _volume(self, job: Job) -> Sent:
-        return await self._sounds.set_volume(job.args["level"])
+        self._level = await self._sounds.set_volume(job.args["level"])
+        return {"level": self._level}
 
     async def _wobble(self, job: Job) -> Sent:
         on = job.args["on"]

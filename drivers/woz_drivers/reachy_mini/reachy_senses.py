@@ -59,7 +59,7 @@ class ReachySenses:
     @staticmethod
     def sensors(settings: ReachyMiniSettings) -> tuple[str, ...]:
         """Names of the readings."""
-        joints = tuple(f"{kind}.{name}" for name in LIMITS for kind in ("joint", "setpoint"))
+        joints = tuple(f"{kind}.{name}" for name in LIMITS for kind in _kinds(settings))
         face = FACE if settings.face else ()
         return (*joints, *face, *((*DIRECTION, SPEECH) if settings.direction else ()))
 
@@ -120,8 +120,9 @@ class ReachySenses:
             await asyncio.sleep(1 / self._settings.rate)
 
     def _tell_joints(self) -> None:
-        for kind, pose in (("joint", self._link.pose), ("setpoint", self._setpoints())):
-            for name, at in pose.items():
+        poses = {"joint": self._link.pose, "setpoint": self._setpoints()}
+        for kind in _kinds(self._settings):
+            for name, at in poses[kind].items():
                 unit = "mm" if LIMITS[name].high <= 30 else "deg"
                 self._context.reading(f"{kind}.{name}", round(at, 2), unit=unit)
 
@@ -200,3 +201,8 @@ class ReachySenses:
         if self._states.get(sensor) != state:
             self._states[sensor] = state
             self._context.sensor(sensor, state, why)
+
+
+def _kinds(settings: ReachyMiniSettings) -> tuple[str, ...]:
+    """A body that is followed tells the setpoints itself."""
+    return ("joint",) if settings.follows else ("joint", "setpoint")

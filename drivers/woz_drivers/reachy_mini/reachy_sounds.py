@@ -19,8 +19,8 @@ from woz_drivers.reachy_mini.daemon_link import QUICK_S, UPLOAD_S, DaemonLink
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav, spoken_text
 from woz_drivers.wav import Wav
-from woz_drivers.web_socket_line import AnswerError
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
+from woz_tui.motion.safety import finite_number
 from woz_tui.protocol.messages import Json
 
 #: A robot without sound that is no simulation must not seem to speak.
@@ -72,22 +72,29 @@ class ReachySounds:
             text = f"speech not prepared: {error.what}"
             self._context.notice("warning", text, error.remedy, tells=("request",))
 
-    async def set_volume(self, level: float) -> dict[str, Json]:
-        """Set the loudspeaker's volume, for all of its sounds; 0 to 1."""
+    async def volume(self) -> float | None:
+        """Of its loudspeaker, 0 to 1; None: it does not say. Raises `DeviceLostError`."""
+        try:
+            answer = await self._link.ask("GET", "volume/current")
+        except DeviceLostError:
+            raise
+        except DriverError:
+            return None
+        percent = finite_number(answer.get("volume")) if isinstance(answer, dict) else None
+        return None if percent is None else percent / 100
+
+    async def set_volume(self, level: float) -> float:
+        """Set the loudspeaker's volume, for all of its sounds; 0 to 1, as the robot has it then."""
         percent = round(level * 100)
         await self._link.send_volume(percent)
-        try:
-            found = await self._link.ask("GET", "volume/current")
-        except AnswerError as error:
-            raise DriverError("the robot has no volume to set", "look at its sound") from error
-        match found:
-            case {"volume": int(found)}:
-                if abs(found - percent) > 1:
-                    raise DriverError(
-                        f"the volume stays at {found} %", "look at the sound system of the robot"
-                    )
-                return {"level": level}
-        raise DriverError("the robot does not say its volume", "restart its daemon")
+        found = await self.volume()
+        if found is None:
+            raise DriverError("the robot has no volume to set", "look at its sound")
+        if abs(found - percent / 100) > 0.015:
+            raise DriverError(
+                f"the volume stays at {found:.0%}", "look at the sound system of the robot"
+            )
+        return found
 
     async def stop(self) -> None:
         """Fall silent, whoever began the sound; returns when the daemon has confirmed it."""

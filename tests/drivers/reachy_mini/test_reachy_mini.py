@@ -21,7 +21,7 @@ from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, reachable
 from tests.drivers.reachy_mini.conftest import PACE, VOICE, PlayedReachy, reachy
 from woz_tui.drivers.contract import DriverError, RejectedError, Scope, Written
 from woz_tui.motion.body_feeds import PRESENT, SEEN, SETPOINTS, JointPositions, Setpoints, Sighting
-from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
+from woz_tui.protocol.messages import SettingsShown, SpeechEnded, SpeechStarted
 from woz_tui.testing import Device, DriverTests, PlainJob, until
 
 
@@ -343,6 +343,20 @@ async def test_the_volume_is_set_without_a_test_sound(it: PlayedReachy) -> None:
     it.robot.faults.refused["/api/volume/current"] = "Failed to get volume"
     with pytest.raises(DriverError, match="volume"):
         await it.do("volume", level=0.5)
+
+
+async def test_settings_are_shown_as_the_robot_has_them(it: PlayedReachy) -> None:
+    def shown() -> dict[str, object]:
+        found = [one.values for one in it.context.shown if isinstance(one, SettingsShown)]
+        return dict(found[-1]) if found else {}
+
+    await until(lambda: shown().get("volume") is not None)
+    assert shown() == {"awake": True, "mode": "normal", "volume": 0.6, "wobble": True}
+    await it.do("volume", level=0.3)
+    await it.do("wobble", on=False)
+    assert shown() == {"awake": True, "mode": "normal", "volume": 0.3, "wobble": False}
+    it.robot.motors = "disabled"  # by somebody else
+    await until(lambda: shown()["awake"] is False)
 
 
 async def test_the_head_wobbles_with_speech_unless_it_is_told_not_to(it: PlayedReachy) -> None:

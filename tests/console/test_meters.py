@@ -78,6 +78,27 @@ def test_each_robots_distance_has_a_ruler() -> None:
     assert "2.00 m social" in shown[1]
 
 
+def test_what_belongs_to_a_distance_stands_below_it() -> None:
+    nao = [
+        scenes.reading(NOW, "distance", 1.5),
+        scenes.reading(NOW, "distance.left", 1.5, unit="m"),
+        scenes.reading(NOW, "distance.right", 2.5, unit="m"),
+    ]
+    meter, below = meters(*nao).splitlines()[:2]
+    assert "1.50 m" in meter and "●" in meter
+    assert "left 1.50 m" in below and "right 2.50 m" in below
+
+
+def test_how_well_a_distance_comes_in_is_for_the_log() -> None:
+    shown = meters(
+        scenes.reading(NOW, "distance", 1.5),
+        scenes.reading(NOW, "distance.rate", 12.9, unit="Hz"),
+        scenes.reading(NOW, "distance.bad", 0.0),
+    )
+    assert "1.50 m" in shown
+    assert "rate" not in shown and "bad" not in shown
+
+
 def test_a_missing_distance_is_no_distance() -> None:
     assert "nothing seen" in meters(scenes.reading(NOW, "distance", None))
 

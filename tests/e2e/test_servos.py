@@ -272,7 +272,10 @@ def feed(terminal: FakeTerminal, sensor: PluggedSensor, ear: PipedCommand) -> No
         seen.update(text for text in ("1.50 m", "voice") if text in terminal.text)
         return len(seen) == 2
 
-    until(shown, "both sensors on the screen")
+    try:
+        until(shown, "both sensors on the screen")
+    except AssertionError:
+        raise AssertionError(f"only {seen} was on the screen:\n{terminal.text}") from None
 
 
 def sensor_end(sensor: PluggedSensor, ear: PipedCommand) -> None:

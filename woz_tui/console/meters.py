@@ -7,7 +7,7 @@ the wizard plays by, and where the robot stands at the bottom.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 from rich.cells import cell_len
@@ -45,8 +45,9 @@ _THRESHOLD = re.compile(r"(.*\.)?loudness\..+")
 _DIGITS = {"m": 2, "ms": 1, "deg": 0, "C": 0, "V": 1, "%": 0}
 #: Half of a joint's range where nobody has told its limits, in degrees.
 _HALF, _WHOLE = 90.0, 180.0
-#: For programs, not for a wizard: how punctual a body's ticks are; that a driver cuts speech.
-_FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech)")
+#: For programs, not for a wizard: how punctual a body's ticks are; that a driver cuts speech; how
+#: many of a rangefinder's values arrive whole.
+_FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech|distance\.(rate|bad))")
 #: Said last: where the robot stands, and from where it hears.
 _LAST = ("direction", "base")
 
@@ -169,9 +170,11 @@ def _wrapped(front: Piece, members: Sequence[Row], frame: PaintFrame, room: int)
 # -- everything else ----------------------------------------------------------------------------
 
 
-def other_rows(state: ConsoleState, frame: PaintFrame, known: Sequence[str]) -> dict[str, Row]:
+def other_rows(
+    state: ConsoleState, frame: PaintFrame, known: Sequence[str], parts: Collection[str] = ()
+) -> dict[str, Row]:
     """Sensors that are not `known` and no joint, by name: one a line, those with a common first
-    name (`base.x`, `base.y`) together on one.
+    name (`base.x`, `base.y`) together on one, without the name below one of `parts`.
     """
     groups: dict[str, list[SensorView]] = {}
     for name in sorted(state.sensors, key=lambda name: (len(name), name)):
@@ -184,10 +187,13 @@ def other_rows(state: ConsoleState, frame: PaintFrame, known: Sequence[str]) -> 
         if understood or not _FOR_THE_LOG.fullmatch(name):
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
-    return {name: _group(name, groups[name], state, frame) for name in names}
+    return {name: _group(name, groups[name], state, frame, name in parts) for name in names}
 
 
-def _group(name: str, sensors: list[SensorView], state: ConsoleState, frame: PaintFrame) -> Row:
+def _group(
+    name: str, sensors: list[SensorView], state: ConsoleState, frame: PaintFrame, below: bool
+) -> Row:
+    """`below`: it stands under the sensor whose parts they are, which has the name."""
     if len(sensors) == 1:
         return _alone(sensors[0], state, frame)
     members = []
@@ -198,7 +204,7 @@ def _group(name: str, sensors: list[SensorView], state: ConsoleState, frame: Pai
         stale = sensor.value is not None and state.is_stale(sensor, frame.now)
         last = sensor.name.rpartition(".")[2]
         members.append(_member(last, f"{figure(sensor, frame.glyphs):<7}", stale, frame))
-    return _wrapped(name_piece(name), members, frame, 1)[0]
+    return _wrapped(name_piece("" if below else name), members, frame, 1)[0]
 
 
 def _alone(sensor: SensorView, state: ConsoleState, frame: PaintFrame) -> Row:
@@ -252,10 +258,11 @@ def meter_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
         for robot in _robots(known):
             parts[f"{robot}visitor"] = _verdicts(state, robot, frame)
         parts["engagement"] = _engagement(state, frame)
-    others = other_rows(state, frame, known)
+    others = other_rows(state, frame, known, parts)
     room = frame.height - sum(map(len, parts.values()))
     parts["pose"] = joint_rows(state, frame, room, len(others))
-    parts |= {name: [row] for name, row in others.items()}
+    for name, row in others.items():
+        parts[name] = [*parts.get(name, ()), row]
     rows = [row for name in _ordered(parts, state.settings.sensors) for row in parts[name]]
     if not rows:
         rows = [((fit(" no sensor has said anything yet", frame.width), "muted"),)]

@@ -34,6 +34,7 @@ class MotionService(Service):
         self._world = world
         self._body = world.body
         self.orthogonal, self.tangential = ORTHOGONAL_M, TANGENTIAL_M
+        self.fall_manager = True
         self.protection = {"All": True, "Move": True, "Arms": True, "LArm": True, "RArm": True}
 
     @offers("wakeUp()v")
@@ -353,6 +354,16 @@ class MotionService(Service):
                 f"ALMotion::getExternalCollisionProtectionEnabled\n\t{name} is not a valid name"
             )
         return self.protection[name]
+
+    @offers("setFallManagerEnabled(b)v")
+    def set_fall_manager_enabled(self, on: bool) -> None:
+        """Whether it protects itself when it falls, and tells of it."""
+        self.fall_manager = on
+
+    @offers("getFallManagerEnabled()b")
+    def get_fall_manager_enabled(self) -> bool:
+        """On, unless it was switched off."""
+        return self.fall_manager
 
     def _free(self, x: float, y: float) -> float:
         """The share of the way that is free, 0 to 1."""

@@ -14,8 +14,9 @@ from woz_tui.drivers.contract import Finding, Probe
 async def examine(probe: Probe) -> list[Finding]:
     """Everything about the robot of the file. Never raises."""
     posture = RobotCheck("ALRobotPosture", "getPostureFamily", _posture)
+    guarded = RobotCheck("ALMotion", "getFallManagerEnabled", _guarded)
     warmth = RobotCheck("ALBodyTemperature", "getTemperatureDiagnosis", _warmth)
-    return await examine_robots(probe, (posture, warmth))
+    return await examine_robots(probe, (posture, guarded, warmth))
 
 
 def _posture(family: Any) -> tuple[str, str, str]:
@@ -23,6 +24,16 @@ def _posture(family: Any) -> tuple[str, str, str]:
     if family in UPRIGHT:
         return "ok", text, ""
     return "warning", f"{text}: it lies, or is held", "put it on its feet, on even ground"
+
+
+def _guarded(answer: Any) -> tuple[str, str, str]:
+    on = memory.flag(answer)
+    if on is None:
+        raise ValueError("neither yes nor no")
+    if on:
+        return "ok", "its fall manager is on", ""
+    remedy = "restart it, or: `naoqi: {call: ALMotion.setFallManagerEnabled, args: '[true]'}`"
+    return "warning", "its fall manager is off: a fall would not be known here", remedy
 
 
 def _warmth(answer: Any) -> tuple[str, str, str]:

@@ -46,6 +46,8 @@ _NOTICE = re.compile(
     r"body: (?P<ticks>\d+) ticks, late by (?P<p50>[\d.]+) ms .*, (?P<p99>[\d.]+) ms \(99 %\),"
     r" (?P<worst>[\d.]+) ms \(the latest\); (?P<missed>\d+) left out"
 )
+#: Until the first line of a journal, in seconds.
+_JOURNAL_S = 30.0
 
 
 @dataclass(frozen=True)
@@ -172,7 +174,15 @@ def _play(console: Terminal, process: psutil.Popen, seconds: float) -> float:
 
 
 def _kept(name: str, journal: Path) -> Punctual:
-    return Punctual(name, **json.loads(journal.read_text()))
+    """What a process wrote last; on a busy machine its first second may not be over yet."""
+    until = time.monotonic() + _JOURNAL_S
+    while True:
+        try:
+            return Punctual(name, **json.loads(journal.read_text()))
+        except (FileNotFoundError, json.JSONDecodeError):  # not there, or being written
+            if time.monotonic() > until:
+                raise
+        time.sleep(0.05)
 
 
 def _logged(recordings: Path) -> Punctual:

@@ -41,6 +41,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 #: From one message with face parameters to the next, in seconds.
@@ -85,41 +86,11 @@ class FurhatFace(FurhatPart):
         """Gestures by name, emotions, face parameters as joints."""
         moves = offered_moves(settings.gestures)
         return (
-            Verb(
-                "play",
-                "play a gesture",
-                (
-                    Argument("move", "choice", required=True, choices=moves),
-                    Argument("speed", "number", "2 is twice as fast", False, 1.0, Range(0.1, 4)),
-                    Argument("amplitude", "number", "size", False, 1.0, Range(0, 2)),
-                ),
-                lane="body",
-                limit_s=120.0,
-            ),
-            Verb(
-                "pose",
-                "set face parameters",
-                (Argument("joints", "joints", "0 to 1 by parameter", required=True), _SECONDS),
-                lane="body",
-                limit_s=65.0,
-            ),
-            Verb(
-                "poses",
-                "pass through face parameters over time",
-                (Argument("poses", "poses", "parameters, each with `seconds`", required=True),),
-                lane="body",
-                limit_s=300.0,
-            ),
-            Verb("home", "a neutral face that looks straight on", (_SECONDS,), "body"),
-            Verb(
-                "emotion",
-                "show an emotion",
-                (
-                    Argument("emotion", "choice", required=True, choices=tuple(EMOTIONS)),
-                    Argument("intensity", "number", "0 to 1", False, 1.0, Range(0, 1)),
-                ),
-                lane="face",
-            ),
+            common_verb("play", choices=moves),
+            common_verb("pose", "set face parameters", _SECONDS),
+            common_verb("poses", "pass through face parameters over time"),
+            common_verb("home", "a neutral face that looks straight on", _SECONDS),
+            common_verb("emotion", choices=tuple(EMOTIONS)),
             Verb(
                 "face",
                 "show another face, or change how it lives",

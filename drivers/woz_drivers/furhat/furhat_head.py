@@ -17,6 +17,7 @@ from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.simulated.argument_values import number, text
 from woz_tui.drivers.contract import Argument, DriverContext, Job, Verb
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 #: How far it turns its gaze: in degrees to a side, and up or down.
@@ -46,26 +47,8 @@ class FurhatHead(FurhatPart):
     def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
         """Directions in degrees, and people."""
         return (
-            Verb(
-                "gaze",
-                "look in a direction",
-                (
-                    Argument("yaw", "number", "left is positive", range=Range(-180, 180)),
-                    Argument("pitch", "number", "down is positive", range=Range(-180, 180)),
-                ),
-                lane=LANE,
-                stream=True,
-            ),
-            Verb(
-                "nudge",
-                "turn the head a step from where it looks",
-                (
-                    Argument("yaw", "number", "left is positive", default=0.0, range=_STEP),
-                    Argument("pitch", "number", "down is positive", default=0.0, range=_STEP),
-                ),
-                lane=LANE,
-                limit_s=5.0,
-            ),
+            common_verb("gaze"),
+            common_verb("nudge"),
             Verb(
                 "follow",
                 "look at somebody wherever they go",

@@ -10,10 +10,10 @@ from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.simulated.argument_values import color, word
-from woz_tui.drivers.contract import Argument, DeviceLostError, DriverContext, Job, Verb
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Verb
+from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS, common_verb
 from woz_tui.protocol.messages import Json
 
-ANIMATIONS = ("steady", "blink", "intermittent")
 #: Seconds between two blinks of the lids, and of each half of a light that comes and goes.
 _OPEN_S, _HALF_S = 3.5, 0.6
 
@@ -29,28 +29,13 @@ class FurhatLight(FurhatPart):
     @classmethod
     def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
         """`eyes`."""
-        return (
-            Verb(
-                "eyes",
-                "colour the LED ring",
-                (
-                    Argument("color", "text", "a name or #rrggbb; off", required=True),
-                    Argument(
-                        *("animation", "choice", "steady, blinking lids, or a pulsing light"),
-                        default="steady",
-                        choices=ANIMATIONS,
-                    ),
-                ),
-                lane="light",
-                limit_s=5.0,
-            ),
-        )
+        return (common_verb("eyes", "colour the LED ring", lane="light", limit_s=5.0),)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Show the colour at once."""
         shown = color(job.args, "color")
         animation = word(
-            {"animation": job.args.get("animation", "steady")}, "animation", ANIMATIONS
+            {"animation": job.args.get("animation", "steady")}, "animation", EYE_ANIMATIONS
         )
         self._end_loop()
         await self._link.send("request.led.set", color=shown)

@@ -34,6 +34,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 #: One mouth: what is said and what is played wait for each other.
@@ -71,23 +72,13 @@ class FurhatSpeech(FurhatPart):
     def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
         """`say`, `sound`, `voice`, `volume`."""
         return (
-            Verb(
-                "say",
-                "speak a sentence",
-                (Argument("text", "text", "what to say", required=True),),
-                lane=LANE,
-                limit_s=_LONGEST_S,
-            ),
-            Verb(
+            common_verb("say", limit_s=_LONGEST_S),
+            common_verb(
                 "sound",
                 "play a sound",
-                (
-                    Argument("file", "file", "a WAV file of this machine, or http://...", True),
-                    Argument("volume", "number", "of a file, 0 to 1", False, 1.0, Range(0, 1)),
-                    Argument("lipsync", "flag", "move the lips to it", default=False),
-                ),
+                Argument("volume", "number", "of a file, 0 to 1", False, 1.0, Range(0, 1)),
+                Argument("lipsync", "flag", "move the lips to it", default=False),
                 lane=LANE,
-                limit_s=_LONGEST_S,
             ),
             Verb(
                 "voice",
@@ -100,14 +91,7 @@ class FurhatSpeech(FurhatPart):
                 lane="voice-settings",
                 limit_s=10.0,
             ),
-            Verb(
-                "volume",
-                "set how loud it is",
-                (Argument("level", "number", "0 mute, 1 full", True, None, Range(0, 1)),),
-                lane="voice-settings",
-                limit_s=5.0,
-                brief=True,
-            ),
+            common_verb("volume", "", lane="voice-settings", limit_s=5.0, brief=True),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -99,7 +99,11 @@ class ObjectHost:
         wanted: str,
         found: Awaitable[Any],
     ) -> None:
+        begun = False
+
         async def run() -> None:
+            nonlocal begun
+            begun = True
             try:
                 self._reply(connection, frame, returns, wanted, await found)
             except asyncio.CancelledError:
@@ -110,10 +114,17 @@ class ObjectHost:
             except Exception as error:  # noqa: BLE001 - it belongs to the caller
                 self._refuse(connection, frame, _text(error))
 
+        def ended(_: asyncio.Task[None]) -> None:
+            self._running.pop(key, None)
+            if not begun:  # cancelled in the turn in which it came
+                if inspect.iscoroutine(found):
+                    found.close()
+                self._tell_cancelled(connection, frame)
+
         key = (connection, frame.id)
         task = asyncio.create_task(run())
         self._running[key] = task
-        task.add_done_callback(lambda _: self._running.pop(key, None))
+        task.add_done_callback(ended)
 
     def _reply(
         self, connection: QiConnection, frame: QiMessage, returns: str, wanted: str, value: Any

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import struct
+import warnings
 from collections.abc import Awaitable, Callable
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from qimessaging import ConnectionLostError, NaoqiClient, ProtocolError, QiError
+from qimessaging import (
+    CallTimeoutError,
+    ConnectionLostError,
+    NaoqiClient,
+    ProtocolError,
+    QiError,
+)
 from qimessaging.authentication import error_text
 from qimessaging.encoding import encode
 from qimessaging.frames import MessageKind, QiMessage, QiMessageReader
@@ -166,3 +174,38 @@ async def test_a_listeners_own_mistake_is_not_the_lines() -> None:
 )
 def test_an_error_has_a_text_whatever_it_holds(payload: bytes, text: str) -> None:
     assert text in error_text(QiMessage(MessageKind.ERROR, 1, 2, 1, 100, payload))
+
+
+async def test_a_call_that_is_cancelled_before_it_begins_leaves_nothing_behind() -> None:
+    """Both come in one piece, as from a client that is cut off at once."""
+
+    async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        answers, calls = await asyncio.open_connection("127.0.0.1", port)
+        back = asyncio.create_task(_back(answers, writer))
+        async for frame in frames(reader):
+            data = frame.encoded()
+            if frame.kind == MessageKind.CALL and frame.payload == encode("(f)", (60.0,)):
+                number = encode("I", frame.id)
+                data += QiMessage(
+                    MessageKind.CANCEL, frame.id + 1000, frame.service, frame.object, 0, number
+                ).encoded()
+            calls.write(data)
+        calls.close()
+        await back
+
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        async with bench() as (ours, port), script(play) as robot:
+            client = await NaoqiClient.open("127.0.0.1", robot)
+            with pytest.raises(QiError) as ended:
+                await client.call("Thing", "slow", 60.0, within=20)
+            assert not isinstance(ended.value, CallTimeoutError)
+            assert ours.entered == []
+            await client.close()
+        gc.collect()
+    assert [one for one in told if "never awaited" in str(one.message)] == []
+
+
+async def _back(answers: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    while data := await answers.read(1 << 16):
+        writer.write(data)

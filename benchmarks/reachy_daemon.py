@@ -8,7 +8,7 @@ or a robot in MuJoCo, whose joints have masses.
 * Calls: from the command until the daemon has answered it, beside a bare client of aiohttp with one
   connection; a setpoint is not answered: until it has been handed to the system.
 * Stops: in the middle of a pose, a gesture, a gaze, waking up; from the stop until the driver has
-  confirmed it, and until the last pose that still moved by more than half a degree from the next.
+  confirmed it, and until the robot is within a degree (a millimetre) of where it stays.
 * Faults: the daemon is killed and started again, frozen (SIGSTOP), or its network is cut. Known:
   until the wizard sees it and the command under way has ended. Back: from then on until connected.
 """
@@ -18,7 +18,6 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
-import itertools
 import random
 import signal
 import sys
@@ -153,13 +152,13 @@ async def stops(it: DaemonPlayer, count: int) -> list[list[str]]:
         missing += bool(report is None or report.missing)
         await asyncio.gather(command, return_exceptions=True)
         await asyncio.sleep(0.4)
-        poses = [(at, pose) for at, pose in link._poses if at > begun - 0.1]
-        moved = [
-            at
-            for (_, before), (at, after) in itertools.pairwise(poses)
-            if max(abs(after[name] - before[name]) for name in after) > 0.5
+        *poses, (_, stays) = [(at, pose) for at, pose in link._poses if at > begun]
+        away = [
+            (at - begun) * 1000
+            for at, pose in poses
+            if max(abs(pose[name] - stays[name]) for name in stays) > 1.0
         ]
-        still.append(max([0.0, *((at - begun) * 1000 for at in moved)]))
+        still.append(max(away, default=0.0))
         await it.driver.resume()
     return [
         ["confirmed", str(count), *_range(confirmed), str(missing)],

@@ -439,6 +439,7 @@ class ReachyMiniSimulator(WebRobot):
         await self._body(request)
 
         async def sleep() -> None:
+            self.wobbling, self.tracking = False, 0.0
             self._begin_sound("go_sleep.wav", 2.0)
             await self._travel(ASLEEP, 2.0)
             await self.time.sleep(2.0)

@@ -152,7 +152,7 @@ class DaemonLink:
         if self.status.state != "running":
             raise DriverError(
                 f"the daemon does not run the robot: {self.status.error or self.status.state}",
-                _REMEDY,
+                "start the robot in the vendor's app, or: POST /api/daemon/start?wake_up=true",
             )
         try:
             async with asyncio.timeout(2.0):

@@ -268,6 +268,8 @@ class ReachyMini(Driver):
         #: Of the robot's loudspeaker, 0 to 1; None: it does not say.
         self._level: float | None = None
         self._shown: dict[str, Json] = {}
+        #: Whether it was there and went: nobody knows what it does now.
+        self._lost = False
         self._told_silent = self._asked_library = False
         self._closed = False
         self._stops: list[asyncio.Future[None]] = []
@@ -441,8 +443,15 @@ class ReachyMini(Driver):
     async def _get_ready(self) -> None:
         """The daemon is there, for the first time or again."""
         self._sounds.forget()
-        await self._link.ask("POST", f"media/wobbling/{_able(self._wobbles)}")
-        await self._senses.connected()
+        if self._lost:
+            # A daemon that was frozen goes on with what it did, where it would be by now.
+            await self._link.end_any()
+            for uuid in await self._link.running():
+                await self._link.end(uuid)
+            await self._sounds.stop()
+        self._lost = False
+        await self._aim_sources()
+        self._senses.begin()
         self.context.mode(self._mode)
         if self._link.status.silent and not self._told_silent:
             self._told_silent = True
@@ -451,6 +460,11 @@ class ReachyMini(Driver):
             self._asking.cancel()
         self._asking = asyncio.create_task(self._ask(), name="reachy-mini questions")
         self._body.follow()
+
+    async def _aim_sources(self) -> None:
+        """What moves the head beside its pose: lying down, the daemon switches all of it off."""
+        await self._link.ask("POST", f"media/wobbling/{_able(self._wobbles)}")
+        await self._senses.track(self._mode == "tracking")
 
     def _show_settings(self) -> None:
         """Tell of a change, unless nobody knows."""
@@ -466,6 +480,7 @@ class ReachyMini(Driver):
 
     def _when_lost(self, error: DeviceLostError) -> None:
         self._mode = MODES[0]
+        self._lost = True
         if self._demo is not None:
             self._demo.cancel()
         self._body.forget()
@@ -645,11 +660,13 @@ class ReachyMini(Driver):
     async def _wake_up(self, job: Job) -> Sent:
         await self._link.set_motors("enabled")
         await self._body.play("wake_up")
+        await self._aim_sources()
         return {}
 
     async def _go_to_sleep(self, job: Job) -> Sent:
         await self._body.play("goto_sleep")
         await self._link.set_motors("disabled")  # they are: only the newest status may not say so
+        await self._aim_sources()
         return {}
 
     async def _volume(self, job: Job) -> Sent:

@@ -417,8 +417,14 @@ class ReachyBody:
 
     def _task(self, work: Callable[[], Coroutine[Any, Any, None]]) -> asyncio.Task[None]:
         async def guarded() -> None:
-            with contextlib.suppress(DeviceLostError):  # the line says so
+            try:
                 await work()
+            except DeviceLostError:
+                return  # the line says so
+            except DriverError as error:
+                self._context.notice(
+                    "warning", f"it may not look there: {error.what}", error.remedy
+                )
 
         return asyncio.get_running_loop().create_task(guarded(), name="reachy-mini setpoints")
 

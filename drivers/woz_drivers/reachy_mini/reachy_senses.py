@@ -63,9 +63,8 @@ class ReachySenses:
         face = FACE if settings.face else ()
         return (*joints, *face, *((*DIRECTION, SPEECH) if settings.direction else ()))
 
-    async def connected(self) -> None:
-        """Begin to look and listen. Raises `DriverError`."""
-        await self.track(False)
+    def begin(self) -> None:
+        """Look and listen, again and again."""
         self._states.clear()
         if self._polling is None or self._polling.done():
             self._polling = asyncio.get_running_loop().create_task(

@@ -251,6 +251,15 @@ async def test_waking_up_switches_the_motors_on(it: PlayedReachy) -> None:
     await arrives(it, tilt=0)
 
 
+async def test_after_sleep_it_looks_for_faces_and_wobbles_again(it: PlayedReachy) -> None:
+    """Lying down, the daemon switches both off."""
+    await it.do("go_to_sleep")
+    await it.do("wake_up")
+    it.robot.face = (0.1, 0.1)
+    await until(lambda: it.context.latest("presence") == 1)
+    assert it.robot.wobbling
+
+
 async def test_left_alone_it_lies_down_and_lets_go(it: PlayedReachy) -> None:
     await it.driver.rest()
     assert it.robot.motors == "disabled"

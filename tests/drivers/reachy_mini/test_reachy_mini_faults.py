@@ -96,6 +96,17 @@ async def test_a_robot_that_is_back_moves_nothing_by_itself(it: PlayedReachy) ->
     assert [name for name, _ in it.robot.calls if any(word in name for word in moving)] == []
 
 
+async def test_what_it_did_when_it_froze_is_ended_when_it_wakes(it: PlayedReachy) -> None:
+    moving = it.begin("pose", joints={"pan": 90}, seconds=400)
+    await until(lambda: it.asked_to_move)
+    it.robot.freeze()
+    await asyncio.gather(moving, return_exceptions=True)
+    assert it.asked_to_move
+    it.robot.thaw()
+    await it.connected()
+    assert not it.asked_to_move
+
+
 async def test_sounds_are_sent_anew_to_a_robot_that_was_away(it: PlayedReachy) -> None:
     await it.do("say", text="Hello.")
     await it.robot.close()

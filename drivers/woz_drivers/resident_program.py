@@ -131,14 +131,13 @@ class ResidentProgram:
         """
         async with self._turn:
             self.start()
-            await self._until_ready()
+            child = await self._until_ready()
             self._numbers += 1
             future: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
             self._pending = _Pending(self._numbers, future, on_part)
             self._passed_over = ""
-            assert self._child is not None
             line = json.dumps({"id": self._numbers, **request})
-            self._child.write(line.encode() + b"\n")
+            child.write(line.encode() + b"\n")
             try:
                 async with asyncio.timeout(seconds):
                     answer = await future
@@ -158,15 +157,21 @@ class ResidentProgram:
             what = f"{self.program} gave a wrong answer: {error}"
             raise DriverError(what, self._remedy) from error
 
-    async def _until_ready(self) -> None:
-        await _first(self._ready.wait(), self._hopeless.wait())
-        if not self._ready.is_set() and self._trouble is not None:
-            raise self._trouble
+    async def _until_ready(self) -> Child:
+        while True:
+            child = self._child
+            if self._ready.is_set() and child is not None and child.running:
+                return child
+            self._ready.clear()
+            if self._hopeless.is_set() and self._trouble is not None:
+                raise self._trouble
+            await _first(self._ready.wait(), self._hopeless.wait())
 
     def _give_up(self, why: str) -> DriverError:
         """Have it started again; what is to be said of it."""
         wrote = f"; it wrote {self._passed_over!r}" if self._passed_over else ""
         error = DriverError(f"{self.program} {why}{wrote}", self._remedy)
+        self._ready.clear()
         if self._given_up is not None and not self._given_up.done():
             self._given_up.set_result(error)
         return error

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from woz_drivers.wav import Wav
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes import sound as fake
 from tests.fakes.sound import RATE, square, told
-from woz_tui.protocol.messages import DriverConnected
+from woz_tui.protocol.messages import DriverConnected, Json
 
 SCRIPT = (sys.executable, "-S", fake.__file__)
 
@@ -81,3 +81,8 @@ async def desk_in(folder: Path) -> AsyncIterator[Desk]:
 def say(text: str) -> Ordered:
     """A job that says `text`."""
     return Ordered("say", {"text": text})
+
+
+def said(*texts: str) -> list[Mapping[str, Json]]:
+    """The arguments of `say` for each text."""
+    return [{"text": text} for text in texts]

@@ -6,7 +6,6 @@ from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Any
 
-import psutil
 import pytest
 from woz_drivers.child_process import RestartPauses
 from woz_drivers.microphone.driver import Microphone
@@ -14,7 +13,7 @@ from woz_drivers.microphone.settings import MicrophoneSettings
 
 from tests.drivers.ears import ears
 from tests.drivers.heard import Heard, until
-from tests.fakes import resident
+from tests.drivers.resident_programs import ROOT, command, processes
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square, told
 from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Probe
@@ -28,14 +27,10 @@ SPOKEN = square(0.1, 0.5) + square(0.1, 0.01)
 SECOND = "hello 4524"  # what the fake makes of SPOKEN: 7 blocks and the header
 
 
-def command(journal: Path, *behaviours: str) -> tuple[str, ...]:
-    return ("{python}", "-m", resident.__name__, str(journal), *behaviours)
-
-
 @pytest.fixture(autouse=True)
 def importable(monkeypatch: pytest.MonkeyPatch) -> None:
     """The script is found from wherever it is started."""
-    monkeypatch.setenv("PYTHONPATH", str(Path(resident.__file__).parents[2]))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
 
 
 @pytest.fixture
@@ -131,7 +126,7 @@ async def test_one_that_dies_between_two_sentences_is_back_for_the_next(
     await texts(heard, pipe, 1)
     await until(lambda: len(told(journal, "start")) == 1)
     heard_before = len(heard.all(Notice))
-    for one in resident_processes(journal):
+    for one in processes(journal):
         one.kill()
     await heard.state(SPEECH_TEXT, "stale")
     assert len(heard.all(Notice)) == heard_before + 1
@@ -148,7 +143,7 @@ async def test_one_that_does_not_answer_is_ended_and_started_again(
     assert "did not answer within 1 s" in lost.detail
     assert ("Segment 1 of 1" in lost.detail) == (behaviour == "babble")
     assert found.text == SECOND
-    assert len(resident_processes(journal)) == 1
+    assert len(processes(journal)) == 1
 
 
 @pytest.mark.parametrize("behaviour", ["twice", "late", "nonsense", "parts"])
@@ -224,7 +219,7 @@ async def test_doctor_loads_it(tmp_path: Path, journal: Path) -> None:
         )
         _, found = await Microphone.examine(Probe("ear", settings, tmp_path))
         assert found.level == level
-        assert resident_processes(journal) == []
+        assert processes(journal) == []
 
 
 @pytest.mark.parametrize(
@@ -244,12 +239,3 @@ def test_pauses_grow_until_a_run_goes_well() -> None:
     pauses = RestartPauses()
     assert [pauses.after(0) for _ in range(7)] == [0.5, 1, 2, 4, 8, 10, 10]
     assert [pauses.after(60), pauses.after(1)] == [0.5, 1]
-
-
-def resident_processes(journal: Path) -> list[psutil.Process]:
-    """Those of this test that run."""
-    return [
-        one
-        for one in psutil.Process().children(recursive=True)
-        if one.status() != "zombie" and str(journal) in one.cmdline()
-    ]

@@ -17,9 +17,9 @@ from woz_drivers.speech.synthesis import file_names, spoken_text
 from woz_drivers.wav import parse
 
 from tests.drivers.heard import Ordered, until
-from tests.drivers.speech_desk import Desk, desk_in, say
+from tests.drivers.speech_desk import Desk, desk_in, said, say
 from woz_tui.drivers.contract import DriverError, RejectedError
-from woz_tui.protocol.messages import Notice
+from woz_tui.protocol.messages import Json, Notice, Reading
 
 
 @pytest.fixture
@@ -38,6 +38,7 @@ async def test_says_a_text_and_reports_it(desk: Desk) -> None:
         "source": "synthesised",
         "cached": False,
         "volume": 1.0,
+        "delay": sent["delay"],
     }
     assert job.announced == [pytest.approx(0.12)]
     assert [line["do"] for line in desk.told()] == ["synthesise", "play", "played"]
@@ -65,15 +66,43 @@ async def test_a_damaged_cache_file_is_made_anew(desk: Desk) -> None:
 
 async def test_prepared_utterances_are_not_synthesised_again(desk: Desk) -> None:
     driver = await desk.open()
-    await driver.prepare(["One", "\0", "Two", "One"])
+    await driver.prepare_say(said("One", "\0", "Two", "One"))
     assert [line["text"] for line in desk.told("synthesise")] == ["One\n", "Two\n"]
     assert desk.told("play") == []
     assert (await driver.perform(say("Two")))["cached"] is True
 
 
+async def test_one_utterance_may_have_another_voice(desk: Desk) -> None:
+    words = ("--voice", "{voice} {language} {speed} {pitch}")
+    driver = await desk.open(
+        synthesise=desk.command("synthesise", "--wav", "{wav}", *words), voice="en-gb"
+    )
+    one: dict[str, Json] = {"text": "Hm", "language": "de", "speed": 90}
+    other: dict[str, Json] = {"text": "Hm", "voice": "fr", "pitch": 70, "volume": 0.5}
+    await driver.prepare_say([{"text": "Hm"}, one, other])
+    assert [line["voice"] for line in desk.told("synthesise")] == [
+        "en-gb  160 50",
+        "de de 90 50",
+        "fr  160 70",
+    ]
+    for args, volume in ((one, 1.0), (other, 0.5)):
+        sent = await driver.perform(Ordered("say", args))
+        assert (sent["cached"], sent["volume"]) == (True, volume)
+
+
+async def test_how_many_utterances_are_ready_is_published(desk: Desk) -> None:
+    driver = await desk.open()
+    await driver.prepare_say(said("One", "Two", "Three"))
+    told = [reading for reading in desk.heard.all(Reading) if reading.sensor == "prepared"]
+    assert [(told[0].value, told[0].text), (told[-1].value, told[-1].text)] == [
+        (1, "of 3"),
+        (3, "of 3"),
+    ]
+
+
 async def test_failed_preparation_is_one_notice(desk: Desk) -> None:
     driver = await desk.open(synthesise=("sh", "-c", "echo no voice >&2; exit 1"))
-    await driver.prepare(["One", "Two"])
+    await driver.prepare_say(said("One", "Two"))
     (notice,) = desk.heard.all(Notice)
     assert notice.text == "it: speech not prepared: sh failed: no voice"
 
@@ -82,7 +111,7 @@ async def test_closing_ends_the_preparation(desk: Desk) -> None:
     driver = await desk.open(
         synthesise=desk.command("synthesise", "--wav", "{wav}", "--delay", "1000")
     )
-    preparing = asyncio.ensure_future(driver.prepare(["One"]))
+    preparing = asyncio.ensure_future(driver.prepare_say(said("One")))
     await until(lambda: len(desk.told("synthesise")) == 1)
     await driver.close()
     await preparing
@@ -188,7 +217,7 @@ async def test_a_program_that_speaks_by_itself(desk: Desk) -> None:
     assert desk.told("speak")[0]["text"] == "-x Hello there\n"
     assert desk.told("speak")[0]["volume"] == "100"
     assert len(job.announced) == 1
-    await driver.prepare(["never asked for"])
+    await driver.prepare_say(said("never asked for"))
     assert len(desk.told()) == 1
 
 

@@ -191,7 +191,7 @@ def test_the_programs_by_default() -> None:
     assert " ".join(settings.play_words()) == "aplay -q -D {device} {wav}"
     assert settings.synthesise_words()[0] == "espeak-ng"
     assert [verb.name for verb in Speech.verbs(settings)] == ["say", "sound", "volume"]
-    assert Speech.sensors(settings) == ()
+    assert Speech.sensors(settings) == ("prepared",)
 
 
 async def test_examine_tries_a_word_and_looks_at_every_recording(desk: Desk) -> None:

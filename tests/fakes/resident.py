@@ -15,6 +15,8 @@ behaviour, the last one for ever. Each start and each request is a line of the f
     endless     begins a line that never ends
     long        answers with a line of 900 kB
     parts       tells the text so far before the text
+    raw         a voice that writes raw sound
+    silent      a voice that writes nothing
 """
 
 from __future__ import annotations
@@ -43,14 +45,12 @@ def _answer(journal: Path, request: dict[str, object]) -> dict[str, object]:
         size = Path(str(request["file"])).stat().st_size
         words = [{"word": "hello", "begin": 0.1, "end": 0.3, "confidence": 0.5}]
         return {"id": request["id"], "text": f"hello {size}", "words": words, "confidence": 0.75}
-    path = journal.with_name(f"made-{time.monotonic_ns()}.wav")
-    with wave.open(str(path), "wb") as out:
+    with wave.open(str(request["wav"]), "wb") as out:
         out.setnchannels(1)
         out.setsampwidth(2)
         out.setframerate(RATE)
         out.writeframesraw(square(0.1, 0.5))
-    words = [{"word": "hello", "begin": 0.0, "end": 0.05}]
-    return {"id": request["id"], "wav": str(path), "words": words}
+    return {"id": request["id"], "words": [{"word": "hello", "begin": 0.0, "end": 0.05}]}
 
 
 def _behave(behaviour: str, journal: Path, request: dict[str, object]) -> None:
@@ -75,7 +75,7 @@ def _behave(behaviour: str, journal: Path, request: dict[str, object]) -> None:
                 _write(line)
             _write(answer)
         case "wrong":
-            _write({"id": number, "text": 7, "wav": [], "words": "no"})
+            _write({"id": number, "text": 7, "words": "no"})
         case "error":
             _write({"id": number, "error": "no such voice"})
         case "endless":
@@ -87,7 +87,16 @@ def _behave(behaviour: str, journal: Path, request: dict[str, object]) -> None:
             _write({"id": number, "text": "hel", "final": False})
             _write(answer)
         case _:
-            _write(answer)
+            _write({**answer, **_sound(behaviour, request)})
+
+
+def _sound(behaviour: str, request: dict[str, object]) -> dict[str, object]:
+    """What a voice writes instead of a WAV file, and what it adds to the answer."""
+    if behaviour not in ("raw", "silent"):
+        return {}
+    raw = behaviour == "raw"
+    Path(str(request["wav"])).write_bytes(square(0.1, 0.5) if raw else b"")
+    return {"rate": RATE} if raw else {}
 
 
 def main() -> None:

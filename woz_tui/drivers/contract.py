@@ -215,6 +215,16 @@ class DriverContext(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class VoiceFound:
+    """A voice: the program that has it, the name that `say` takes, its language."""
+
+    engine: str
+    name: str
+    language: str = ""
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Finding:
     """One line of a preflight or of `woz doctor`; `level`: ok, info, warning or error."""
 
@@ -383,6 +393,11 @@ class Driver(Performer):
         return ()
 
     @classmethod
+    async def voices(cls, probe: Probe) -> list[VoiceFound]:
+        """`woz voices`: which voices its `say` may be given. Never raises."""
+        return []
+
+    @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """`woz doctor`: look at the hardware without moving it. Never raises."""
         return []
@@ -400,6 +415,12 @@ class Driver(Performer):
         """Make ready what will probably be said, so that it is heard at once at its key; a task of
         its own, cancelled when the list changes. For drivers that offer `say`.
         """
+
+    async def prepare_say(self, utterances: list[Mapping[str, Json]]) -> None:
+        """As `prepare`, with all arguments of each `say`, for drivers whose `say` has more of them
+        than `text`. By itself it calls `prepare` with the texts.
+        """
+        await self.prepare(list(dict.fromkeys(str(args["text"]) for args in utterances)))
 
     async def resume(self) -> None:
         """The stop was released: whatever moves by itself (breathes, follows another driver) may

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import msgspec
@@ -24,19 +24,21 @@ from woz_tui.session.variables import MissingValueError, VariableValues, fill_va
 SAY, TEXT = "say", "text"
 
 
-def utterances(experiment: Experiment, values: VariableValues) -> dict[str, list[str]]:
-    """Utterances by driver, each once, in the file's order.
+def utterances(
+    experiment: Experiment, values: VariableValues
+) -> dict[str, list[Mapping[str, Json]]]:
+    """What will be said, by driver, each once, in the file's order: the arguments of `say`.
 
     Those with a variable that has no value yet are left out.
     """
-    found: dict[str, dict[str, None]] = {}
+    found: dict[str, dict[str, Mapping[str, Json]]] = {}
     actions = [action for panel in experiment.panels for action in panel.actions]
     for action in (*actions, *experiment.repairs):
         for call in action.calls:
             for written in _written(call, values) if call.verb == SAY else ():
-                if text := _text(written, values):
-                    found.setdefault(call.driver, {})[text] = None
-    return {driver: list(texts) for driver, texts in found.items()}
+                if said := _filled({**call.args, TEXT: written}, values):
+                    found.setdefault(call.driver, {})[repr(sorted(said.items()))] = said
+    return {driver: list(said.values()) for driver, said in found.items()}
 
 
 def _written(call: Call, values: VariableValues) -> Iterable[Json]:
@@ -45,12 +47,13 @@ def _written(call: Call, values: VariableValues) -> Iterable[Json]:
     return choice.of(values.get("condition", "")) if choice else (call.args.get(TEXT),)
 
 
-def _text(value: Json, values: VariableValues) -> str:
+def _filled(args: dict[str, Json], values: VariableValues) -> Mapping[str, Json]:
+    """Arguments with their variables filled in; empty if that cannot be, or nothing is said."""
     try:
-        text = fill_variables(value, values)
+        said = {name: fill_variables(value, values) for name, value in args.items()}
     except MissingValueError:
-        return ""
-    return text if isinstance(text, str) else ""
+        return {}
+    return said if isinstance(said[TEXT], str) and said[TEXT] else {}
 
 
 def no_value(refused: str) -> RequestError:

@@ -16,6 +16,7 @@ from woz_tui.drivers.contract import Driver, DriverError
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.plugins import PluginError
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 from woz_tui.session.driver_context import DriverRequestHandler, SessionDriverContext
 from woz_tui.system.clock import Clock
 
@@ -95,21 +96,21 @@ class DriverManager:
                 )
             )
 
-    def prepare(self, utterances: Mapping[str, list[str]]) -> None:
+    def prepare(self, utterances: Mapping[str, list[Mapping[str, Json]]]) -> None:
         """Have voices get ready what will be said, so that it is heard at once when it is."""
-        for name, texts in utterances.items():
+        for name, said in utterances.items():
             driver = self._drivers.get(name)
             if driver is not None:
                 earlier = self._preparing.pop(name, None)
                 if earlier is not None:
                     earlier.cancel()
                 self._preparing[name] = asyncio.get_running_loop().create_task(
-                    self._prepare(name, driver, texts)
+                    self._prepare(name, driver, said)
                 )
 
-    async def _prepare(self, name: str, driver: Driver, texts: list[str]) -> None:
+    async def _prepare(self, name: str, driver: Driver, said: list[Mapping[str, Json]]) -> None:
         try:
-            await guarded(lambda: driver.prepare(texts))
+            await guarded(lambda: driver.prepare_say(said))
         except Exception as error:
             log.exception("%s could not prepare its utterances", name)
             text = f"{name}: utterances are not ready: {error}"

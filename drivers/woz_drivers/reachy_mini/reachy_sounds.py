@@ -107,7 +107,8 @@ class ReachySounds:
         self._sent.clear()
 
     async def close(self) -> None:
-        """Wait until a sound that was broken off has ended."""
+        """End the voice; wait until a sound that was broken off has ended."""
+        await self._synthesis.close()
         if self._tidying:
             await asyncio.wait(set(self._tidying), timeout=0.5)
             for task in self._tidying:

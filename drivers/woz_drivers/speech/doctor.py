@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 
 from woz_drivers import child_process, command_lines
@@ -10,6 +11,8 @@ from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 _TRIAL = "Hello"
+#: So long may its first word take, in seconds; `woz doctor` waits for 15.
+_PATIENCE_S = 12.0
 
 
 async def examine(probe: Probe) -> list[Finding]:
@@ -36,11 +39,18 @@ def _program_finding(probe: Probe, program: str) -> Finding:
 
 
 async def _synthesiser(probe: Probe, settings: SpeechSettings) -> Finding:
+    synthesis = SpeechSynthesis(settings, probe.folder)
     try:
-        made = await SpeechSynthesis(settings, probe.folder).utterance(_TRIAL)
-        program = settings.synthesise_words()[0]
+        async with asyncio.timeout(_PATIENCE_S):
+            made = await synthesis.utterance(_TRIAL)
+        program = synthesis.program
+    except TimeoutError:
+        what = f"no first word within {_PATIENCE_S:g} s"
+        return Finding("error", probe.name, what, "try its command in a terminal")
     except DriverError as error:
         return Finding("error", probe.name, error.what, error.remedy)
+    finally:
+        await synthesis.close()
     return Finding("ok", probe.name, f"{program}: {made.sound.seconds:.1f} s for {_TRIAL!r}")
 
 

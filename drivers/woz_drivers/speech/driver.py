@@ -12,7 +12,7 @@ from typing import Any
 from woz_drivers import child_process, command_lines
 from woz_drivers.child_process import Child
 from woz_drivers.speech import doctor
-from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings, VoiceChoice
 from woz_drivers.speech.synthesis import (
     PreparedUtterance,
     SpeechSynthesis,
@@ -20,6 +20,7 @@ from woz_drivers.speech.synthesis import (
     read_wav,
     spoken_text,
 )
+from woz_drivers.speech.voice_list import voices
 from woz_drivers.wav import Wav
 from woz_tui.drivers.contract import (
     Argument,
@@ -35,6 +36,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Scope,
     Verb,
+    VoiceFound,
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
@@ -43,11 +45,19 @@ from woz_tui.protocol.messages import Json
 _LOOK_S = 2.0
 #: A program that speaks by itself may take this long for one utterance, in seconds.
 _LONGEST_SPEECH_S = 120.0
+#: How many utterances are ready, while they are made.
+PREPARED = "prepared"
+#: That is published this often at most, in microseconds.
+_PROGRESS_US = 500_000
 
 _SAY = Verb(
     "say",
     "speak a text",
-    (Argument("text", "text", "what to say", required=True),),
+    (
+        Argument("text", "text", "what to say", required=True),
+        *VOICE_ARGUMENTS,
+        Argument("volume", "number", "how loud, 0 to 1", range=Range(0, 1)),
+    ),
     lane="voice",
     limit_s=_LONGEST_SPEECH_S + 5,
 )
@@ -80,7 +90,11 @@ class Speech(Driver):
     def __init__(self, name: str, settings: SpeechSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
         self._volume = settings.volume
-        self._voice = SpeechSynthesis(settings, context.folder)
+        self._voice = SpeechSynthesis(settings, context.folder, self._resident_moved)
+        #: Why the program that stays loaded makes no sound; None: it does, or there is none.
+        self._resident_trouble: DriverError | None = None
+        #: What could not be prepared, as `prepare_say` has it.
+        self._unprepared: list[Mapping[str, Json]] = []
         self._jobs: set[asyncio.Task[Any]] = set()
         self._audible: set[Child] = set()
         self._missing: DriverError | None = None
@@ -95,6 +109,16 @@ class Speech(Driver):
         return (_SAY, _VOLUME) if made.speak else (_SAY, _SOUND, _VOLUME)
 
     @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """How many utterances are ready."""
+        return () if settings.speak else (PREPARED,)
+
+    @classmethod
+    async def voices(cls, probe: Probe) -> list[VoiceFound]:
+        """Those of the synthesisers of this machine."""
+        return await voices(probe.folder)
+
+    @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Are the programs, the voice, the sound card and the recordings there?"""
         return await doctor.examine(probe)
@@ -103,10 +127,12 @@ class Speech(Driver):
         """Look for the programs, until they are there."""
         self.context.health(Health.CONNECTING, "looking for the speech programs")
         self._task = asyncio.create_task(self._watch_programs())
+        self._voice.start()
 
-    async def prepare(self, utterances: list[str]) -> None:
+    async def prepare_say(self, utterances: list[Mapping[str, Json]]) -> None:
         """Synthesise what will be said, so that it is heard at once later. Troubles become one
-        notice; what failed is tried again when it is said.
+        notice; what failed is tried again when it is said, or when the program that stays loaded
+        is back.
         """
         if self.settings.speak:
             return
@@ -116,14 +142,31 @@ class Speech(Driver):
         finally:
             self._preparing.cancel()
 
-    async def _prepare(self, utterances: list[str]) -> None:
-        try:
-            for text in utterances:
-                with contextlib.suppress(RejectedError):
-                    await self._voice.utterance(spoken_text(text))
-        except DriverError as error:
-            text = f"speech not prepared: {error.what}"
-            self.context.notice("warning", text, error.remedy, tells=("request",))
+    async def _prepare(self, utterances: list[Mapping[str, Json]]) -> None:
+        self._unprepared = []
+        published_us = 0
+        for number, args in enumerate(utterances):
+            try:
+                text = spoken_text(str(args["text"]))
+                made = await self._voice.utterance(text, self._choice(args))
+            except RejectedError:
+                continue
+            except DriverError as error:
+                self._unprepared = utterances
+                what = f"speech not prepared: {error.what}"
+                self.context.notice("warning", what, error.remedy, tells=("request",))
+                return
+            now = self.context.clock.now_us()
+            if made.source == "synthesised" and now - published_us >= _PROGRESS_US:
+                published_us = now
+                self._publish_progress(number + 1, len(utterances))
+        self._publish_progress(len(utterances), len(utterances))
+
+    def _publish_progress(self, ready: int, of: int) -> None:
+        self.context.reading(PREPARED, ready, text=f"of {of}" if of else "")
+
+    def _choice(self, args: Mapping[str, Any]) -> VoiceChoice:
+        return self.settings.choice().changed(args)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Speak, play or set the volume; returns when the sound has ended."""
@@ -153,6 +196,7 @@ class Speech(Driver):
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
         await self._silence()
+        await self._voice.close()
 
     async def _silence(self) -> None:
         for running in list(self._audible):
@@ -199,35 +243,62 @@ class Speech(Driver):
         except DriverError as error:
             self.context.health(Health.FAULTED, error.what, error.remedy)
             return False
-        self.context.health(Health.CONNECTED, ", ".join((*makers, player)))
+        trouble = self._resident_trouble
+        if trouble is not None:
+            self.context.health(Health.FAULTED, trouble.what, trouble.remedy)
+        else:
+            made_by = (self._voice.program,) if makers else ()
+            self.context.health(Health.CONNECTED, ", ".join((*made_by, player)))
         return True
+
+    def _resident_moved(self, state: str, why: str, remedy: str) -> None:
+        """The program that stays loaded is `loading`, `ready` or `lost`."""
+        if state == "loading":
+            return
+        self._resident_trouble = DriverError(why, remedy) if state == "lost" else None
+        self._complete()
+        if state == "ready" and self._unprepared:
+            self._preparing = asyncio.create_task(self._prepare(self._unprepared))
 
     # -- sound ---------------------------------------------------------------------------------
 
     async def _say(self, job: Job, text: str) -> Mapping[str, Json]:
-        utterance = await self._voice.utterance(text)
-        await self._play(job, utterance.path, utterance.sound)
-        return self._sent(utterance) | {"text": text}
+        asked_us = self.context.clock.now_us()
+        utterance = await self._voice.utterance(text, self._choice(job.args))
+        delay_s = (self.context.clock.now_us() - asked_us) / 1_000_000
+        volume = self._volume_of(job)
+        await self._play(job, utterance.path, utterance.sound, volume)
+        words: list[Json] = [[one.word, one.begin, one.end] for one in utterance.words]
+        return {
+            **self._sent(utterance, volume),
+            **{"text": text, "delay": round(delay_s, 3)},
+            **({"words": words} if words else {}),
+        }
+
+    def _volume_of(self, job: Job) -> float:
+        wanted = job.args.get("volume")
+        return self._volume if wanted is None else float(wanted)
 
     async def _play_file(self, job: Job, file: str) -> Mapping[str, Json]:
         path = self.context.folder / file
         content = await asyncio.to_thread(read_wav, path)
-        await self._play(job, path, content)
-        return self._sent(PreparedUtterance(path, content, "file")) | {"file": file}
+        await self._play(job, path, content, self._volume)
+        sent = self._sent(PreparedUtterance(path, content, "file"), self._volume)
+        return sent | {"file": file}
 
-    def _sent(self, utterance: PreparedUtterance) -> dict[str, Json]:
+    def _sent(self, utterance: PreparedUtterance, volume: float) -> dict[str, Json]:
         return {
             "seconds": round(utterance.sound.seconds, 3),
             "source": utterance.source,
             "cached": utterance.source == "cache",
-            "volume": self._volume,
+            "volume": volume,
         }
 
-    async def _play(self, job: Job, path: Path, content: Wav) -> None:
+    async def _play(self, job: Job, path: Path, content: Wav, volume: float) -> None:
         words = self.settings.play_words()
-        values = self.settings.values(self._volume)
+        values = self.settings.values(self._choice(job.args), volume)
         own_volume = any("{volume}" in word for word in words)
-        async with _at_volume(path, content, 1.0 if own_volume else self._volume) as played:
+        async with _at_volume(path, content, 1.0 if own_volume else volume) as played:
             job.expects(content.seconds)
             await self._run(
                 command_lines.fill(words, {**values, "wav": str(played)}),
@@ -236,16 +307,17 @@ class Speech(Driver):
 
     async def _speak(self, job: Job, text: str) -> Mapping[str, Json]:
         words = self.settings.speak_words()
-        values = {**self.settings.values(self._volume), "text": text}
+        choice, volume = self._choice(job.args), self._volume_of(job)
+        values = {**self.settings.values(choice, volume), "text": text}
         used = command_lines.placeholders(words, values, "speak")
-        estimate = max(1, len(text.split())) * 60 / self.settings.speed
+        estimate = max(1, len(text.split())) * 60 / choice.speed
         job.expects(estimate)
         await self._run(
             command_lines.fill(words, values),
             _LONGEST_SPEECH_S,
             None if "text" in used else text + "\n",
         )
-        return {"text": text, "source": words[0], "volume": self._volume}
+        return {"text": text, "source": words[0], "volume": volume}
 
     async def _run(self, words: Sequence[str], seconds: float, text: str | None = None) -> None:
         """Run a program that is heard; its failure is the driver's health until one succeeds."""
@@ -274,7 +346,8 @@ def _programs(settings: SpeechSettings) -> tuple[str, ...]:
     """The programs that are needed; the last one is heard."""
     if settings.speak:
         return (settings.speak_words()[0],)
-    return (settings.synthesise_words()[0], settings.play_words()[0])
+    words = settings.resident_words() or settings.synthesise_words()
+    return (words[0], settings.play_words()[0])
 
 
 @contextlib.asynccontextmanager

@@ -3,33 +3,78 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Annotated
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any
 
 from woz_drivers import command_lines
-from woz_tui.drivers.contract import DriverError
+from woz_drivers.resident_program import resident_words
+from woz_tui.drivers.contract import Argument, DriverError
 from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Section
 
 #: What the commands may hold in braces.
-SYNTHESISE_WORDS = ("text", "wav", "voice", "speed", "pitch")
+SYNTHESISE_WORDS = ("text", "wav", "voice", "language", "speed", "pitch")
 PLAY_WORDS = ("wav", "volume", "device")
-SPEAK_WORDS = ("text", "voice", "speed", "pitch", "volume", "device")
+SPEAK_WORDS = ("text", "voice", "language", "speed", "pitch", "volume", "device")
 
 Command = str | tuple[str, ...]
+
+SPEEDS = Range(60, 450, "words/min")
+PITCHES = Range(0, 99)
+#: The voice that nobody chose; a program that stays loaded takes its own then.
+_USUAL_VOICE = "en"
+
+#: What one utterance may change of the voice.
+VOICE_ARGUMENTS = (
+    Argument("voice", "text", "another voice"),
+    Argument("language", "text", "such as de"),
+    Argument("speed", "whole", "how fast", range=SPEEDS),
+    Argument("pitch", "whole", "how high", range=PITCHES),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceChoice:
+    """How one utterance is to sound. Without a voice the language decides, else the program."""
+
+    voice: str
+    language: str
+    speed: int
+    pitch: int
+
+    def changed(self, args: Mapping[str, Any]) -> VoiceChoice:
+        """The same with what an utterance has of `VOICE_ARGUMENTS`."""
+        names = [argument.name for argument in VOICE_ARGUMENTS]
+        wanted = {name: args[name] for name in names if args.get(name) is not None}
+        if "language" in wanted:
+            wanted.setdefault("voice", "")  # the usual one speaks another language
+        return replace(self, **wanted)
+
+    def values(self) -> dict[str, str]:
+        """What stands for the placeholders of commands."""
+        return {
+            "voice": self.voice or self.language or _USUAL_VOICE,
+            "language": self.language,
+            "speed": str(self.speed),
+            "pitch": str(self.pitch),
+        }
 
 
 @dataclass(frozen=True, slots=True)
 class SynthesisSettings(Section):
     """How text becomes sound."""
 
-    voice: Annotated[str, Doc("espeak-ng voice; `espeak-ng --voices` lists them")] = "en"
-    speed: Annotated[int, Range(60, 450, "words/min"), Doc("how fast it speaks")] = 160
-    pitch: Annotated[int, Range(0, 99), Doc("how high it speaks")] = 50
+    voice: Annotated[str, Doc("its voice, such as en-gb; `woz voices` lists them")] = _USUAL_VOICE
+    language: Annotated[str, Doc("language where no voice is named, such as de")] = ""
+    speed: Annotated[int, SPEEDS, Doc("how fast it speaks")] = 160
+    pitch: Annotated[int, PITCHES, Doc("how high it speaks")] = 50
     synthesise: Annotated[
         Command,
         Doc("program that turns {text} (or stdin) into a WAV file {wav} (or stdout);"
             " default: espeak-ng"),
     ] = ""  # fmt: skip
+    resident_voice: Annotated[
+        Command, Doc("program that stays loaded and makes the sound, instead of `synthesise`")
+    ] = ""
     recordings: Annotated[
         Mapping[str, Annotated[str, Path(must_exist=True)]],
         Doc("WAV files to be played instead of synthesising, by utterance"),
@@ -42,7 +87,14 @@ class SynthesisSettings(Section):
 
     def problems(self) -> list[tuple[str, str]]:
         """What is wrong with the command: pairs of a setting's name and a sentence."""
-        return [*command_problems(("synthesise", self.synthesise_words))]
+        found = [
+            *command_problems(
+                ("synthesise", self.synthesise_words), ("resident_voice", self.resident_words)
+            )
+        ]
+        if self.synthesise and self.resident_voice:
+            found.append(("synthesise", "resident_voice replaces it: leave one out"))
+        return found
 
     def synthesise_words(self) -> tuple[str, ...]:
         """The command that makes a WAV file. Raises `DriverError` if it is none."""
@@ -51,9 +103,14 @@ class SynthesisSettings(Section):
             return ("espeak-ng", *voice, "-b", "1", "--stdin", "-w", "{wav}")
         return _checked(self.synthesise, SYNTHESISE_WORDS, "synthesise")
 
-    def voice_values(self) -> dict[str, str]:
-        """What stands for the placeholders, but for {text} and {wav}."""
-        return {"voice": self.voice, "speed": str(self.speed), "pitch": str(self.pitch)}
+    def resident_words(self) -> tuple[str, ...]:
+        """The program that stays loaded, or () if there is none. Raises `DriverError`."""
+        return resident_words(self.resident_voice, "resident_voice")
+
+    def choice(self) -> VoiceChoice:
+        """The voice of utterances that do not change it."""
+        voice = "" if self.voice == _USUAL_VOICE else self.voice
+        return VoiceChoice(voice, self.language, self.speed, self.pitch)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +134,8 @@ class SpeechSettings(SynthesisSettings):
             *SynthesisSettings.problems(self),
             *command_problems(("play", self.play_words), ("speak", self.speak_words)),
         ]
-        if self.speak and (self.synthesise or self.play):
-            found.append(("speak", "speak replaces synthesise and play: leave these out"))
+        if self.speak and (self.synthesise or self.resident_voice or self.play):
+            found.append(("speak", "speak replaces the programs that make and play sound"))
         return found
 
     def play_words(self) -> tuple[str, ...]:
@@ -94,10 +151,10 @@ class SpeechSettings(SynthesisSettings):
         """The command that speaks by itself, or () if there is none. Raises `DriverError`."""
         return _checked(self.speak, SPEAK_WORDS, "speak") if self.speak else ()
 
-    def values(self, volume: float) -> dict[str, str]:
+    def values(self, choice: VoiceChoice, volume: float) -> dict[str, str]:
         """What stands for the placeholders, but for {text} and {wav}; {volume} in percent."""
         return {
-            **self.voice_values(),
+            **choice.values(),
             "device": self.device,
             "volume": str(round(volume * 100)),
         }

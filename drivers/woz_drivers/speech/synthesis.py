@@ -1,4 +1,6 @@
-"""From text to a WAV file: recordings first, then the cache, then the synthesiser."""
+"""From text to a WAV file: recordings first, then the cache, then the synthesiser, which may be a
+program that stays loaded.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +10,17 @@ import hashlib
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import msgspec
 
 from woz_drivers import child_process, command_lines, wav
 from woz_drivers.child_process import Child
-from woz_drivers.speech.settings import SynthesisSettings
+from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
 from woz_drivers.wav import NotWavError, Wav
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.system.files import open_regular
@@ -36,7 +42,7 @@ class SpeechCache:
         self._limit = megabytes * 1_000_000
 
     def path(self, recipe: Sequence[str]) -> Path:
-        """Where the sound made by `recipe` (command, voice, speed, pitch, text) belongs."""
+        """Where the sound made by `recipe` (command, voice, its settings, text) belongs."""
         digest = hashlib.sha256("\0".join(recipe).encode()).hexdigest()
         return self._folder / f"{digest[:40]}.wav"
 
@@ -77,6 +83,7 @@ class SpeechCache:
             if file != keep:
                 with contextlib.suppress(OSError):
                     file.unlink()
+                    words_file(file).unlink(missing_ok=True)
                 total -= size
 
 
@@ -90,13 +97,44 @@ _MOST_OUTPUT = 200_000_000
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
+class UtteranceWord(msgspec.Struct, frozen=True, array_like=True):
+    """A word of an utterance; `begin` and `end` in seconds from its beginning."""
+
+    word: str
+    begin: float
+    end: float
+
+
 @dataclass(frozen=True, slots=True)
 class PreparedUtterance:
-    """Sound ready to play. `source`: recording, cache or synthesised."""
+    """Sound ready to play. `source`: recording, cache or synthesised; `words` where they are
+    known.
+    """
 
     path: Path
     sound: Wav
     source: str
+    words: tuple[UtteranceWord, ...] = ()
+
+
+class _MadeWord(msgspec.Struct, frozen=True):
+    """A word as a program that stays loaded tells it."""
+
+    word: str
+    begin: float
+    end: float
+
+
+class _Made(msgspec.Struct, frozen=True):
+    """Its answer. With a `rate` the file is raw sound: 16 bits, one channel."""
+
+    rate: int = 0
+    words: list[_MadeWord] = []
+
+
+def words_file(path: Path) -> Path:
+    """Where the words of a sound in the cache are."""
+    return path.with_suffix(".json")
 
 
 def spoken_text(text: str) -> str:
@@ -148,9 +186,17 @@ async def finish(running: Child, seconds: float) -> None:
 
 
 class SpeechSynthesis:
-    """Makes utterances of texts with one set of settings; `folder`: the experiment's."""
+    """Makes utterances of texts with one set of settings; `folder`: the experiment's.
 
-    def __init__(self, settings: SynthesisSettings, folder: Path) -> None:
+    `on_state(state, why, remedy)`: how the program that stays loaded is, if there is one.
+    """
+
+    def __init__(
+        self,
+        settings: SynthesisSettings,
+        folder: Path,
+        on_state: Callable[[str, str, str], None] = lambda state, why, remedy: None,
+    ) -> None:
         self._settings = settings
         self._folder = folder
         cache = Path(settings.cache) if settings.cache else users_folder()
@@ -158,27 +204,74 @@ class SpeechSynthesis:
         self._recordings = {
             " ".join(text.split()): folder / file for text, file in settings.recordings.items()
         }
+        words = settings.resident_words()
+        self._resident = ResidentProgram(words, folder, on_state) if words else None
 
-    async def utterance(self, text: str) -> PreparedUtterance:
+    @property
+    def program(self) -> str:
+        """The program that makes the sound, as sentences name it. Raises `DriverError`."""
+        if self._resident is not None:
+            return self._resident.program
+        return self._settings.synthesise_words()[0]
+
+    def start(self) -> None:
+        """Load the program that stays loaded, if there is one."""
+        if self._resident is not None:
+            self._resident.start()
+
+    async def close(self) -> None:
+        """End it."""
+        if self._resident is not None:
+            await self._resident.close()
+
+    async def utterance(self, text: str, choice: VoiceChoice | None = None) -> PreparedUtterance:
         """The sound of `text`, which `spoken_text` gave. Cancelling it ends the synthesiser."""
         recording = self._recording(text)
         if recording is not None:
             return PreparedUtterance(recording, read_wav(recording), "recording")
-        words = self._settings.synthesise_words()
-        path = self._cache.path((*words, *self._settings.voice_values().values(), text))
+        choice = choice or self._settings.choice()
+        words = self._settings.resident_words() or self._settings.synthesise_words()
+        path = self._cache.path((*words, *_recipe(choice), text))
         known = self._cache.get(path)
         if known is not None:
             with contextlib.suppress(NotWavError):  # a damaged file is made anew
-                return PreparedUtterance(path, wav.parse(known), "cache")
-        made = await self._synthesise(words, text)
+                return PreparedUtterance(path, wav.parse(known), "cache", _cached_words(path))
+        if self._resident is not None:
+            made, spoken = await self._ask(self._resident, text, choice)
+        else:
+            made, spoken = await self._synthesise(words, text, choice), ()
         try:
-            await asyncio.to_thread(self._cache.store, path, made.to_bytes())
+            await asyncio.to_thread(self._store, path, made, spoken)
         except OSError as error:
             raise DriverError(
                 f"no room for synthesised speech in {path.parent}: {error.strerror}",
                 "free some space, or set cache: to another folder",
             ) from error
-        return PreparedUtterance(path, made, "synthesised")
+        return PreparedUtterance(path, made, "synthesised", spoken)
+
+    def _store(self, path: Path, made: Wav, words: tuple[UtteranceWord, ...]) -> None:
+        self._cache.store(path, made.to_bytes())
+        if words:
+            words_file(path).write_bytes(msgspec.json.encode(words))
+
+    async def _ask(
+        self, program: ResidentProgram, text: str, choice: VoiceChoice
+    ) -> tuple[Wav, tuple[UtteranceWord, ...]]:
+        """Have the program that stays loaded make it. Cancelled, it goes on and is passed over."""
+        with _new_file() as path:
+            request: dict[str, Any] = {
+                **{"text": text, "wav": str(path), "voice": choice.voice},
+                **{"language": choice.language, "speed": choice.speed, "pitch": choice.pitch},
+            }
+            answer = await program.ask(request, _Made, _SYNTHESIS_S)
+            content = path.read_bytes()
+        if answer.rate:
+            made = Wav("S16_LE", answer.rate, 1, content[: len(content) // 2 * 2])
+        else:
+            made = _parsed(content, program.program, "it has to write a WAV file to `wav`")
+        if not made.data:
+            raise DriverError(f"{program.program} made no sound", "try the text with `woz say`")
+        return made, tuple(UtteranceWord(one.word, one.begin, one.end) for one in answer.words)
 
     def _recording(self, text: str) -> Path | None:
         if text in self._recordings:
@@ -191,9 +284,9 @@ class SpeechSynthesis:
                 return folder / name
         return None
 
-    async def _synthesise(self, words: Sequence[str], text: str) -> Wav:
+    async def _synthesise(self, words: Sequence[str], text: str, choice: VoiceChoice) -> Wav:
         with _new_file() as path:
-            values = {**self._settings.voice_values(), "text": text, "wav": str(path)}
+            values = {**choice.values(), "text": text, "wav": str(path)}
             used = command_lines.placeholders(words, values, "synthesise")
             output = bytearray()
 
@@ -209,14 +302,32 @@ class SpeechSynthesis:
             )
             await finish(running, _SYNTHESIS_S)
             content = path.read_bytes() if "wav" in used else bytes(output)
-        try:
-            made = wav.parse(content)
-        except NotWavError as error:
-            raise DriverError(
-                f"{words[0]} ended without an error, but wrote no sound: {error}",
-                "check the command's options: {wav} or stdout must become a WAV file",
-            ) from error
-        return made
+        remedy = "check the command's options: {wav} or stdout must become a WAV file"
+        return _parsed(content, words[0], remedy)
+
+
+def _recipe(choice: VoiceChoice) -> tuple[str, ...]:
+    """What of a voice makes its sound another one."""
+    values = choice.values()
+    language = values.pop("language")
+    return (*values.values(), *((language,) if language else ()))
+
+
+def _cached_words(path: Path) -> tuple[UtteranceWord, ...]:
+    try:
+        return msgspec.json.decode(words_file(path).read_bytes(), type=tuple[UtteranceWord, ...])
+    except (OSError, msgspec.DecodeError):
+        return ()
+
+
+def _parsed(content: bytes, program: str, remedy: str) -> Wav:
+    """What a program wrote. Raises `DriverError`."""
+    try:
+        return wav.parse(content)
+    except NotWavError as error:
+        raise DriverError(
+            f"{program} ended without an error, but wrote no sound: {error}", remedy
+        ) from error
 
 
 def file_names(text: str) -> Iterator[str]:

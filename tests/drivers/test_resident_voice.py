@@ -1,0 +1,185 @@
+"""A voice that stays loaded: a good one, and one that dies, hangs, babbles or answers late."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.speech import synthesis
+from woz_drivers.speech.driver import Speech
+from woz_drivers.speech.settings import SpeechSettings
+
+from tests.drivers.heard import Ordered, until
+from tests.drivers.resident_programs import ROOT, command, processes
+from tests.drivers.speech_desk import Desk, desk_in, said, say
+from tests.fakes.sound import told
+from woz_tui.drivers.contract import DriverError, Probe, Scope
+from woz_tui.protocol.messages import DriverConnected, DriverFaulted, Notice, Reading
+
+
+@pytest.fixture
+async def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Desk]:
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    async with desk_in(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
+def journal(tmp_path: Path) -> Path:
+    return tmp_path / "resident"
+
+
+async def opened(desk: Desk, journal: Path, *behaviours: str, **settings: Any) -> Speech:
+    voice = command(journal, *behaviours)
+    return await desk.open(synthesise="", resident_voice=voice, **settings)
+
+
+async def test_it_is_loaded_once_and_speaks_with_the_voice_of_each_action(
+    desk: Desk, journal: Path
+) -> None:
+    driver = await opened(desk, journal, "ok")
+    first = await driver.perform(say("Hello there."))
+    second = await driver.perform(
+        Ordered("say", {"text": "Guten Tag.", "language": "de", "speed": 90, "voice": "eva"})
+    )
+    again = await driver.perform(say("Hello there."))
+    assert (first["source"], first["words"]) == ("synthesised", [["hello", 0.0, 0.05]])
+    assert (second["source"], second["seconds"]) == ("synthesised", 0.1)
+    assert (again["source"], again["words"]) == ("cache", first["words"])
+    assert len(told(journal, "start")) == 1
+    asked = [
+        [line[name] for name in ("text", "voice", "language", "speed", "pitch")]
+        for line in told(journal, "request")
+    ]
+    assert asked == [["Hello there.", "", "", 160, 50], ["Guten Tag.", "eva", "de", 90, 50]]
+    assert len(desk.told("played")) == 3
+
+
+@pytest.mark.parametrize("behaviour", ["twice", "late", "nonsense", "parts", "raw"])
+async def test_what_is_no_answer_is_passed_over(behaviour: str, desk: Desk, journal: Path) -> None:
+    driver = await opened(desk, journal, behaviour)
+    for text in ("One", "Two"):
+        assert (await driver.perform(say(text)))["seconds"] == 0.1
+    assert len(told(journal, "start")) == 1
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "what"),
+    [
+        ("die", "out of memory"),
+        ("endless", "more than 1 MiB"),
+        ("error", "no such voice"),
+        ("wrong", "wrong answer"),
+        ("silent", "wrote no sound"),
+    ],
+)
+async def test_a_sentence_that_fails_says_why_and_the_next_one_is_spoken(
+    behaviour: str, what: str, desk: Desk, journal: Path
+) -> None:
+    driver = await opened(desk, journal, behaviour, "ok")
+    with pytest.raises(DriverError, match=what):
+        await driver.perform(say("One"))
+    assert (await driver.perform(say("Two")))["seconds"] == 0.1
+
+
+async def test_one_that_hangs_is_started_again(
+    desk: Desk, journal: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(synthesis, "_SYNTHESIS_S", 1.0)
+    driver = await opened(desk, journal, "hang", "ok")
+    with pytest.raises(DriverError, match="did not answer"):
+        await driver.perform(say("One"))
+    monkeypatch.undo()
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    assert (await driver.perform(say("Two")))["seconds"] == 0.1
+    assert len(processes(journal)) == 1
+
+
+async def test_its_death_is_the_drivers_health_until_it_is_back(desk: Desk, journal: Path) -> None:
+    driver = await opened(desk, journal, "ok")
+    await driver.perform(say("One"))
+    (running,) = processes(journal)
+    running.kill()
+    faulted = await desk.heard.first(DriverFaulted)
+    assert str(journal) in faulted.remedy, "it names the command"
+    await desk.heard.first(DriverConnected, after=1)
+    assert (await driver.perform(say("Two")))["seconds"] == 0.1
+
+
+async def test_what_cannot_be_prepared_is_prepared_when_it_is_back(
+    desk: Desk, journal: Path
+) -> None:
+    driver = await opened(desk, journal, "ok", "die", "ok")
+    await driver.prepare_say(said("One", "Two", "Three"))
+    (notice,) = desk.heard.all(Notice)
+    assert "not prepared" in notice.text
+
+    def ready() -> list[float | None]:
+        return [one.value for one in desk.heard.all(Reading) if one.sensor == "prepared"]
+
+    await desk.heard.until(lambda: 3 in ready())
+    assert [line["text"] for line in told(journal, "request")] == ["One", "Two", "Two", "Three"]
+    assert (await driver.perform(say("Three")))["source"] == "cache"
+
+
+async def test_a_typed_sentence_waits_for_one_prepared_sentence_at_most(
+    desk: Desk, journal: Path, tmp_path: Path
+) -> None:
+    driver = await opened(desk, journal, "slow", "ok")
+    preparing = asyncio.ensure_future(driver.prepare_say(said("One", "Two", "Three")))
+    typed = asyncio.ensure_future(driver.perform(say("Typed")))
+    await asyncio.sleep(0)
+    (tmp_path / "loaded").touch()
+    await asyncio.gather(preparing, typed)
+    texts = [line["text"] for line in told(journal, "request")]
+    assert texts.index("Typed") <= 1
+
+
+async def test_the_stop_does_not_cost_its_loading(desk: Desk, journal: Path) -> None:
+    driver = await opened(desk, journal, "slow", "ok")
+    speaking = asyncio.ensure_future(driver.perform(say("One")))
+    await asyncio.sleep(0)
+    await driver.stop(Scope.ALL)
+    with contextlib.suppress(asyncio.CancelledError):
+        await speaking
+    assert speaking.cancelled()
+    journal.with_name("loaded").touch()
+    assert (await driver.perform(say("Two")))["seconds"] == 0.1
+    assert len(told(journal, "start")) == 1
+
+
+async def test_one_that_does_not_come_up_fails_at_once_and_leaves_recordings(
+    desk: Desk, journal: Path
+) -> None:
+    desk.wav("hello.wav", 0.2)
+    driver = await opened(desk, journal, "unloadable", recordings={"Hello": "hello.wav"})
+    with pytest.raises(DriverError, match="no model"):
+        await driver.perform(say("Something else"))
+    assert (await driver.perform(say("Hello")))["source"] == "recording"
+
+
+async def test_doctor_says_a_word_with_it(desk: Desk, journal: Path) -> None:
+    for behaviour, level in (("ok", "ok"), ("unloadable", "error")):
+        voice = command(journal, behaviour)
+        settings = desk.settings(
+            synthesise="", resident_voice=voice, cache=str(desk.folder / level)
+        )
+        found, _ = await Speech.examine(Probe("voice", settings, desk.folder))
+        assert found.level == level
+        await until(lambda: processes(journal) == [])
+
+
+@pytest.mark.parametrize(
+    ("settings", "name"),
+    [
+        ({"resident_voice": "a", "synthesise": "b"}, "synthesise"),
+        ({"resident_voice": "a {text}"}, "resident_voice"),
+        ({"resident_voice": "a", "speak": "b"}, "speak"),
+    ],
+)
+def test_settings_that_contradict_each_other(settings: dict[str, Any], name: str) -> None:
+    assert [found for found, _ in SpeechSettings(**settings).problems()] == [name]

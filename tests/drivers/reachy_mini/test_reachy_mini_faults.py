@@ -101,6 +101,7 @@ async def test_what_it_did_when_it_froze_is_ended_when_it_wakes(it: PlayedReachy
     await until(lambda: it.asked_to_move)
     it.robot.freeze()
     await asyncio.gather(moving, return_exceptions=True)
+    await it.lost()
     assert it.asked_to_move
     it.robot.thaw()
     await it.connected()

@@ -28,6 +28,8 @@ class StreamCommand:
         nothing: What it delivers while it is silent, such as "no sound".
         remedy: What to do when it ended or had to be given up.
         least: It has begun to deliver once so many bytes of a run have come.
+        fed: It reads what is written to it, and answers each time: its silence counts from there.
+        name: What it is called in sentences; without one, as its program.
     """
 
     words: tuple[str, ...]
@@ -35,16 +37,26 @@ class StreamCommand:
     nothing: str
     remedy: str
     least: int = 1
+    fed: bool = False
+    name: str = ""
+
+    @property
+    def title(self) -> str:
+        """What it is called."""
+        return self.name or self.words[0]
 
 
 @dataclass(frozen=True, slots=True)
 class StreamListener:
-    """Who is told, in the event loop: a new run begins, output, silence, and why a run ended."""
+    """Who is told, in the event loop: a new run begins, output, silence, why a run ended, and that
+    a run can be written to.
+    """
 
     begun: Callable[[], None]
     output: Callable[[bytes], None]
     silent: Callable[[str], None]
     ended: Callable[[DriverError], None]
+    writable: Callable[[], None] = lambda: None
 
 
 class ChunkCutter:
@@ -72,7 +84,7 @@ class ByteStream:
         self._clock = clock
         self._listener = listener
         self._child: Child | None = None
-        self._held = False
+        self._held = self._owes = False
         self._bytes = 0
         self._started_us = self._received_us = 0
         self._task: asyncio.Task[None] | None = None
@@ -98,6 +110,13 @@ class ByteStream:
             await asyncio.gather(self._task, return_exceptions=True)
             self._task = None
 
+    def write(self, data: bytes) -> None:
+        """Give a command that is `fed` some data; lost while it does not run."""
+        if self._child is not None:
+            self._child.write(data)
+            self._owes = True
+            self._received_us = self._clock.now_us()
+
     def hold(self, held: bool) -> None:
         """Stop fetching its output, or go on; its silence counts from when it goes on."""
         if self._child is not None:
@@ -118,13 +137,16 @@ class ByteStream:
     async def _run(self) -> DriverError:
         """Run the command until it ends; returns why it did. Raises if it cannot be started."""
         command = self._command
-        program = command.words[0]
+        program = command.title
         self._listener.begun()
-        self._held = False
+        self._held, self._owes = False, not command.fed
         self._bytes = 0
         self._started_us = self._received_us = self._clock.now_us()
-        running = await child_process.start(command.words, command.folder, on_output=self._received)
+        running = await child_process.start(
+            command.words, command.folder, on_output=self._received, keeps_reading=command.fed
+        )
         self._child = running
+        self._listener.writable()
         try:
             stuck = await self._until_end(running)
         finally:
@@ -141,13 +163,13 @@ class ByteStream:
         try:
             while not waiting.done():
                 await asyncio.wait([waiting], timeout=_LOOK_S)
-                if self._held:
+                if self._held or not self._owes:
                     continue
                 silence_us = self._clock.now_us() - self._received_us
                 if silence_us >= self._patience_s * 1_000_000:
                     return not waiting.done()
                 if silence_us >= _STALE_S * 1_000_000:
-                    self._listener.silent(f"{running.program} delivers {self._command.nothing}")
+                    self._listener.silent(f"{self._command.title} delivers {self._command.nothing}")
         finally:
             waiting.cancel()
         return False
@@ -168,4 +190,5 @@ class ByteStream:
     def _received(self, data: bytes) -> None:
         self._bytes += len(data)
         self._received_us = self._clock.now_us()
+        self._owes = not self._command.fed
         self._listener.output(data)

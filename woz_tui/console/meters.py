@@ -46,8 +46,8 @@ _DIGITS = {"m": 2, "ms": 1, "deg": 0, "C": 0, "V": 1, "%": 0}
 #: Half of a joint's range where nobody has told its limits, in degrees.
 _HALF, _WHOLE = 90.0, 180.0
 #: For programs, not for a wizard: how punctual a body's ticks are; that a driver cuts speech; how
-#: many of a rangefinder's values arrive whole.
-_FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech|distance\.(rate|bad))")
+#: many of a rangefinder's values arrive whole; what is sensed of each of several faces.
+_FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech|distance\.(rate|bad)|face)")
 #: Said last: where the robot stands, and from where it hears.
 _LAST = ("direction", "base")
 

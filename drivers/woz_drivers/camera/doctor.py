@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections.abc import Awaitable, Callable
 
 from woz_drivers import child_process
 from woz_drivers.camera.blob import BlobFinder
+from woz_drivers.camera.picture_source import PictureSource
 from woz_drivers.camera.settings import CameraSettings
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
@@ -19,13 +21,28 @@ _ODD = 1.5
 
 async def examine(probe: Probe) -> list[Finding]:
     """What two seconds of pictures look like, or why there are none. Never raises."""
-    settings: CameraSettings = probe.settings
+
+    async def describe(first: bytes) -> Finding:
+        settings: CameraSettings = probe.settings
+        text = f"{settings.words[0]}: {_shape(settings)}; {_describe_first(settings, first)}"
+        return Finding("ok", probe.name, text)
+
+    return [await examine_pictures(probe, describe)]
+
+
+async def examine_pictures(
+    probe: Probe, describe: Callable[[bytes], Awaitable[Finding]]
+) -> Finding:
+    """Look at a source for two seconds. If its pictures are right, the finding is what `describe`
+    makes of the first one, else why there are none. Never raises.
+    """
+    settings: PictureSource = probe.settings
     try:
-        words = settings.words
-        taken = await _take_pictures(settings, words, probe)
+        taken = await _take_pictures(settings, settings.words, probe)
+        trouble = _trouble(probe.name, settings, taken)
+        return await describe(bytes(taken.first)) if trouble is None else trouble
     except DriverError as error:
-        return [Finding("error", probe.name, error.what, error.remedy)]
-    return [_finding(probe.name, settings, taken)]
+        return Finding("error", probe.name, error.what, error.remedy)
 
 
 class _Capture:
@@ -50,9 +67,7 @@ class _Capture:
             self.first += data[: self._size - len(self.first)]
 
 
-async def _take_pictures(
-    settings: CameraSettings, words: tuple[str, ...], probe: Probe
-) -> _Capture:
+async def _take_pictures(settings: PictureSource, words: tuple[str, ...], probe: Probe) -> _Capture:
     taken = _Capture(settings.layout.size)
     running = await child_process.start(words, probe.folder, on_output=taken.add)
     try:
@@ -74,9 +89,14 @@ async def _take_pictures(
     return taken
 
 
-def _finding(subject: str, settings: CameraSettings, taken: _Capture) -> Finding:
+def _shape(settings: PictureSource) -> str:
+    return f"{settings.shape}, {settings.layout.size} bytes each"
+
+
+def _trouble(subject: str, settings: PictureSource, taken: _Capture) -> Finding | None:
+    """What is odd about the pictures that came."""
     size = settings.layout.size
-    program, shape = settings.words[0], f"{settings.shape}, {size} bytes each"
+    program, shape = settings.words[0], _shape(settings)
     if len(taken.first) < size:
         return Finding(
             "error",
@@ -99,9 +119,7 @@ def _finding(subject: str, settings: CameraSettings, taken: _Capture) -> Finding
             f"{program}: {rate:.1f} pictures a second ({shape}) instead of {settings.rate:g}",
             "its pictures probably have another size, format or rate",
         )
-    return Finding(
-        "ok", subject, f"{program}: {shape}; {_describe_first(settings, bytes(taken.first))}"
-    )
+    return None
 
 
 def _describe_first(settings: CameraSettings, first: bytes) -> str:

@@ -11,6 +11,9 @@ import numpy.typing as npt
 Picture = npt.NDArray[np.uint8]
 #: One number a pixel: shape (rows, columns), 0 to 255.
 Plane = npt.NDArray[np.uint8]
+#: Rows or columns of pixels, and colours from 0 to 1.
+Places = npt.NDArray[np.intp]
+Colours = npt.NDArray[np.float32]
 
 #: How pictures may come. rgb24 and bgr24: three bytes a pixel. yuv420: all brightness, then two
 #: planes of colour with half as many rows and columns (I420, what rpicam-vid calls yuv420 and
@@ -66,6 +69,25 @@ class PictureLayout:
         u, v = (plane[rows // 2][:, columns // 2] for plane in (u, v))
         return _colours(bright[::step, ::step], u, v)
 
+    def planes(self, data: bytes) -> tuple[Plane, ...]:
+        """One picture of `size` bytes as `colours_at` wants it, nothing computed."""
+        if self.format == "yuv420":
+            return self._planes(np.frombuffer(data, np.uint8))
+        return (self.decode(data),)
+
+    def colours_at(self, planes: tuple[Plane, ...], rows: Places, columns: Places) -> Colours:
+        """Red, green and blue from 0 to 1 of these pixels, along a new last axis."""
+        if self.format != "yuv420":
+            found: Colours = planes[0][rows, columns].astype(np.float32)
+            found *= np.float32(1 / 255)
+            return found
+        bright, u, v = planes
+        half_rows, half_columns = rows >> 1, columns >> 1
+        y = bright[rows, columns], u[half_rows, half_columns], v[half_rows, half_columns]
+        found = np.stack(_red_green_blue(*y), axis=-1)
+        found *= np.float32(1 / 255)
+        return np.clip(found, 0.0, 1.0, out=found)
+
     @property
     def thinned(self) -> int:
         """Of how many rows and columns of a picture `decode` keeps one."""
@@ -99,10 +121,18 @@ class PictureLayout:
         return _colours(bright[::step, ::step], u[::half, ::half], v[::half, ::half])
 
 
+def _red_green_blue(bright: Plane, u: Plane, v: Plane) -> tuple[Colours, Colours, Colours]:
+    """ITU-R BT.601 with limited range: what cameras' video is in. Not cut off at 0 and 255."""
+    y = np.float32(1.164) * (bright.astype(np.float32) - np.float32(16))
+    blue, red = u.astype(np.float32) - np.float32(128), v.astype(np.float32) - np.float32(128)
+    return (
+        y + np.float32(1.596) * red,
+        y - np.float32(0.392) * blue - np.float32(0.813) * red,
+        y + np.float32(2.017) * blue,
+    )
+
+
 def _colours(bright: Plane, u: Plane, v: Plane) -> Picture:
-    """ITU-R BT.601 with limited range: what cameras' video is in."""
-    y = 1.164 * (bright.astype(np.float32) - 16)
-    blue, red = u.astype(np.float32) - 128, v.astype(np.float32) - 128
-    planes = (y + 1.596 * red, y - 0.392 * blue - 0.813 * red, y + 2.017 * blue)
+    planes = _red_green_blue(bright, u, v)
     picture: Picture = np.clip(np.rint(np.stack(planes, axis=-1)), 0, 255).astype(np.uint8)
     return picture

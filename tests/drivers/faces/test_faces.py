@@ -1,0 +1,373 @@
+"""The driver behind real programs: a pipe as the camera, a stand-in that finds faces, and what goes
+wrong.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pytest
+from woz_drivers.faces import Faces
+from woz_drivers.faces.settings import FacesSettings
+
+from tests.drivers.heard import Heard, Ordered, until
+from tests.fakes import face_program
+from tests.fakes.face_program import CRASH, FREEZE, NONSENSE, face
+from tests.fakes.offspring import offspring
+from tests.fakes.piped_command import PipedCommand
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Probe, RejectedError
+from woz_tui.motion.body_feeds import SEEN, Sighting
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
+from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverLost, Notice, Reading
+from woz_tui.system.clock import ManualClock
+from woz_tui.testing import Device, DriverTests, PlainJob
+
+WIDTH, HEIGHT = 64, 48
+SIZE = 3 * WIDTH * HEIGHT
+PROGRAM = (sys.executable, "-S", face_program.__file__, str(SIZE))
+SMALL: dict[str, Any] = {"width": WIDTH, "height": HEIGHT, "format": "rgb24", "program": PROGRAM}
+NEAR, FAR = face(10, 20, 20), face(40, 20, 10)
+
+
+def picture(*faces: bytes, order: int | None = None) -> bytes:
+    head = b"" if order is None else bytes((order,))
+    return (head + b"".join(faces)).ljust(SIZE, b"\0")
+
+
+class FacesDesk:
+    """A driver with a camera that shows what the test wants; ten pictures a second."""
+
+    def __init__(self, folder: Path, **settings: Any) -> None:
+        self.clock = ManualClock()
+        self.heard = Heard(folder, self.clock)
+        self.pipe = PipedCommand(folder / "pipe")
+        made = FacesSettings(command=self.pipe.command, **{**SMALL, **settings})
+        assert made.problems() == []
+        self.driver = Faces("it", made, self.heard.context)
+
+    @property
+    def answers(self) -> int:
+        return self.heard.context.feed(SEEN).latest().serial
+
+    async def show(self, *faces: bytes, times: int = 1) -> None:
+        """Pictures with these faces, each until it has been looked at."""
+        for _ in range(times):
+            before = self.answers
+            self.pipe.send(picture(*faces))
+            await until(lambda before=before: self.answers > before)  # type: ignore[misc]
+            self.clock.advance(0.1)
+
+    def watch(self) -> None:
+        """Somebody has the camera's screen open for a minute."""
+        wish = CameraWatched(self.clock.now_us() + 60_000_000, WIDTH, 10.0)
+        self.heard.context.feed(WATCHED).put(wish)
+
+    async def film(self, *faces: bytes) -> Picture:
+        """A picture, once somebody who watches can see it."""
+        feed = self.heard.context.feed(PICTURE)
+        before = feed.latest().serial
+        self.pipe.send(picture(*faces))
+        await until(lambda: feed.latest().serial > before)
+        shown = feed.latest().value
+        assert isinstance(shown, Picture)
+        return shown
+
+    def last(self, sensor: str) -> float | None:
+        return self.heard.values(sensor)[-1]
+
+    def of_faces(self, sensor: str) -> dict[str, float | None]:
+        """The last value for each face."""
+        return {
+            one.text: one.value for one in self.heard.all(Reading) if one.sensor == f"{sensor}.face"
+        }
+
+    async def perform(self, verb: str, **args: Any) -> asyncio.Task[Any]:
+        """Begin a command, as far as it goes by itself."""
+        task = asyncio.create_task(self.driver.perform(Ordered(verb, args)))
+        await asyncio.sleep(0)
+        return task
+
+
+Opens = Callable[..., Any]
+
+
+@pytest.fixture
+async def opened(tmp_path: Path) -> AsyncIterator[Opens]:
+    desks: list[FacesDesk] = []
+
+    async def make(**settings: Any) -> FacesDesk:
+        desk = FacesDesk(tmp_path, **settings)
+        desks.append(desk)
+        await desk.driver.open()
+        await until(desk.pipe.connected)
+        return desk
+
+    yield make
+    for desk in desks:
+        await desk.driver.close()
+
+
+async def test_one_person_who_looks(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    assert [desk.last(one) for one in ("presence", "people", "addressed", "gaze")] == [1, 1, 1, 1]
+    assert desk.last("distance") == pytest.approx(0.39, abs=0.01)
+    assert desk.last("direction") == pytest.approx(12.2, abs=0.1)
+    assert desk.heard.all(DriverConnected)[0].detail == "cat, 64 x 48 rgb24"
+    assert desk.heard.states("presence") == ["ok"]
+
+
+async def test_nobody_is_told_too(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(times=2)
+    assert [desk.last(one) for one in ("presence", "people", "gaze")] == [0, 0, 0]
+    assert [desk.last(one) for one in ("addressed", "distance", "direction")] == [None] * 3
+
+
+async def test_several_people_have_numbers_and_the_nearest_who_looks_counts(opened: Opens) -> None:
+    desk = await opened()
+    away = face(10, 20, 20, yaw=60)
+    await desk.show(away, FAR, times=3)
+    assert (desk.last("presence"), desk.last("people")) == (1, 2)
+    assert desk.of_faces("gaze") == {"1": 0, "2": 1}
+    assert desk.of_faces("distance") == {
+        "1": pytest.approx(0.388, abs=0.01),
+        "2": pytest.approx(0.776, abs=0.01),
+    }
+    assert desk.last("addressed") == 2
+    assert desk.last("distance") == pytest.approx(0.776, abs=0.01)
+
+
+async def test_the_wizard_steps_through_people_and_gives_the_choice_back(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, FAR, times=2)
+    assert desk.last("addressed") == 1
+    assert await (await desk.perform("address", who="next")) == {"addressed": 2}
+    await desk.show(NEAR, FAR)
+    told = [one for one in desk.heard.all(Reading) if one.sensor == "addressed"][-1]
+    assert (told.value, told.text) == (2, "by hand")
+    assert await (await desk.perform("address", who="rule")) == {"addressed": "rule"}
+    await desk.show(NEAR, FAR, times=12)
+    assert desk.last("addressed") == 1
+
+
+@pytest.mark.parametrize("who", ["7", "somebody", "-1"])
+async def test_who_is_not_there_cannot_be_addressed(opened: Opens, who: str) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    with pytest.raises(RejectedError, match=who):
+        await (await desk.perform("address", who=who))
+
+
+async def test_ten_readings_a_second_and_every_picture_for_a_head_that_follows(
+    opened: Opens,
+) -> None:
+    desk = await opened(publish=5)
+    await desk.show(NEAR, times=11)
+    assert len(desk.heard.values("presence")) == 6
+    seen = desk.heard.context.feed(SEEN).latest().value
+    assert isinstance(seen, Sighting)
+    assert seen.x == pytest.approx(20 / 32 - 1)
+    assert seen.frame == 11
+
+
+# -- calibration -----------------------------------------------------------------------------------
+
+
+async def test_two_seconds_of_looking_at_the_robot_calibrate_the_gaze(opened: Opens) -> None:
+    desk = await opened()
+    beside = face(10, 20, 20, yaw=30, pitch=-20)
+    await desk.show(beside, times=2)
+    assert desk.last("gaze") == 0
+    task = await desk.perform("calibrate_gaze", seconds=2.0)
+    await desk.show(beside, times=21)
+    found = await task
+    assert (found["neutral_yaw"], found["neutral_pitch"]) == (30, -20)
+    await desk.show(beside)
+    assert desk.last("gaze") == 1
+    [notice] = desk.heard.all(Notice)
+    assert "neutral_yaw: 30" in notice.text
+    await desk.show(NEAR)
+    assert desk.last("gaze") == 0
+
+
+async def test_a_distance_that_was_measured_calibrates_distances(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    task = await desk.perform("calibrate_distance", metres=1.5, seconds=1.0)
+    await desk.show(NEAR, times=12)
+    found = await task
+    await desk.show(NEAR)
+    assert desk.last("distance") == pytest.approx(1.5, abs=0.01)
+    factor = found["distance_factor"]
+    assert FacesSettings(distance_factor=factor).distance_factor == pytest.approx(1.5 / 0.388, 0.01)
+
+
+async def test_calibrating_before_nobody_says_what_to_do(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(times=2)
+    task = await desk.perform("calibrate_gaze", seconds=0.5)
+    await desk.show(times=7)
+    with pytest.raises(DriverError) as caught:
+        await task
+    assert caught.value.remedy
+
+
+# -- what goes wrong -------------------------------------------------------------------------------
+
+
+async def test_a_finder_that_crashes_is_told_and_started_again(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    desk.pipe.send(picture(order=CRASH))
+    faulted = await desk.heard.first(DriverFaulted)
+    assert "fallen over" in faulted.detail
+    assert desk.heard.states("people")[-1] == "stale"
+    with pytest.raises(DeviceLostError):
+        await (await desk.perform("calibrate_gaze", seconds=1.0))
+    before = desk.answers
+    while desk.answers == before:  # the new one is handed pictures as soon as it runs
+        desk.pipe.send(picture(NEAR))
+        desk.clock.advance(0.1)
+        await asyncio.sleep(0.02)
+    await desk.show(NEAR, times=2)
+    assert desk.heard.states("people")[-1] == "ok"
+    assert desk.last("addressed") == 2, "numbers are not given twice"
+
+
+async def test_a_finder_that_freezes_is_given_up(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    desk.pipe.send(picture(order=FREEZE))
+    [finder] = offspring(saying="face_program")
+    await until(lambda: finder.status() == "stopped")
+    desk.watch()
+    for _ in range(12):  # the camera goes on for six seconds
+        await desk.film(NEAR)
+        desk.clock.advance(0.5)
+    faulted = await desk.heard.first(DriverFaulted)
+    assert "no answer" in faulted.detail
+    assert desk.heard.states("people") == ["ok", "stale"]
+
+
+async def test_answers_that_are_none_are_told_until_there_is_one(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    desk.pipe.send(picture(order=NONSENSE))
+    faulted = await desk.heard.first(DriverFaulted)
+    assert "read" in faulted.detail
+    await desk.show(NEAR, times=2)
+    assert len(desk.heard.all(DriverConnected)) == 2
+
+
+async def test_a_camera_without_pictures_is_no_fault_of_the_finder(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    desk.clock.advance(60)
+    await desk.heard.state("people", "stale")
+    assert not desk.heard.all(DriverFaulted)
+
+
+async def test_a_camera_that_is_pulled_out_and_comes_back(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    desk.pipe.unplug()
+    lost = await desk.heard.first(DriverLost)
+    assert lost.remedy
+    await until(desk.pipe.connected)
+    await desk.show(NEAR, times=2)
+    assert desk.heard.states("gaze") == ["ok", "stale", "ok"]
+
+
+async def test_while_the_finder_is_busy_only_the_newest_picture_waits(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, times=2)
+    [finder] = offspring(saying="face_program")
+    finder.suspend()
+    desk.watch()
+    for n in range(5):
+        await desk.film(face(10 + n, 20, 20))
+        desk.clock.advance(0.1)
+    finder.resume()
+    await until(lambda: desk.answers == 4)
+    assert desk.heard.context.feed(SEEN).latest().value.x == pytest.approx(24 / 32 - 1)
+
+
+async def test_without_networks_a_sentence_says_how_to_get_them(tmp_path: Path) -> None:
+    heard = Heard(tmp_path)
+    source = ("cat", "/dev/zero")
+    made = FacesSettings(command=source, width=WIDTH, height=HEIGHT, models=str(tmp_path / "none"))
+    driver = Faces("it", made, heard.context)
+    await driver.open()
+    try:
+        faulted = await heard.first(DriverFaulted)
+    finally:
+        await driver.close()
+    assert "woz_drivers.faces.models" in faulted.detail or "woz-tui[faces]" in faulted.detail
+
+
+# -- pictures to watch -----------------------------------------------------------------------------
+
+
+async def test_who_watches_sees_a_frame_around_each_face(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, FAR, times=2)
+    desk.watch()
+    shown = await desk.film(NEAR, FAR)
+    pixels = np.frombuffer(shown.rgb, np.uint8).reshape(HEIGHT, WIDTH, 3)
+    framed = {tuple(pixels[20, column]) for column in (12, 28)}
+    assert len(framed) == 1, "one colour on both sides of the addressed face"
+    assert framed.isdisjoint({(0, 0, 0), tuple(pixels[20, 42])})
+    assert tuple(pixels[30, 20]) == (0, 0, 0), "nothing is drawn over the face"
+
+
+# -- woz doctor ------------------------------------------------------------------------------------
+
+
+async def test_the_doctor_says_who_is_in_the_first_picture(tmp_path: Path) -> None:
+    (tmp_path / "film").write_bytes(picture(NEAR, FAR) * 30)
+    made = FacesSettings(command=f"cat {tmp_path / 'film'}", **SMALL)
+    [finding] = await Faces.examine(Probe("it", made, tmp_path))
+    assert finding.level == "ok"
+    assert "2 faces" in finding.text
+    assert "0.4 m" in finding.text
+
+
+async def test_the_doctor_says_what_the_finder_lacks(tmp_path: Path) -> None:
+    (tmp_path / "film").write_bytes(picture(order=CRASH) * 30)
+    made = FacesSettings(command=f"cat {tmp_path / 'film'}", **SMALL)
+    [finding] = await Faces.examine(Probe("it", made, tmp_path))
+    assert (finding.level, "fallen over" in finding.text) == ("error", True)
+
+
+class TestTheContract(DriverTests):
+    """With a camera that is pulled out while the gaze is calibrated, and without."""
+
+    driver = Faces
+    settings = FacesSettings(command=("no-such-program",), program=("no-such-program",))
+
+    @asynccontextmanager
+    async def device(self) -> AsyncIterator[Device]:
+        with TemporaryDirectory() as folder:
+            cable = Path(folder) / "cable"
+            cable.touch()
+            source = (sys.executable, "-S", "-c", _ENDLESS, str(cable))
+            command = PlainJob("calibrate_gaze", {"seconds": 20.0})
+            yield Device(FacesSettings(command=source, **SMALL), cable.unlink, cable.touch, command)
+
+
+_ENDLESS = f"""
+import os, sys, time
+picture = {NEAR!r}.ljust({SIZE}, bytes(1))
+while os.path.exists(sys.argv[1]):
+    sys.stdout.buffer.write(picture)
+    sys.stdout.flush()
+    time.sleep(0.05)
+"""

@@ -86,6 +86,9 @@ class VerbDeclaration:
         "success"
     )
     lane: Annotated[str, Doc("commands of one lane wait for each other")] = ""
+    drives: Annotated[
+        bool, Doc("it moves the robot through the room, and ends when the wizard's line is lost")
+    ] = False
     help: Annotated[str, Doc("what it does, in a few words")] = ""
 
     @property

@@ -218,8 +218,9 @@ class Ros(Driver):
         stops: dict[str, Coroutine[Any, Any, None]] = {}
         if self._base is not None:
             stops["driving"] = self._base.stop()
-        if scope is Scope.ALL:
-            stops |= {name: act.stop() for name, act in self._acts.items() if act.stoppable}
+        for name, act in self._acts.items():
+            if act.stoppable and (scope is Scope.ALL or self.settings.verbs[name].drives):
+                stops[name] = act.stop()
         return await self._confirmed(stops)
 
     def _moving(self) -> list[str]:

@@ -164,6 +164,7 @@ def offered(
                 arguments=tuple(arguments_of(name, declared).values()),
                 lane=declared.lane or common.lane,
                 limit_s=declared.within,
+                drives=declared.drives,
             )
         )
     verbs += [_NUDGE] if "gaze" in declarations else []

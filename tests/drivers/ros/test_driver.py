@@ -194,6 +194,17 @@ async def test_a_stop_of_driving_leaves_the_rest() -> None:
         await asyncio.gather(drive, say, return_exceptions=True)
 
 
+async def test_a_stop_of_driving_ends_an_action_that_drives() -> None:
+    text = ROBOT.replace("values: {move", "drives: true\n    values: {move")
+    async with played(settings(text)) as it:
+        assert next(one for one in Ros.verbs(it.driver.settings) if one.name == "play").drives
+        task = it.begin("play", move="wave")
+        await until(lambda: bool(it.robot.goals))
+        assert await it.driver.stop(Scope.DRIVE) == StopReport(("driving", "play"))
+        assert not it.robot.goals
+        await asyncio.gather(task, return_exceptions=True)
+
+
 async def test_a_base_that_rolls_on_has_not_confirmed() -> None:
     async with played() as it:
         it.robot.interface = {**it.robot.interface, "drive": ""}  # it hears of no velocity

@@ -45,6 +45,7 @@ TABLES: dict[str, tuple[str, ...]] = {
         "furhat: cut",
         "ros: cut",
     ),
+    "ros_latency.py": ("ROS 1", "ROS 2"),
     "five_robots.py": ("robot process", "simulated nao", "simulated furhat", "console"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }

@@ -13,7 +13,7 @@ import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rclpy.action import ActionServer, CancelResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import Range
@@ -42,7 +42,8 @@ class Robot(Node):  # type: ignore[misc]
         self.places = self.create_publisher(Odometry, "/odom", 10)
         self.distances = self.create_publisher(Range, "/sonar", 10)
         every: dict[str, Any] = {"callback_group": group}
-        self.create_subscription(Twist, "/cmd_vel", self.velocity, 100, **every)
+        in_order = MutuallyExclusiveCallbackGroup()
+        self.create_subscription(Twist, "/cmd_vel", self.velocity, 100, callback_group=in_order)
         self.create_subscription(String, "/tts", self.say, 10, **every)
         self.create_service(SetBool, "/volume", self.volume, **every)
         self.create_service(Trigger, "/slow", self.slow, **every)

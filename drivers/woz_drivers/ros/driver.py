@@ -20,7 +20,7 @@ from woz_drivers.ros.rosbridge import Rosbridge
 from woz_drivers.ros.settings import RosSettings
 from woz_drivers.ros.survey import survey
 from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
-from woz_drivers.ros.velocity_drive import VelocityDrive
+from woz_drivers.ros.velocity_drive import PERIOD_S, VelocityDrive
 from woz_drivers.ros.verbs import BRIEF, DERIVED, arguments_of, offered
 from woz_drivers.simulated.argument_values import color, known_joints, number
 from woz_tui.drivers.contract import (
@@ -49,6 +49,8 @@ _BEGINS_S = 5.0
 #: A sensor that is silent for so long, or for so many of its readings, is stale.
 _STALE_S, _STALE_READINGS = 2.0, 5
 _LOOK_S = 0.5
+#: So many times zero is published on a new connection.
+_FOUND_EACH_OTHER = 20
 #: Findings that the wizard is told of, before it becomes too much.
 _MOST_NOTICES = 4
 
@@ -264,9 +266,23 @@ class Ros(Driver):
         if self._lost_unasked:
             await self._end_everything()
         self._lost_unasked = False
+        self._robot.later(self._end_again(frozenset(self._leftovers)))
         self._leftovers.clear()
         self._robot.later(self._compare())
         return f"rosbridge of ROS {self.settings.ros} at {self._robot.shown}"
+
+    async def _end_again(self, leftovers: frozenset[str]) -> None:
+        """With ROS 2 what is published before a publisher and its subscribers have found each other
+        is lost: say it for a while, unless somebody plays meanwhile.
+        """
+        for _ in range(_FOUND_EACH_OTHER):
+            await asyncio.sleep(PERIOD_S)
+            if self._base is not None and not self._base.moving:
+                await self._base.zero()
+            for name in leftovers:
+                act, stop = self._acts[name], self.settings.verbs[name].stop
+                if stop is not None and stop.publish and not act.going_on:
+                    await act.end()
 
     async def _end_everything(self) -> None:
         """Without waiting for confirmations, but for those of services."""

@@ -29,6 +29,10 @@ class VelocityDrive:
     def __init__(self, robot: Rosbridge, declared: DriveDeclaration) -> None:
         self._robot = robot
         self._declared = declared
+        #: Whether a command drives now.
+        self.moving = False
+        #: How often it was stopped: a drive of before publishes nothing behind the zero of a stop.
+        self._stops = 0
         #: Whether its odometry says that it stands; None until it has said anything.
         self._still: bool | None = None
         self._told = asyncio.Event()
@@ -49,9 +53,12 @@ class VelocityDrive:
         loop = asyncio.get_running_loop()
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.line.probe(_SILENT_S)
-        end = loop.time() + seconds
+        end, stops = loop.time() + seconds, self._stops
+        self.moving = True
         try:
             while (left := end - loop.time()) > 0:
+                if self._stops != stops:
+                    raise DriverError("the drive was stopped")
                 await self._robot.publish(declared.topic, velocity)
                 await asyncio.sleep(min(PERIOD_S, left))
                 await self._robot.line.probe(_SILENT_S)
@@ -59,6 +66,8 @@ class VelocityDrive:
             # Also what froze must find a zero behind what it still has to read.
             self._robot.later(self.zero())
             raise
+        finally:
+            self.moving = False
         await self.zero()
         if declared.odometry:
             await self._halted()
@@ -78,6 +87,7 @@ class VelocityDrive:
 
     async def stop(self) -> None:
         """Brake; return when the robot has been told, and says that it stands if it can."""
+        self._stops += 1
         await self.zero()
         await self._robot.read_so_far()
         if self._declared.odometry:

@@ -213,6 +213,17 @@ async def test_a_base_that_rolls_on_has_not_confirmed() -> None:
         assert report == StopReport(missing=("driving",))
 
 
+async def test_a_drive_publishes_nothing_behind_a_stop() -> None:
+    """Also when the cancellation of its command comes late."""
+    async with played() as it:
+        task = it.begin("drive", x=5.0)
+        await until(lambda: it.robot.speed[0] > 0)
+        await it.driver.stop(Scope.ALL)
+        with pytest.raises(DriverError, match="stopped"):
+            await task
+        assert it.robot.velocities[-1][1:] == (0.0, 0.0)
+
+
 async def test_a_drive_that_is_cancelled_ends_with_zero() -> None:
     async with played() as it:
         task = it.begin("drive", x=5.0)

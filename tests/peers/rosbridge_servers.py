@@ -72,6 +72,8 @@ class RealRobot:
             async with asyncio.timeout(_STARTS_S):
                 while not self.of("ready"):  # noqa: ASYNC110 - a program's output sets no event
                     await asyncio.sleep(0.05)
+            # A server of ROS 2 that has just started has not found the node yet.
+            await asyncio.sleep(2.0 if self.ros == 2 else 0.0)
         except BaseException:
             await self.__aexit__()
             raise

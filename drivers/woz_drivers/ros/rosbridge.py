@@ -31,6 +31,11 @@ from woz_tui.protocol.messages import Json
 _TIME = "/rosapi/get_time"
 #: The server must be found to be rosbridge within so many seconds.
 _KNOWN_WITHIN_S = 5.0
+#: With ROS 2 what is published is lost until publisher and subscriber have found each other: so long
+#: after a topic was advertised nothing is published, in seconds.
+DISCOVERY_S = 0.5
+#: A robot that was heard so lately is alive, in seconds: odometry comes at least ten times a second.
+_JUST_NOW_S = 0.1
 #: A cancellation that came before its goal was accepted is lost: it is repeated, in seconds.
 _CANCEL_AGAIN_S = 0.1
 #: States of a goal, by version of ROS: `actionlib_msgs/GoalStatus`, `action_msgs/GoalStatus`.
@@ -96,6 +101,8 @@ class Rosbridge:
             on_message=self._arrived,
             on_lost=self._lost,
         )
+        #: Loop time at which anything came from the robot last.
+        self._heard = float("-inf")
         self._advertised: dict[str, str] = {}
         self._handlers: dict[str, list[Handler]] = {}
         self._subscribed: dict[str, tuple[str, float]] = {}
@@ -179,6 +186,13 @@ class Rosbridge:
             self._watching.discard(lost)
             working.cancel()
 
+    async def alive(self, within: float) -> None:
+        """Return if the robot was heard just now, else when it has answered a ping: what drives must
+        not lie in a robot that is frozen. Raises `DeviceLostError`.
+        """
+        if asyncio.get_running_loop().time() - self._heard > _JUST_NOW_S:
+            await self.line.probe(within)
+
     async def _find(self) -> WebPlace:
         address = await self.place()
         secure, _, rest = address.partition("://")
@@ -213,6 +227,8 @@ class Rosbridge:
                 "check its port; is rosbridge still starting?",
             ) from None
         self._spare = await self._connection()
+        if self._ros == 2 and self._settings.address != SIMULATED:
+            await asyncio.sleep(DISCOVERY_S)
         return await self._robot_ready()
 
     def _lost(self, error: DeviceLostError) -> None:
@@ -238,6 +254,7 @@ class Rosbridge:
     # -- messages --------------------------------------------------------------------------------
 
     def _arrived(self, message: Any) -> None:
+        self._heard = asyncio.get_running_loop().time()
         if not isinstance(message, dict):
             raise ValueError(f"no operation: {message!r:.80}")
         match message.get("op"):

@@ -52,7 +52,7 @@ class VelocityDrive:
         velocity = self._twist(x / seconds, y / seconds, math.radians(turn) / seconds)
         loop = asyncio.get_running_loop()
         # A robot that was silent for a while must not set off when it wakes from that.
-        await self._robot.line.probe(_SILENT_S)
+        await self._robot.alive(_SILENT_S)
         end, stops = loop.time() + seconds, self._stops
         self.moving = True
         try:
@@ -61,7 +61,7 @@ class VelocityDrive:
                     raise DriverError("the drive was stopped")
                 await self._robot.publish(declared.topic, velocity)
                 await asyncio.sleep(min(PERIOD_S, left))
-                await self._robot.line.probe(_SILENT_S)
+                await self._robot.alive(_SILENT_S)
         except BaseException:
             # Also what froze must find a zero behind what it still has to read.
             self._robot.later(self.zero())

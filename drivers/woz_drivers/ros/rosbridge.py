@@ -31,10 +31,10 @@ from woz_tui.protocol.messages import Json
 _TIME = "/rosapi/get_time"
 #: The server must be found to be rosbridge within so many seconds.
 _KNOWN_WITHIN_S = 5.0
-#: With ROS 2 what is published is lost until publisher and subscriber have found each other: so long
-#: after a topic was advertised nothing is published, in seconds.
+#: With ROS 2 what is published is lost until publisher and subscriber have found each other: nothing
+#: is published for so long after a topic was advertised, in seconds.
 DISCOVERY_S = 0.5
-#: A robot that was heard so lately is alive, in seconds: odometry comes at least ten times a second.
+#: A robot that was heard so lately is alive, in seconds: odometry comes ten times a second.
 _JUST_NOW_S = 0.1
 #: A cancellation that came before its goal was accepted is lost: it is repeated, in seconds.
 _CANCEL_AGAIN_S = 0.1
@@ -187,7 +187,7 @@ class Rosbridge:
             working.cancel()
 
     async def alive(self, within: float) -> None:
-        """Return if the robot was heard just now, else when it has answered a ping: what drives must
+        """Return if the robot was heard just now, else when it has answered a ping: a velocity must
         not lie in a robot that is frozen. Raises `DeviceLostError`.
         """
         if asyncio.get_running_loop().time() - self._heard > _JUST_NOW_S:

@@ -31,8 +31,8 @@ from woz_tui.protocol.messages import Json
 _TIME = "/rosapi/get_time"
 #: The server must be found to be rosbridge within so many seconds.
 _KNOWN_WITHIN_S = 5.0
-#: With ROS 2 what is published is lost until publisher and subscriber have found each other: nothing
-#: is published for so long after a topic was advertised, in seconds.
+#: With ROS 2 what is published is lost until publisher and subscriber have found each other: so
+#: long after a topic was advertised nothing is published, in seconds.
 DISCOVERY_S = 0.5
 #: A robot that was heard so lately is alive, in seconds: odometry comes ten times a second.
 _JUST_NOW_S = 0.1

@@ -51,6 +51,23 @@ def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
     assert (damage.damaged, damage.conflicting, damage.misplaced) == (0, 0, 0)
 
 
+def test_another_robot_than_the_files_own_is_started_again(lab: Lab) -> None:
+    text = scenes.guide().replace("play: nod}", "play: nod, eyes: blue}")
+    other = lab.file("other.yaml", "drivers: {voice: {type: speech}}\n")
+    terminal = lab.run(lab.file("guide.yaml", text), "--robot", str(other))
+    terminal.wait_text("no play, eyes")
+    log = lab.log
+    lab.host_process().kill()
+    terminal.wait_text("Start the robot process again")
+    terminal.send("\r")
+    terminal.wait_for(lambda text: "is gone" not in text and "no play, eyes" in text)
+    second = Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
+    assert second.wait("session.start").fields["robot"] == "other.yaml"
+    terminal.send("n")
+    assert second.wait("action.requested").fields["without"] == ["play", "eyes"]
+    second.wait("action.done", action="Nod")
+
+
 def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
     servos = Servos(lab, sys.executable)
     file = lab.file("bench.yaml", scenes.head(servos.port, abandon=5))

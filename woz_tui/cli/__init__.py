@@ -27,6 +27,8 @@ COMMANDS = {
     "compare": "compare two sessions, or a session and its re-run",
     "check": "check an experiment file and show its keys",
     "robots": "show which robots there are and what each offers",
+    "voices": "list the voices of this machine or of an experiment's robot",
+    "say": "hear how a text sounds",
     "convert": "write a WoZ4U config.yaml as an experiment file",
     "design": "show the order of conditions: used so far, and next",
     "doctor": "check this machine, its devices and this terminal for an experiment",

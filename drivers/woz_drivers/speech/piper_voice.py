@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.speech.voice_list import PIPER_FOLDERS, piper_models
+from woz_drivers.speech.voice_list import piper_folders, piper_models
 
 #: So many Piper programs stay loaded, each with one voice at one speed.
 _MOST = 3
@@ -127,7 +127,7 @@ def main() -> None:
     command = tuple(options.piper.split()) if options.piper else piper_command()
     if not command:
         sys.exit("piper is not installed: pip install 'woz-tui[piper]', or give --piper PROGRAM")
-    voices = PiperVoices(command, options.model, (*options.voices, *PIPER_FOLDERS))
+    voices = PiperVoices(command, options.model, (*options.voices, *piper_folders(Path())))
     with tempfile.TemporaryDirectory(prefix="woz-piper-") as folder:
         try:
             voices.speak({"text": "Yes.", "wav": f"{folder}/first.wav"})

@@ -11,14 +11,14 @@ from pathlib import Path
 from woz_drivers import child_process
 from woz_tui.drivers.contract import DriverError, VoiceFound
 
-#: Where Piper's models are looked for: below the present folder, and in the user's data folder.
-PIPER_FOLDERS = (
-    Path(),
-    Path("voices"),
-    Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "piper-voices",
-)
 #: How long a program may take for its list, in seconds.
 _LIST_S = 8.0
+
+
+def piper_folders(folder: Path) -> tuple[Path, ...]:
+    """Where Piper's models are looked for: an experiment's `folder`, and the user's data folder."""
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return (folder, folder / "voices", Path(data) / "piper-voices")
 
 
 def piper_models(folders: Sequence[Path]) -> Mapping[str, Path]:
@@ -41,7 +41,7 @@ async def voices(folder: Path) -> list[VoiceFound]:
     ):
         if shutil.which(program) is not None:
             found += [VoiceFound(program, *one) for one in read(await _output(words, folder))]
-    models = piper_models([folder / one for one in PIPER_FOLDERS])
+    models = piper_models(piper_folders(folder))
     return [
         *found,
         *(

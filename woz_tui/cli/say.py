@@ -1,0 +1,190 @@
+"""`woz say TEXT [FILE]`: hear how a text sounds, without a session and without a log."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from woz_tui.bus.hub import Hub
+from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.shared_options import add_robot
+from woz_tui.config.annotated_decoder import settings_from_texts
+from woz_tui.config.loading import load
+from woz_tui.drivers import plugins
+from woz_tui.drivers.argument_check import ArgumentError, checked
+from woz_tui.drivers.contract import Driver, DriverError, Scope, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.session.driver_context import SessionDriverContext
+from woz_tui.system.clock import RealClock
+
+#: The driver of this machine's loudspeaker, and the verb that is tried.
+_LOUDSPEAKER, SAY = "speech", "say"
+#: How long a robot may take to be there, in seconds.
+_THERE_S = 20.0
+#: What an utterance may change, as options: name -> type.
+_CHANGES: Mapping[str, type] = {
+    "voice": str,
+    "language": str,
+    "speed": int,
+    "pitch": int,
+    "volume": float,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Speaker:
+    """A driver that speaks."""
+
+    name: str
+    kind: type[Driver]
+    settings: Any
+    verb: Verb
+    folder: Path
+
+
+@dataclass(slots=True)
+class _TriedJob:
+    """The one command."""
+
+    args: Mapping[str, Any]
+    command: str = "try"
+    verb: str = SAY
+    source: str = "program"
+    #: How long it will take, as the driver says.
+    expected: list[float] = field(default_factory=list)
+
+    def expects(self, seconds: float) -> None:
+        """Nobody counts down."""
+        self.expected.append(seconds)
+
+
+def add_speakers(parser: ArgumentParser) -> None:
+    """Declare who speaks."""
+    parser.add_argument(
+        "experiment", type=Path, nargs="?", help="experiment file (default: this machine's voice)"
+    )
+    add_robot(parser)
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a setting of `type: speech`, without a file (repeatable)",
+    )
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("text", help="what to say")
+    add_speakers(parser)
+    parser.add_argument("--on", default="", metavar="DRIVER", help="who says it (default: first)")
+    for name, kind in _CHANGES.items():
+        parser.add_argument(f"--{name}", type=kind, default=None, help=f"another {name}")
+
+
+def run(arguments: Namespace) -> int:
+    """Say it; 0 if it was heard."""
+    return with_error_sentences(
+        lambda: _say(arguments, plugins.installed()), ArgumentError, ValueError, who="woz say"
+    )
+
+
+def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> list[Speaker]:
+    """Drivers that speak. Raises `ExperimentError`, or `ValueError` for options."""
+    if arguments.experiment is None and not arguments.robot:
+        kind = catalogue[_LOUDSPEAKER]
+        pairs = [one.partition("=") for one in arguments.set]
+        settings = settings_from_texts(
+            kind.Settings, {name: value for name, _, value in pairs}, Path.cwd()
+        )
+        verbs = kind.verbs(settings)
+        return [
+            Speaker(_LOUDSPEAKER, kind, settings, verb, Path.cwd())
+            for verb in verbs
+            if verb.name == SAY
+        ]
+    if arguments.experiment is None:
+        raise ValueError("--robot needs an experiment file: woz say TEXT FILE --robot NAME")
+    if arguments.set:
+        raise ValueError("--set is for this machine's voice; change the file instead")
+    experiment = load(arguments.experiment, catalogue, robot=arguments.robot)
+    return [
+        Speaker(spec.name, catalogue[spec.type], spec.settings, verb, experiment.path.parent)
+        for spec in experiment.drivers
+        for verb in spec.verbs
+        if verb.name == SAY
+    ]
+
+
+def _say(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+    found = {speaker.name: speaker for speaker in speakers(arguments, catalogue)}
+    if not found:
+        raise ValueError(f"no driver of {arguments.experiment} speaks")
+    name = arguments.on or next(iter(found))
+    if name not in found:
+        raise ValueError(f"{name} does not speak; there are: {', '.join(found)}")
+    changes = {name: getattr(arguments, name) for name in _CHANGES}
+    wanted: dict[str, Json] = {name: one for name, one in changes.items() if one is not None}
+    args = checked(found[name].verb, {"text": arguments.text, **wanted})
+    return asyncio.run(_heard(found[name], args))
+
+
+async def _heard(speaker: Speaker, args: Mapping[str, Json]) -> int:
+    """Open the driver, wait until it is there, and have it speak."""
+    clock = RealClock()
+    hub = Hub(clock, lambda message, line: None)
+    moved = asyncio.Event()
+    health: list[m.DriverHealth] = []
+
+    def listen(message: m.Message) -> None:
+        if isinstance(message, m.DriverHealth):
+            health.append(message)
+            moved.set()
+
+    hub.listen(listen)
+    context = SessionDriverContext(speaker.name, hub, clock, speaker.folder)
+    driver = speaker.kind(speaker.name, speaker.settings, context)
+    try:
+        await driver.open()
+        while not (health and isinstance(health[-1], m.DriverConnected)):
+            moved.clear()
+            async with asyncio.timeout(_THERE_S):
+                await moved.wait()
+        began_us = clock.now_us()
+        sent = await driver.perform(_TriedJob(args))
+        _print(sent, (clock.now_us() - began_us) / 1_000_000)
+    except TimeoutError:
+        last = health[-1] if health else None
+        what = last.detail if last is not None else f"not there within {_THERE_S:g} s"
+        return _failed(speaker, what, last.remedy if last is not None else "")
+    except DriverError as error:
+        return _failed(speaker, error.what, error.remedy)
+    except asyncio.CancelledError:  # ctrl-c
+        await driver.stop(Scope.ALL)
+        raise
+    finally:
+        await driver.close()
+    return 0
+
+
+def _print(sent: Mapping[str, Json], took_s: float) -> None:
+    """How long it took, and from where the sound came."""
+    parts = [f"{took_s:.2f} s in all"]
+    if isinstance(delay := sent.get("delay"), int | float):
+        parts.append(f"{delay:.2f} s until the sound was ready")
+    if isinstance(source := sent.get("source"), str):
+        parts.append(f"from: {source}")
+    print(", ".join(parts))
+
+
+def _failed(speaker: Speaker, what: str, remedy: str) -> int:
+    print(f"woz say: {speaker.name}: {what}", file=sys.stderr)
+    if remedy:
+        print(f"  {remedy}", file=sys.stderr)
+    return 1

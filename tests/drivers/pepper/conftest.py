@@ -34,10 +34,20 @@ def heard(tmp_path: Path) -> Heard:
     return Heard(tmp_path)
 
 
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """A module that has `KINDS` is about what all these kinds of robots have."""
+    kinds = getattr(metafunc.module, "KINDS", None)
+    if kinds and "shared" in metafunc.fixturenames:
+        metafunc.parametrize("shared", kinds, indirect=True, scope="module")
+
+
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+async def shared(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> AsyncIterator[Played]:
     """One robot and its driver for a module whose tests leave nothing behind."""
-    async with played(tmp_path_factory.mktemp("experiment")) as made:
+    kind = getattr(request, "param", "pepper")
+    async with played(tmp_path_factory.mktemp("experiment"), kind=kind) as made:
         yield made
 
 

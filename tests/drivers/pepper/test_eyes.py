@@ -16,6 +16,8 @@ FADE = "ALLeds.fadeRGB"
 
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
+#: What is in here is so of both.
+KINDS = ("pepper", "nao")
 
 
 async def seen(it: Played) -> str:

@@ -17,6 +17,8 @@ BEEP, APPLAUSE, MUSIC = (
 
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
+#: What is in here is so of both.
+KINDS = ("pepper", "nao")
 
 
 async def sounds(it: Played) -> bool:

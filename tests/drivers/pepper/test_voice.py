@@ -11,6 +11,8 @@ from tests.drivers.pepper.played import Played, played
 from woz_tui.drivers.contract import DeviceLostError, RejectedError
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
+#: What is in here is so of both.
+KINDS = ("pepper", "nao")
 
 
 #: What a web form or a template may lose or change.

@@ -8,7 +8,6 @@ from argparse import ArgumentParser, Namespace
 from woz_tui.cli import run as run_command
 from woz_tui.cli.shared_options import add_keymap, add_pictures, add_session, add_theme
 from woz_tui.config.bundled_files import bundled_file, robot_files
-from woz_tui.config.problems import hint
 
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
 DEMOS: dict[str, tuple[str, str, str]] = {
@@ -55,6 +54,8 @@ def run(arguments: Namespace) -> int:
     wanted: str = NAMES.get(arguments.robot, arguments.robot)
     other = other_robots()
     if wanted not in DEMOS and wanted not in other:
+        from woz_tui.config.problems import hint  # noqa: PLC0415 - only for this sentence
+
         near = hint(wanted, [*DEMOS, *other]) or f"; there are {', '.join([*DEMOS, *other])}"
         print(f"woz: there is no demo of the robot {wanted!r}{near}", file=sys.stderr)
         return 2

@@ -201,28 +201,35 @@ _HEALTH = {
 
 def _drivers(state: ConsoleState, glyphs: Glyphs, room: int) -> Row:
     """Every driver's health. Where they do not fit, a robot of one driver has the robot's name; if
-    that is not enough, whoever is not well stands first.
+    that is not enough, what troubles a driver is a sign alone, and whoever is not well comes first.
     """
     drivers = [*state.drivers.values()]
     row = _told(state, glyphs, [(driver, driver.name) for driver in drivers])
-    if length(row) > room:
-        robots = Counter(driver.name.partition(".")[0] for driver in drivers)
-        short = [
-            (driver, robot if robots[robot] == 1 else driver.name)
-            for driver in drivers
-            for robot in (driver.name.partition(".")[0],)
-        ]
-        row = _told(state, glyphs, short)
-        if length(row) > room:
-            row = _told(state, glyphs, sorted(short, key=lambda each: _is_well(state, each[0])))
-    return row
+    if length(row) <= room:
+        return row
+    robots = Counter(driver.name.partition(".")[0] for driver in drivers)
+    short = [
+        (driver, robot if robots[robot] == 1 else driver.name)
+        for driver in drivers
+        for robot in (driver.name.partition(".")[0],)
+    ]
+    row = _told(state, glyphs, short)
+    if length(row) <= room:
+        return row
+    first = sorted(short, key=lambda each: _wellness(state, each[0]))
+    return _told(state, glyphs, first, brief=True)
 
 
-def _is_well(state: ConsoleState, driver: DriverView) -> bool:
-    return driver.health == "connected" and not driver_trouble(state, driver.name)
+def _wellness(state: ConsoleState, driver: DriverView) -> tuple[bool, bool]:
+    return driver.health == "connected", not driver_trouble(state, driver.name)
 
 
-def _told(state: ConsoleState, glyphs: Glyphs, named: Iterable[tuple[DriverView, str]]) -> Row:
+def _told(
+    state: ConsoleState,
+    glyphs: Glyphs,
+    named: Iterable[tuple[DriverView, str]],
+    brief: bool = False,
+) -> Row:
     row: list[Piece] = [(" ", "plain")]
     for driver, name in named:
         sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
@@ -232,7 +239,8 @@ def _told(state: ConsoleState, glyphs: Glyphs, named: Iterable[tuple[DriverView,
             row.append((f" {changed.now}", "wait"))
         trouble = driver_trouble(state, driver.name)
         if trouble:
-            row.append((f": {glyphs.warning} {trouble}", "warn"))
+            said = f" {glyphs.warning}" if brief else f": {glyphs.warning} {trouble}"
+            row.append((said, "warn"))
         row.append(("   ", "plain"))
     return tuple(row)
 

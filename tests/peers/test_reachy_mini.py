@@ -155,6 +155,8 @@ def _write_hello(folder: Path) -> None:
 
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
+#: For what has nothing to do with masses.
+on_the_mockup = pytest.mark.parametrize("daemon", ["mockup"], indirect=True, scope="module")
 
 
 # -- moving ----------------------------------------------------------------------------------------
@@ -200,6 +202,7 @@ async def test_an_emotion_is_held(it: Played, emotion: str) -> None:
     await it.stands(within=3, **{name.replace("-", "_"): held[name] for name in HOME})
 
 
+@on_the_mockup
 async def test_one_move_at_a_time(it: Played) -> None:
     most = 0
 
@@ -222,6 +225,7 @@ async def test_one_move_at_a_time(it: Played) -> None:
     await it.stands(pan=20)
 
 
+@on_the_mockup
 async def test_it_sleeps_and_wakes_up(it: Played) -> None:
     await it.do("go_to_sleep")
     await it.stands(left_antenna=175, within=5)
@@ -231,6 +235,7 @@ async def test_it_sleeps_and_wakes_up(it: Played) -> None:
     await it.stands(pan=0, tilt=0, left_antenna=10)
 
 
+@on_the_mockup
 async def test_a_recorded_move_of_the_daemon(it: Played) -> None:
     await it.do("recorded", move=f"{DATA_SET}/turn")
     await it.stands(pan=math.degrees(0.4))
@@ -304,11 +309,13 @@ async def test_moves_of_another_program_are_stopped_too(it: Played) -> None:
 # -- sound, faults ---------------------------------------------------------------------------------
 
 
+@on_the_mockup
 async def test_without_media_it_says_so_once_and_speech_takes_its_time(it: Played) -> None:
     assert (await it.do("say", text="Hello."))["heard"] is False
     assert len([text for _, text, _ in it.context.notices if "media" in text]) == 1
 
 
+@on_the_mockup
 async def test_its_daemon_takes_our_sounds(it: Played, tmp_path: Path) -> None:
     form = aiohttp.FormData()
     content = (tmp_path / "hello.wav").read_bytes()
@@ -319,6 +326,7 @@ async def test_its_daemon_takes_our_sounds(it: Played, tmp_path: Path) -> None:
     await it.driver._link.ask("DELETE", "media/sounds/woz-test.wav")
 
 
+@on_the_mockup
 async def test_an_error_of_the_daemon_costs_no_further_command(it: Played) -> None:
     """It answers 500 and hangs up."""
     for _ in range(2):
@@ -327,6 +335,7 @@ async def test_an_error_of_the_daemon_costs_no_further_command(it: Played) -> No
     assert it.context.healths[-1][0] is Health.CONNECTED
 
 
+@on_the_mockup
 async def test_the_doctor_finds_nothing_wrong_but_the_media(it: Played, tmp_path: Path) -> None:
     settings = it.driver.settings
     findings = await ReachyMini.examine(Probe("reachy", settings, tmp_path))
@@ -334,6 +343,7 @@ async def test_the_doctor_finds_nothing_wrong_but_the_media(it: Played, tmp_path
     assert "1.12.0" in " ".join(finding.text for finding in findings)
 
 
+@on_the_mockup
 @pytest.mark.parametrize("how", ["killed", "frozen"])
 async def test_a_daemon_that_is_lost_is_found_again(it: Played, how: str) -> None:
     command = asyncio.ensure_future(it.do("pose", joints={"pan": 60}, seconds=20))
@@ -429,6 +439,7 @@ async def _answers(address: str) -> dict[str, Any]:
     return found
 
 
+@on_the_mockup
 async def test_the_simulated_robot_answers_as_the_daemon_does(daemon: VendorsDaemon) -> None:
     async with ReachyMiniSimulator() as robot:
         robot.media = False

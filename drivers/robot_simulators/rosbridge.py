@@ -162,6 +162,7 @@ class RosbridgeSimulator(WebRobot):
         self.busy: dict[str, asyncio.Event] = {}
         self.interface = interface
         self.goals: dict[str, SimulatedGoal] = {}
+        self.accepted: dict[str, list[str]] = {}
         self._types: Mapping[str, Mapping[str, str]] = interface["types"]
         self.topics: dict[str, str] = {
             **interface["topics"],
@@ -378,6 +379,9 @@ class RosbridgeSimulator(WebRobot):
         """Carry a goal out; returns how it ended: done or canceled."""
         self.goals[goal.ident] = goal
         goal.accepted = True
+        if self.ros == 2:
+            self.accepted.setdefault(goal.action, []).append(goal.ident)
+            self.tell_accepted(goal.action)
         feedback()
         ending = asyncio.ensure_future(goal.cancelled.wait())
         try:
@@ -389,6 +393,14 @@ class RosbridgeSimulator(WebRobot):
             del self.goals[goal.ident]
         goal.status = "canceled" if goal.cancelled.is_set() else "done"
         return goal.status
+
+    def tell_accepted(self, action: str) -> None:
+        """The goals that an action of ROS 2 has accepted, if there are any; a late subscriber hears
+        of them, too.
+        """
+        if action in self.accepted:
+            goals = [{"goal_info": {"goal_id": {"uuid": one}}} for one in self.accepted[action]]
+            self.publish(f"{action}/_action/status", {"status_list": goals})
 
     def result_of(self, goal: SimulatedGoal) -> Message:
         """Its result: every flag in it says whether it was done."""
@@ -650,6 +662,7 @@ class _Client:
                 robot.incoming(topic, message.get("msg", {}))
             case "subscribe":
                 self._throttles[message["topic"]] = message.get("throttle_rate", 0) / 1000
+                robot.tell_accepted(message["topic"].removesuffix("/_action/status"))
             case "unsubscribe":
                 self._throttles.pop(message["topic"], None)
             case "call_service":

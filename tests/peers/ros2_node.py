@@ -12,7 +12,7 @@ from typing import Any
 import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from rclpy.action import ActionServer, CancelResponse
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
@@ -53,6 +53,7 @@ class Robot(Node):  # type: ignore[misc]
             Fibonacci,
             "/count",
             self.pursue,
+            goal_callback=self.judge,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
             **every,
         )
@@ -82,6 +83,9 @@ class Robot(Node):  # type: ignore[misc]
         time.sleep(3)
         answer.success, answer.message = True, "done"
         return answer
+
+    def judge(self, goal: Any) -> Any:
+        return GoalResponse.REJECT if goal.order > 1000 else GoalResponse.ACCEPT
 
     def pursue(self, goal: Any) -> Any:
         steps = goal.request.order

@@ -156,6 +156,14 @@ async def test_a_goal_that_was_just_sent_is_ended_by_a_stop(robot: RealRobot) ->
         assert not robot.of("reached")
 
 
+async def test_a_goal_that_an_action_of_ros_2_refuses_is_known_soon() -> None:
+    async with real_robot(2) as robot, session(robot) as it:
+        await it.begin("count", steps=60)
+        with pytest.raises(DriverError, match="accept"):
+            await it.begin("count", steps=2000)
+        await it.begin("count", steps=2)
+
+
 async def test_what_does_not_fit_the_robot_is_told_before_it_is_used(robot: RealRobot) -> None:
     text = ROBOT.replace("/cmd_vel, speed", "/cmd_vel, type: geometry_msgs/TwistStamped, speed")
     text = text.replace("type: std_srvs/SetBool", "type: std_srvs/Trigger")

@@ -38,6 +38,8 @@ DISCOVERY_S = 0.5
 _JUST_NOW_S = 0.1
 #: A cancellation that came before its goal was accepted is lost: it is repeated, in seconds.
 _CANCEL_AGAIN_S = 0.1
+#: An action of ROS 2 has told of a goal that it accepts after so long, in seconds.
+ACCEPTED_S = 2.0
 #: States of a goal, by version of ROS: `actionlib_msgs/GoalStatus`, `action_msgs/GoalStatus`.
 _SUCCEEDED = {1: 3, 2: 4}
 _CANCELLED = {1: (2, 8), 2: (5,)}
@@ -110,6 +112,8 @@ class Rosbridge:
         #: Those that wait for something which nobody says any more when the robot is lost.
         self._watching: set[asyncio.Future[None]] = set()
         self.goals: dict[str, SentGoal] = {}
+        #: Of actions of ROS 2 that have told it: the goals that they have accepted.
+        self._accepted: dict[str, frozenset[str]] = {}
         self._session: aiohttp.ClientSession | None = None
         self._spare: aiohttp.ClientWebSocketResponse[bool] | None = None
         self._in_use: set[aiohttp.ClientWebSocketResponse[bool]] = set()
@@ -138,6 +142,12 @@ class Rosbridge:
             self.advertise(f"{action}/goal", f"{base}ActionGoal")
             self.advertise(f"{action}/cancel", "actionlib_msgs/GoalID")
             self.subscribe(f"{action}/result", f"{base}ActionResult", self._actionlib_result)
+            return
+
+        def told(message: Mapping[str, Any]) -> None:
+            self._accepted[action] = _goals_of(message)
+
+        self.subscribe(f"{action}/_action/status", "action_msgs/GoalStatusArray", told)
 
     def start(self) -> None:
         """Begin to look for the robot."""
@@ -392,9 +402,16 @@ class Rosbridge:
         ended: asyncio.Future[tuple[int, Json]] = asyncio.get_running_loop().create_future()
         sent = SentGoal(f"woz-{uuid.uuid4().hex}", action, kind, ended)
         self.goals[sent.ident] = sent
+        before = self._accepted.get(action, frozenset({"none was told of yet"}))
         asking = self.later(self._send_goal(sent, goal, within))
         try:
             async with asyncio.timeout(within):
+                await asyncio.wait([ended], timeout=ACCEPTED_S)
+                if not ended.done() and self._accepted.get(action) == before:
+                    # The server of ROS 2 never answers then.
+                    raise DriverError(
+                        f"{action} did not accept its goal", "does the robot know what it names?"
+                    )
                 status, result = await asyncio.shield(ended)
         except TimeoutError:
             self.later(self.cancel(sent))
@@ -465,10 +482,19 @@ class Rosbridge:
     async def cancel_all(self, action: str) -> None:
         """End everything that an action is doing, whoever asked for it. Raises `DriverError`."""
         if self._ros == 1:
-            await self.publish(f"{action}/cancel", {"id": ""})
+            # The server puts its time in: a goal that comes behind a late cancellation goes on.
+            await self.publish(f"{action}/cancel", {"stamp": "now", "id": ""})
         else:
             with contextlib.suppress(ServiceFailedError):  # without its server nothing goes on
                 await self.call(f"{action}/_action/cancel_goal", {}, within=1.0)
+
+
+def _goals_of(message: Mapping[str, Any]) -> frozenset[str]:
+    """The goals in an `action_msgs/GoalStatusArray`."""
+    goals = message.get("status_list")
+    if not isinstance(goals, list):
+        raise ValueError("a status without goals")
+    return frozenset(str(one.get("goal_info")) for one in goals if isinstance(one, dict))
 
 
 def _look_at(task: asyncio.Task[Any]) -> None:

@@ -42,6 +42,8 @@ STOP_S = 0.45
 FAREWELL_S = 1.0
 #: How fast it lies down when it is left alone, in seconds.
 _LIES_DOWN_S = 2.0
+#: The joints have so long to arrive before they are let go, in seconds.
+_SETTLES_S = 0.5
 #: Between two moves of the mode `demo`, in seconds.
 _DEMO_PAUSE_S = 2.0
 MODES = ("normal", "tracking", "demo")
@@ -416,6 +418,7 @@ class ReachyMini(Driver):
         await self._end_demo()
         if self._link.status.motors == "enabled":
             await self._body.lie_down(ASLEEP, _LIES_DOWN_S)
+            await self._link.pause(_SETTLES_S)
             await self._link.set_motors("disabled")
 
     async def close(self) -> None:

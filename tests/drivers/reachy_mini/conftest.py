@@ -12,14 +12,15 @@ from typing import Any
 import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.reachy_mini import ReachyMiniSimulator
-from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings
+from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link, reachy_sounds
+from woz_drivers.reachy_mini import driver as reachy_driver
 from woz_drivers.speech.settings import SynthesisSettings
 from woz_drivers.wav import Wav
 
 from tests.fakes.sound import RATE, square
 from woz_tui.drivers.contract import Health
 from woz_tui.protocol.messages import Json
-from woz_tui.testing import PlainJob, RecordingContext, until
+from woz_tui.testing import PlainJob, RecordingContext, contract_checks, until
 
 PACE = 20.0
 #: What it says is there as recordings: no program is needed.
@@ -95,6 +96,21 @@ async def reachy(
             yield it
         finally:
             await driver.close()
+
+
+@pytest.fixture(autouse=True)
+def busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a stop confirms is tested, not how soon on a machine that does other things."""
+    monkeypatch.setattr(reachy_driver, "STOP_S", 20.0)
+    monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
+    monkeypatch.setattr(reachy_sounds, "QUICK_S", 10.0)
+    monkeypatch.setattr(contract_checks, "PROMPT", 8 * contract_checks.PROMPT)
+
+
+@pytest.fixture
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stop that is never confirmed is told of after a moment."""
+    monkeypatch.setattr(reachy_driver, "STOP_S", 0.3)
 
 
 @pytest.fixture

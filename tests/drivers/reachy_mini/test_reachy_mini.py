@@ -263,7 +263,8 @@ async def test_after_sleep_it_looks_for_faces_and_wobbles_again(it: PlayedReachy
 async def test_left_alone_it_lies_down_and_lets_go(it: PlayedReachy) -> None:
     await it.driver.rest()
     assert it.robot.motors == "disabled"
-    assert degrees(it.robot)["left-antenna"] > 170
+    [goto] = it.asked("move/goto")
+    assert goto["antennas"] == pytest.approx([-3.05, 3.05], abs=0.01)
     assert it.robot.played == []
 
 
@@ -551,12 +552,14 @@ async def test_moves_of_another_program_are_stopped_too(it: PlayedReachy) -> Non
     assert it.robot._running() == []
 
 
+@pytest.mark.usefixtures("soon")
 async def test_a_robot_that_moves_on_has_not_confirmed(it: PlayedReachy) -> None:
     it.robot.oddities.drifts = 1.0
     report = await it.driver.stop(Scope.ALL)
     assert report is not None and report.missing == ("motion",)
 
 
+@pytest.mark.usefixtures("soon")
 async def test_a_refused_stop_is_not_confirmed(it: PlayedReachy) -> None:
     it.robot.faults.refused["/api/move/running"] = "no"
     it.robot.faults.refused["/api/media/stop_sound"] = "no"

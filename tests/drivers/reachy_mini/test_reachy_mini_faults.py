@@ -130,6 +130,7 @@ async def test_what_it_perceived_is_stale_while_it_is_away(it: PlayedReachy) -> 
     await until(lambda: {name: to for name, to, _ in it.context.states}["presence"] == "ok")
 
 
+@pytest.mark.usefixtures("soon")
 async def test_a_stop_while_it_is_frozen_is_not_confirmed(it: PlayedReachy) -> None:
     moving = it.begin("pose", joints={"pan": 90}, seconds=400)
     await until(lambda: it.asked_to_move)
@@ -140,6 +141,7 @@ async def test_a_stop_while_it_is_frozen_is_not_confirmed(it: PlayedReachy) -> N
     it.robot.thaw()
 
 
+@pytest.mark.usefixtures("soon")
 async def test_a_stop_that_is_too_slow_to_be_confirmed_still_happens(it: PlayedReachy) -> None:
     moving = it.begin("pose", joints={"pan": 90}, seconds=400)
     await until(lambda: it.asked_to_move)
@@ -190,13 +192,12 @@ async def test_a_refusal_is_said_and_the_next_command_counts(
     await it.do(verb, **args)
 
 
-@pytest.mark.parametrize("answer", ["<html>", "{", "[1, 2]", "NaN", '"yes"', "{}", ""])
+@pytest.mark.usefixtures("soon")
+@pytest.mark.parametrize("answer", ["<html>", "{", "NaN", '"yes"', "{}", ""])
 async def test_answers_that_make_no_sense_confirm_no_stop(it: PlayedReachy, answer: str) -> None:
     it.robot.oddities.answers["/api/move/running"] = answer
     report = await it.driver.stop(Scope.ALL)
-    assert report is not None
-    # A list of something else is a list without moves.
-    assert ("motion" in report.missing) is (answer != "[1, 2]")
+    assert report is not None and "motion" in report.missing
     it.robot.oddities.answers.clear()
     await it.driver.resume()
     await it.do("home")
@@ -213,6 +214,7 @@ async def test_perceptions_that_make_no_sense_are_left_out(it: PlayedReachy, ans
     await until(lambda: it.context.states[-1][1] in ("ok", "ready"))
 
 
+@pytest.mark.usefixtures("soon")
 async def test_poses_that_are_none_are_told_of_once_and_confirm_nothing(it: PlayedReachy) -> None:
     it.robot.oddities.nan = True
     await until(lambda: any("understand" in text for _, text, _ in it.context.notices))

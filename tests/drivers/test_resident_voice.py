@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 from woz_drivers.speech import synthesis
 from woz_drivers.speech.driver import Speech
@@ -137,6 +138,39 @@ async def test_a_typed_sentence_waits_for_one_prepared_sentence_at_most(
     await asyncio.gather(preparing, typed)
     texts = [line["text"] for line in told(journal, "request")]
     assert texts.index("Typed") <= 1
+
+
+async def test_a_typed_text_is_heard_before_its_second_sentence_is_made(
+    desk: Desk, journal: Path
+) -> None:
+    driver = await opened(desk, journal, "ok", "hang")
+    speaking = asyncio.ensure_future(driver.perform(say("One more. Then another. The end.")))
+    await until(lambda: len(desk.told("played")) == 1)
+    await until(lambda: len(told(journal, "request")) == 2)
+    await driver.stop(Scope.ALL)
+    with contextlib.suppress(asyncio.CancelledError):
+        await speaking
+    assert speaking.cancelled()
+    asked = [line["text"] for line in told(journal, "request")]
+    assert asked == ["One more.", "Then another."]
+
+
+async def test_its_sentences_are_one_utterance_and_a_prepared_one_is_made_whole(
+    desk: Desk, journal: Path
+) -> None:
+    driver = await opened(desk, journal, "ok")
+    whole = "Who is Dr. Who? One more."
+    sent = await driver.perform(say(whole))
+    assert (sent["text"], sent["seconds"], sent["source"]) == (whole, 0.2, "synthesised")
+    heard = msgspec.convert(sent["words"], list[tuple[str, float, float]])
+    assert [word for word, _, _ in heard] == ["hello", "hello"]
+    assert heard[0][1] == 0.0
+    assert heard[1][1] >= 0.1, "when the second sentence was heard"
+    await driver.prepare_say(said(whole))
+    assert (await driver.perform(say(whole)))["source"] == "cache"
+    asked = [line["text"] for line in told(journal, "request")]
+    assert asked == ["Who is Dr. Who?", "One more.", whole]
+    assert len(desk.told("played")) == 3
 
 
 async def test_the_stop_does_not_cost_its_loading(desk: Desk, journal: Path) -> None:

@@ -155,8 +155,10 @@ async def test_a_sentence_from_a_loudspeaker_to_the_log(
     async with ears(tmp_path) as some:
         _, heard = await some.open(
             RealClock(),
-            **{"command": "sh -c 'cat said.raw; sleep 60'", "rate": said.rate},
-            **{"resident_transcriber": whisper(), "threshold": 0.01},
+            command="sh -c 'cat said.raw; sleep 60'",
+            rate=said.rate,
+            resident_transcriber=whisper(),
+            threshold=0.01,
         )
         text = await heard.first(SpeechText)
         ended = heard.all(SpeechEnded)[0]

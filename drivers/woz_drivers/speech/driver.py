@@ -263,15 +263,37 @@ class Speech(Driver):
     # -- sound ---------------------------------------------------------------------------------
 
     async def _say(self, job: Job, text: str) -> Mapping[str, Json]:
-        asked_us = self.context.clock.now_us()
-        utterance = await self._voice.utterance(text, self._choice(job.args))
-        delay_s = (self.context.clock.now_us() - asked_us) / 1_000_000
-        volume = self._volume_of(job)
-        await self._play(job, utterance.path, utterance.sound, volume)
-        words: list[Json] = [[one.word, one.begin, one.end] for one in utterance.words]
+        """Speak; of what has to be made first, sentence by sentence, each while the one before it
+        is heard.
+        """
+        choice, volume, clock = self._choice(job.args), self._volume_of(job), self.context.clock
+        asked_us, heard_us = clock.now_us(), 0
+        spoken: list[PreparedUtterance] = []
+        words: list[Json] = []
+        sentences = self._voice.sentences(text, choice)
+        making = [asyncio.create_task(self._voice.utterance(sentences[0], choice))]
+        try:
+            for following in (*sentences[1:], ""):
+                utterance = await making.pop()
+                if following:
+                    making.append(asyncio.create_task(self._voice.utterance(following, choice)))
+                heard_us = heard_us or clock.now_us()
+                begin = (clock.now_us() - heard_us) / 1_000_000
+                words += [
+                    [one.word, round(begin + one.begin, 3), round(begin + one.end, 3)]
+                    for one in utterance.words
+                ]
+                spoken.append(utterance)
+                await self._play(job, utterance.path, utterance.sound, volume)
+        finally:
+            for task in making:
+                task.cancel()
+            await asyncio.gather(*making, return_exceptions=True)
+        new = [utterance for utterance in spoken if utterance.source != "cache"]
         return {
-            **self._sent(utterance, volume),
-            **{"text": text, "delay": round(delay_s, 3)},
+            **self._sent((new or spoken)[0], volume),
+            "seconds": round(sum(one.sound.seconds for one in spoken), 3),
+            **{"text": text, "delay": round((heard_us - asked_us) / 1_000_000, 3)},
             **({"words": words} if words else {}),
         }
 

@@ -94,6 +94,8 @@ _SYNTHESIS_S = 25.0
 #: A longer program output than this is no utterance, in bytes.
 _MOST_OUTPUT = 200_000_000
 
+#: Between two sentences: behind a sign after a word of three letters or more, so not in "Dr. Who".
+_SENTENCE_END = re.compile(r"(?<=[^\W\d_]{3}[.!?])(?<!Prof\.)(?<!Mrs\.) +(?=[^\W\d_])")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
@@ -230,8 +232,7 @@ class SpeechSynthesis:
         if recording is not None:
             return PreparedUtterance(recording, read_wav(recording), "recording")
         choice = choice or self._settings.choice()
-        words = self._settings.resident_words() or self._settings.synthesise_words()
-        path = self._cache.path((*words, *_recipe(choice), text))
+        path = self._path(text, choice)
         known = self._cache.get(path)
         if known is not None:
             with contextlib.suppress(NotWavError):  # a damaged file is made anew
@@ -239,7 +240,7 @@ class SpeechSynthesis:
         if self._resident is not None:
             made, spoken = await self._ask(self._resident, text, choice)
         else:
-            made, spoken = await self._synthesise(words, text, choice), ()
+            made, spoken = await self._synthesise(text, choice), ()
         try:
             await asyncio.to_thread(self._store, path, made, spoken)
         except OSError as error:
@@ -248,6 +249,17 @@ class SpeechSynthesis:
                 "free some space, or set cache: to another folder",
             ) from error
         return PreparedUtterance(path, made, "synthesised", spoken)
+
+    def sentences(self, text: str, choice: VoiceChoice) -> list[str]:
+        """`text` in the parts in which it is made: its sentences, if a program that stays loaded
+        has to make them; else the whole.
+        """
+        there = self._recording(text) is not None or self._path(text, choice).exists()
+        return [text] if self._resident is None or there else _SENTENCE_END.split(text)
+
+    def _path(self, text: str, choice: VoiceChoice) -> Path:
+        words = self._settings.resident_words() or self._settings.synthesise_words()
+        return self._cache.path((*words, *_recipe(choice), text))
 
     def _store(self, path: Path, made: Wav, words: tuple[UtteranceWord, ...]) -> None:
         self._cache.store(path, made.to_bytes())
@@ -284,7 +296,8 @@ class SpeechSynthesis:
                 return folder / name
         return None
 
-    async def _synthesise(self, words: Sequence[str], text: str, choice: VoiceChoice) -> Wav:
+    async def _synthesise(self, text: str, choice: VoiceChoice) -> Wav:
+        words = self._settings.synthesise_words()
         with _new_file() as path:
             values = {**choice.values(), "text": text, "wav": str(path)}
             used = command_lines.placeholders(words, values, "synthesise")

@@ -29,9 +29,8 @@ async def it(shared: Played) -> Played:
 
 @pytest.fixture(autouse=True)
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A busy machine takes its time; that a stop waits no longer is another test's. The robot is
-    asked more often, so that tests wait less.
+    """A busy machine takes its time; that a stop waits no longer is another test's. Motors are
+    asked about more often, so that tests wait less.
     """
     monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", PATIENCE_S)
-    monkeypatch.setattr("woz_drivers.nao.body_senses.POLL_S", 0.02)
     monkeypatch.setattr("woz_drivers.nao.body_senses.WARMTH_EVERY", 5)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from woz_drivers.ros import doctor
 from woz_drivers.ros.driver import Ros
 from woz_drivers.ros.message_types import MessageTypes, parse_definitions
 from woz_drivers.ros.templates import ValuePath, fill
 
-from tests.drivers.ros.robots import read, settings
+from tests.drivers.ros.robots import read, settings, simulator
 from woz_tui.config.loading import load
-from woz_tui.drivers.contract import Written
+from woz_tui.drivers.contract import Probe, Written
 from woz_tui.drivers.plugins import installed
 
 ROOT = Path(__file__).parents[3]
@@ -219,6 +222,28 @@ def test_the_profiles_are_right(name: str, tmp_path: Path) -> None:
     actions = "[{key: h, label: H, say: Hello}]"
     file.write_text(f"title: T\nrobot: {robot}\npanels: [{{title: P, actions: {actions}}}]\n")
     assert load(file, installed()).warnings == ()
+
+
+@pytest.mark.parametrize("name", ["turtlebot", "qtrobot", "tiago"])
+async def test_a_profile_finds_all_that_it_names_on_its_simulated_robot(name: str) -> None:
+    text = (ROOT / "experiments" / "robots" / f"{name}.yaml").read_text("utf-8")
+    lines = text.partition("    type: ros\n")[2].splitlines()
+    of = settings("\n".join(line.removeprefix("    ") for line in lines))
+    async with simulator(of) as robot:
+        findings = await doctor.examine(Probe(name, replace(of, address=robot.address)))
+    assert [one for one in findings if one.level in ("warning", "error")] == []
+
+
+def test_the_examples_of_the_manual_are_right() -> None:
+    page = (ROOT / "docs" / "how-to" / "ros.md").read_text("utf-8")
+    blocks = re.findall(r"^```yaml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    inner = [block.partition("    type: ros\n")[2] or block for block in blocks]
+    inner = ["\n".join(line.removeprefix("    ") for line in one.splitlines()) for one in inner]
+    assert len(inner) == 3
+    verbs, sensors, drive = (settings(one) for one in inner)
+    assert [*verbs.verbs] == ["say", "play", "gaze", "lift"]
+    assert [*sensors.sensors] == ["distance", "presence", "battery", "joint.pan"]
+    assert drive.drive is not None
 
 
 def test_an_argument_that_the_robot_is_not_told_is_warned_of() -> None:

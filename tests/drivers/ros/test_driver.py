@@ -396,6 +396,15 @@ async def test_nonsense_does_no_harm(nonsense: str) -> None:
         await it.play("drive", x=0.01)
 
 
+async def test_an_error_that_the_server_tells_is_shown() -> None:
+    async with played() as it:
+        for client in tuple(it.robot._clients):
+            client._outgoing.put_nowait(
+                '{"op": "status", "level": "error", "msg": "no topic"}'
+            )
+        await until(lambda: any("no such topic" in text for _, text, _ in it.context.notices))
+
+
 async def test_something_else_that_listens_there_is_not_taken_for_the_robot(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -194,8 +194,9 @@ def _drafted(settings: RosSettings, found: Survey) -> Iterator[str]:
     if sensors:
         yield "    sensors:"
         yield from sensors
-    yield "    verbs:"
-    yield from _drafted_verbs(found, topics)
+    verbs = [*_drafted_verbs(found, topics)]
+    yield "    verbs:" if any("#" not in line for line in verbs) else "    verbs: {}"
+    yield from verbs
 
 
 def _others(names: list[str], chosen: str) -> str:

@@ -14,9 +14,10 @@ from woz_drivers.ros.verbs import arguments_of
 
 def options(settings: RosSettings) -> tuple[str, ...]:
     """Options of `python -m robot_simulators.rosbridge`."""
-    interface = json.dumps(_interface(settings))
-    ros, pace = str(settings.ros), f"{settings.pace:g}"
-    return ("--ros", ros, "--pace", pace, "--interface", interface)
+    common = ("--ros", str(settings.ros), "--pace", f"{settings.pace:g}")
+    if not (settings.verbs or settings.sensors or settings.drive):
+        return common  # then it has its own
+    return (*common, "--interface", json.dumps(_interface(settings)))
 
 
 def _interface(settings: RosSettings) -> dict[str, Any]:

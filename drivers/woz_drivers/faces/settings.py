@@ -38,7 +38,7 @@ class FacesSettings(PictureSource):
     ] = 15.0
     hold: Annotated[
         float, Seconds(0, 10), Doc("somebody whose face is not found is there for so long")
-    ] = 0.7
+    ] = 1.0
     closely: Annotated[
         int, Range(0, 10), Doc("of so many faces, the largest, the gaze is looked at")
     ] = 3

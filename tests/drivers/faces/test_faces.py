@@ -310,7 +310,7 @@ async def test_without_networks_a_sentence_says_how_to_get_them(tmp_path: Path) 
         faulted = await heard.first(DriverFaulted)
     finally:
         await driver.close()
-    assert "woz_drivers.faces.models" in faulted.detail or "woz-tui[faces]" in faulted.detail
+    assert "python -m woz_drivers.faces" in faulted.detail or "woz-tui[faces]" in faulted.detail
 
 
 # -- pictures to watch -----------------------------------------------------------------------------

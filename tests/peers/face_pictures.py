@@ -1,8 +1,7 @@
 """Pictures of people that packages bring, others made of them, and the program that finds faces.
 
-`astronaut.png` (scikit-image) has one face that looks into the camera, `group.jpg` (insightface) has
-six.
-The other pictures of scikit-image have none.
+`astronaut.png` (scikit-image) has one face that looks into the camera, `group.jpg` (insightface)
+has six. The other pictures of scikit-image have none.
 """
 
 from __future__ import annotations

@@ -46,7 +46,6 @@ def seen(face: FoundFace) -> SeenFace:
         pitch=_rounded(pose.pitch),
         roll=_rounded(pose.roll),
         eyes_yaw=round(pose.eyes_yaw, 2),
-        eyes_pitch=round(pose.eyes_pitch, 2),
     )
 
 

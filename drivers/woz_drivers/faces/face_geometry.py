@@ -26,7 +26,8 @@ _BOX_BY_FACE = 1.12
 
 @dataclass(frozen=True, slots=True)
 class FacePose:
-    """Angles of the head, and how far the eyes are turned in it; None: not looked at closely.
+    """Angles of the head, and how far the eyes are turned in it to the side (up and down the lids
+    hide it); None: not looked at closely.
     `width`: between the sides of the face, in pixels, as if seen from the front.
     """
 
@@ -35,7 +36,6 @@ class FacePose:
     pitch: float | None = None
     roll: float | None = None
     eyes_yaw: float = 0.0
-    eyes_pitch: float = 0.0
 
 
 def pose_of(face: FoundFace) -> FacePose:
@@ -48,10 +48,8 @@ def pose_of(face: FoundFace) -> FacePose:
     yaw = float(np.degrees(np.arctan2(ahead[0], -ahead[2])))
     pitch = float(np.degrees(np.arcsin(np.clip(ahead[1], -1.0, 1.0))))
     roll = float(np.degrees(tilt))
-    eyes = (0.0, 0.0)
-    if face.irises is not None:
-        eyes = _eyes(face.mesh, face.irises)
-    return FacePose(width, yaw, pitch, roll, *eyes)
+    eyes_yaw = 0.0 if face.irises is None else _eyes_yaw(face.mesh, face.irises)
+    return FacePose(width, yaw, pitch, roll, eyes_yaw)
 
 
 def _box_width(box: FoundBox) -> float:
@@ -76,16 +74,13 @@ def _ahead(mesh: Floats) -> tuple[Floats, float]:
     return (ahead / max(float(np.linalg.norm(ahead)), 1e-6)).astype(np.float32), width
 
 
-def _eyes(mesh: Floats, irises: Floats) -> tuple[float, float]:
+def _eyes_yaw(mesh: Floats, irises: Floats) -> float:
     """How far both eyes are turned in the head, by where the irises are between the corners."""
     turned = []
     for corners, iris in zip(_CORNERS, irises, strict=True):
         first, last = mesh[corners[0], :2], mesh[corners[1], :2]
         across = last - first
-        long = max(float(np.hypot(*across)), 1e-6)
-        along = across / long
-        offset = (iris - (first + last) / 2) / long
-        right, below = float(offset @ along), float(along[0] * offset[1] - along[1] * offset[0])
-        turned.append(np.arcsin(np.clip(np.array((right, below)) * _EYE_BY_RADIUS, -1.0, 1.0)))
-    yaw, pitch = np.degrees(np.mean(turned, axis=0))
-    return float(yaw), float(pitch)
+        width = max(float(np.hypot(*across)), 1e-6)
+        offset = float((iris - (first + last) / 2) @ across) / width**2
+        turned.append(np.arcsin(np.clip(offset * _EYE_BY_RADIUS, -1.0, 1.0)))
+    return float(np.degrees(np.mean(turned)))

@@ -14,7 +14,7 @@ class SeenFace(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     `left` ... `bottom`: its box in pixels. `width`: of the face itself between its sides, in
     pixels. Angles in degrees: yaw to the right of the picture, pitch down, roll clockwise, of the
-    head and of the eyes in it; without yaw and pitch nobody knows where it looks.
+    head; `eyes_yaw` of the eyes in it. Without yaw and pitch nobody knows where it looks.
     """
 
     left: float
@@ -27,7 +27,6 @@ class SeenFace(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     pitch: _Angle | None = None
     roll: _Angle | None = None
     eyes_yaw: _Angle = 0.0
-    eyes_pitch: _Angle = 0.0
 
 
 class FacesLine(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -77,6 +77,15 @@ class FoundFace:
     irises: Floats | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Pixels:
+    """Rows and columns of a raw picture, and where they are inside of it; None: everywhere."""
+
+    rows: npt.NDArray[np.intp]
+    columns: npt.NDArray[np.intp]
+    inside: npt.NDArray[np.bool_] | None
+
+
 class PictureSampler:
     """One raw picture, of which any pixels can be had as red, green and blue from 0 to 1.
 
@@ -98,6 +107,10 @@ class PictureSampler:
 
     def at(self, x: Floats, y: Floats) -> Floats:
         """The pixels nearest to these places, with a last axis of three; black outside."""
+        return self.of(self.pixels(x, y))
+
+    def pixels(self, x: Floats, y: Floats) -> Pixels:
+        """The pixels nearest to these places."""
         columns, rows = np.rint(x).astype(np.intp), np.rint(y).astype(np.intp)
         inside = (columns >= 0) & (columns < self.width) & (rows >= 0) & (rows < self.height)
         np.clip(columns, 0, self.width - 1, out=columns)
@@ -106,11 +119,16 @@ class PictureSampler:
             columns = self.width - 1 - columns
         if self._flipped:
             rows = self.height - 1 - rows
-        colours = self._layout.colours_at(self._planes, rows, columns)
-        colours *= inside[..., None]
+        return Pixels(rows, columns, None if inside.all() else inside[..., None])
+
+    def of(self, pixels: Pixels) -> Floats:
+        """Their colours, with a last axis of three."""
+        colours = self._layout.colours_at(self._planes, pixels.rows, pixels.columns)
+        if pixels.inside is not None:
+            colours *= pixels.inside
         return colours
 
-    def square(self, centre: Place, size: float, tilt: float, side: int) -> Floats:
+    def square(self, centre: Place, size: float, tilt: float, side: int) -> Pixels:
         """A square of `size` pixels about `centre`, turned clockwise by `tilt`, as `side` x `side`
         pixels.
         """
@@ -118,7 +136,7 @@ class PictureSampler:
         cos, sin = math.cos(tilt), math.sin(tilt)
         x = centre[0] + cos * steps[None, :] - sin * steps[:, None]
         y = centre[1] + sin * steps[None, :] + cos * steps[:, None]
-        return self.at(x.astype(np.float32), y.astype(np.float32))
+        return self.pixels(x.astype(np.float32), y.astype(np.float32))
 
 
 def turned_back(points: Floats, centre: Place, size: float, tilt: float, side: int) -> Floats:
@@ -194,6 +212,9 @@ class FaceNetworks:
         self, sampler: PictureSampler, detection: Network, mesh: Network, iris: Network
     ) -> None:
         self._sampler = sampler
+        self._size = float(max(sampler.width, sampler.height))
+        self._middle = ((sampler.width - 1) / 2, (sampler.height - 1) / 2)
+        self._whole = sampler.square(self._middle, self._size, 0.0, DETECTION_SIDE)
         self._detection, self._mesh, self._iris = detection, mesh, iris
 
     def find(self, data: bytes, closely: int) -> list[FoundFace]:
@@ -204,19 +225,19 @@ class FaceNetworks:
         return [*near, *(FoundFace(box) for box in boxes[closely:])]
 
     def _boxes(self) -> list[FoundBox]:
-        sampler = self._sampler
-        size = float(max(sampler.width, sampler.height))
-        middle = ((sampler.width - 1) / 2, (sampler.height - 1) / 2)
-        pixels = sampler.square(middle, size, 0.0, DETECTION_SIDE)
-        regressors, logits = self._detection(pixels[None] * 2 - 1)
-        return merged(decoded(regressors[0], logits.reshape(-1), size / DETECTION_SIDE, middle))
+        pixels = self._sampler.of(self._whole)
+        pixels *= 2
+        pixels -= 1
+        regressors, logits = self._detection(pixels[None])
+        scale = self._size / DETECTION_SIDE
+        return merged(decoded(regressors[0], logits.reshape(-1), scale, self._middle))
 
     def _look_closely(self, box: FoundBox) -> FoundFace:
         sampler = self._sampler
         left, top, right, bottom = map(float, box.box)
         middle = ((left + right) / 2, (top + bottom) / 2)
         size, tilt = _FACE_MARGIN * box.size, box.tilt
-        points, score = self._mesh(sampler.square(middle, size, tilt, MESH_SIDE)[None])
+        points, score = self._mesh(sampler.of(sampler.square(middle, size, tilt, MESH_SIDE))[None])
         if float(score.reshape(())) < np.log(_MESH / (1 - _MESH)):
             return FoundFace(box)
         mesh = turned_back(points.reshape(-1, 3), middle, size, tilt, MESH_SIDE)
@@ -232,7 +253,7 @@ class FaceNetworks:
         middle = (float(first[0] + last[0]) / 2, float(first[1] + last[1]) / 2)
         size = _EYE_MARGIN * float(np.hypot(*across))
         tilt = float(np.arctan2(across[1], across[0]))
-        pixels = self._sampler.square(middle, size, tilt, IRIS_SIDE)
+        pixels = self._sampler.of(self._sampler.square(middle, size, tilt, IRIS_SIDE))
         _, iris = self._iris((pixels[:, ::-1] if mirrored else pixels)[None])
         place = iris.reshape(-1, 3)[:1, :2].copy()
         if mirrored:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from woz_drivers.faces.face_lines import SeenFace
 
 #: A face that may begin a track has this score at least, and is found in so many pictures.
-_BEGINS, _PICTURES = 0.6, 2
+_BEGINS, _PICTURES = 0.5, 2
 #: A face is the one from before if its middle is nearer than this to where that was to be expected,
 #: in widths of its box (more with each second that it was not found), and neither is more than so
 #: many times as large as the other.
@@ -145,7 +145,7 @@ def gaze_of(face: SeenFace) -> tuple[float, float] | None:
     """Yaw and pitch of head and eyes together, in degrees; None where it does not tell."""
     if face.yaw is None or face.pitch is None:
         return None
-    return face.yaw + face.eyes_yaw, face.pitch + face.eyes_pitch
+    return face.yaw + face.eyes_yaw, face.pitch
 
 
 def judge_gaze(track: FaceTrack, neutral: tuple[float, float], within: float) -> None:

@@ -21,6 +21,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 MOTION, POSTURE = "ALMotion", "ALRobotPosture"
@@ -52,18 +53,12 @@ class BodyPart(NaoqiPart):
                 lane=LANE,
                 limit_s=60.0,
             ),
-            Verb(
-                "pose",
-                "move joints to angles in degrees, together",
-                (Argument("joints", "joints", "degrees by joint; hands 0 to 1", True), seconds),
-                lane=LANE,
-                limit_s=70.0,
-            ),
-            Verb("home", "stand upright again", (seconds,), lane=LANE, limit_s=60.0),
-            Verb(
+            common_verb("pose", "move joints to angles in degrees, together", seconds),
+            common_verb("home", "stand upright again", seconds, limit_s=60.0),
+            common_verb(
                 "torque",
                 "wake up, or go to rest and switch the motors off",
-                (SETTINGS["awake"].taken(required=True),),
+                SETTINGS["awake"].taken(required=True),
                 lane=LANE,
                 limit_s=60.0,
             ),

@@ -128,15 +128,11 @@ class HeadPart(NaoqiPart):
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """Directions and steps of the head."""
         return (
-            Verb(
+            common_verb(
                 "gaze",
                 "look into a direction",
-                (
-                    Argument("yaw", "number", "degrees, left is positive", True, None, _DEGREES),
-                    Argument("pitch", "number", "degrees, down is positive", False, 0.0, _DEGREES),
-                ),
-                lane="head",
-                stream=True,
+                Argument("yaw", "number", "degrees, left is positive", True, None, _DEGREES),
+                Argument("pitch", "number", "degrees, down is positive", False, 0.0, _DEGREES),
                 limit_s=5.0,
             ),
             common_verb("nudge"),

@@ -20,7 +20,6 @@ from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls, together
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import (
-    Argument,
     DeviceLostError,
     DriverContext,
     DriverError,
@@ -28,6 +27,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Verb,
 )
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 #: How the robot knows this program: whatever it left behind has this name.
@@ -197,10 +197,9 @@ class SensesPart(NaoqiPart):
         if not settings.senses.people:
             return ()
         return (
-            Verb(
+            common_verb(
                 "learn_face",
                 "recognise the face before it by this name from now on",
-                (Argument("name", "text", "a code or a pseudonym", required=True),),
                 lane="senses",
                 limit_s=LEARN_S + 5.0,
             ),

@@ -32,6 +32,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 PLAYER = "ALAudioPlayer"
@@ -68,15 +69,7 @@ class SoundsPart(NaoqiPart):
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`sound`."""
         loud = Argument("volume", "number", "0 mute, 1 full", False, 1.0, Range(0, 1))
-        return (
-            Verb(
-                "sound",
-                "play a sound file",
-                (Argument("file", "text", _FILE, required=True), loud),
-                lane="sound",
-                limit_s=600.0,
-            ),
-        )
+        return (common_verb("sound", "", Argument("file", "text", _FILE, required=True), loud),)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Play it; ends when the sound has ended."""

@@ -32,6 +32,7 @@ from woz_tui.drivers.contract import (
     Scope,
     Verb,
 )
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 LANE, SETTINGS_LANE = "voice", "voice-settings"
@@ -55,12 +56,8 @@ class VoicePart(NaoqiPart):
         """`say` and `read`, and the three settings of the voice."""
         plain = Argument("plain", "flag", "without gestures", default=False)
         return (
-            Verb(
-                "say",
-                "speak a sentence; tags for voice and gestures count",
-                (Argument("text", "text", "what to say", required=True), plain),
-                lane=LANE,
-                limit_s=300.0,
+            common_verb(
+                "say", "speak a sentence; tags for voice and gestures count", plain, limit_s=300.0
             ),
             Verb(
                 "read",

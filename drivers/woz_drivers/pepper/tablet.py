@@ -28,6 +28,7 @@ from woz_tui.drivers.contract import (
     Scope,
     Verb,
 )
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 # -- touches ---------------------------------------------------------------------------------------
@@ -276,11 +277,10 @@ class TabletPart(NaoqiPart):
         what = "picture, video or page: a file, or http://...; off: the default"
         command = Argument("what", "choice", "what it does", required=True, choices=_COMMANDS)
         return (
-            Verb(
+            common_verb(
                 "screen",
                 "show something on the tablet",
-                (Argument("file", "text", what, required=True),),
-                lane="screen",
+                Argument("file", "text", what, required=True),
             ),
             Verb("tablet", "the tablet's wifi on; hide what it shows", (command,), lane="screen"),
         )

@@ -13,7 +13,7 @@ from woz_drivers.network_address import joined
 from woz_drivers.reachy_mini.daemon_link import read_status
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
-from woz_drivers.speech.synthesis import SpeechSynthesis
+from woz_drivers.speech.doctor import synthesiser_finding
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Probe
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.
@@ -37,7 +37,7 @@ async def examine(probe: Probe) -> list[Finding]:
         findings = [Finding("error", settings.address, error.what, error.remedy)]
     finally:
         await simulated.close()
-    return [*findings, await _voice(probe.name, settings, probe)]
+    return [*findings, await synthesiser_finding(probe, settings.voice)]
 
 
 async def _visit(name: str, base: str) -> list[Finding]:
@@ -96,11 +96,3 @@ async def _line(name: str, session: aiohttp.ClientSession) -> Finding:
         remedy = "use a cable, or a wireless network of its own on 5 GHz"
         return Finding("warning", name, text, remedy)
     return Finding("ok", name, text)
-
-
-async def _voice(name: str, settings: ReachyMiniSettings, probe: Probe) -> Finding:
-    try:
-        made = await SpeechSynthesis(settings.voice, probe.folder).utterance("Hello")
-    except DriverError as error:
-        return Finding("error", name, error.what, error.remedy)
-    return Finding("ok", name, f"its voice: {made.sound.seconds:.1f} s for 'Hello'")

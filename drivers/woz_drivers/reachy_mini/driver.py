@@ -15,6 +15,7 @@ from woz_drivers.reachy_mini.reachy_senses import ReachySenses
 from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.simulated.argument_values import did_you_mean
+from woz_drivers.speech.settings import VOICE_ARGUMENTS
 from woz_tui.drivers.contract import (
     UNKNOWN,
     Argument,
@@ -64,7 +65,7 @@ _SOUND = (
     Verb(
         "say",
         "speak a sentence with a voice made on this machine",
-        (Argument("text", "text", "what to say", required=True),),
+        (Argument("text", "text", "what to say", required=True), *VOICE_ARGUMENTS),
         lane=_VOICE,
         limit_s=180.0,
     ),
@@ -340,9 +341,10 @@ class ReachyMini(Driver):
 
     async def open(self) -> None:
         """Begin to look for the daemon."""
+        self._sounds.start()
         self._link.start()
 
-    async def prepare(self, utterances: list[str]) -> None:
+    async def prepare_say(self, utterances: list[Mapping[str, Json]]) -> None:
         """Synthesise what will be said, and send it to the robot."""
         await self._sounds.prepare(utterances)
 

@@ -17,6 +17,7 @@ import aiohttp
 
 from woz_drivers.reachy_mini.daemon_link import QUICK_S, UPLOAD_S, DaemonLink
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.speech.settings import VoiceChoice
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav, spoken_text
 from woz_drivers.wav import Wav
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
@@ -38,17 +39,26 @@ class ReachySounds:
     ) -> None:
         self._link = link
         self._context = context
-        self._synthesis = SpeechSynthesis(settings.voice, context.folder)
+        self._voice = settings.voice
+        self._synthesis = SpeechSynthesis(settings.voice, context.folder, self._voice_moved)
         #: Names of files that the robot has; it forgets them when it is switched off.
         self._sent: set[str] = set()
         self._tidying: set[asyncio.Task[None]] = set()
         #: Whether something of ours is to be heard now.
         self.audible = False
 
+    def start(self) -> None:
+        """Load the program that makes the voice, if there is one that stays loaded."""
+        self._synthesis.start()
+
+    def _voice_moved(self, state: str, why: str, remedy: str) -> None:
+        if state == "lost":
+            self._context.notice("warning", why, remedy)
+
     async def say(self, job: Job) -> Mapping[str, Json]:
         """Speak; ends when the sound has ended."""
         text = spoken_text(str(job.args["text"]))
-        utterance = await self._synthesis.utterance(text)
+        utterance = await self._synthesis.utterance(text, self._choice(job.args))
         heard = await self._play(job, utterance.sound)
         return {"text": text, "source": utterance.source} | heard
 
@@ -58,12 +68,16 @@ class ReachySounds:
         wav = await asyncio.to_thread(read_wav, self._context.folder / Path(file))
         return {"file": file} | await self._play(job, wav)
 
-    async def prepare(self, utterances: list[str]) -> None:
+    def _choice(self, args: Mapping[str, Any]) -> VoiceChoice:
+        return self._voice.choice().changed(args)
+
+    async def prepare(self, utterances: list[Mapping[str, Json]]) -> None:
         """Synthesise what will be said, and send it to the robot."""
         try:
-            for text in utterances:
+            for args in utterances:
                 with contextlib.suppress(RejectedError):
-                    utterance = await self._synthesis.utterance(spoken_text(text))
+                    text = spoken_text(str(args["text"]))
+                    utterance = await self._synthesis.utterance(text, self._choice(args))
                     if self._link.ready and not self._link.status.silent:
                         await self._deliver(utterance.sound)
         except DeviceLostError:
@@ -107,7 +121,7 @@ class ReachySounds:
         self._sent.clear()
 
     async def close(self) -> None:
-        """End the voice; wait until a sound that was broken off has ended."""
+        """End the program of the voice, and wait until a sound that was broken off has ended."""
         await self._synthesis.close()
         if self._tidying:
             await asyncio.wait(set(self._tidying), timeout=0.5)

@@ -6,7 +6,7 @@ import asyncio
 from pathlib import Path
 
 from woz_drivers import child_process, command_lines
-from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.speech.settings import SpeechSettings, SynthesisSettings
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
@@ -22,7 +22,7 @@ async def examine(probe: Probe) -> list[Finding]:
         if settings.speak:
             return [_program_finding(probe, settings.speak_words()[0])]
         return [
-            await _synthesiser(probe, settings),
+            await synthesiser_finding(probe, settings),
             await _player(probe, settings),
             *_recordings(probe, settings),
         ]
@@ -38,7 +38,8 @@ def _program_finding(probe: Probe, program: str) -> Finding:
     return Finding("ok", probe.name, path)
 
 
-async def _synthesiser(probe: Probe, settings: SpeechSettings) -> Finding:
+async def synthesiser_finding(probe: Probe, settings: SynthesisSettings) -> Finding:
+    """Whether it makes a first word."""
     synthesis = SpeechSynthesis(settings, probe.folder)
     try:
         async with asyncio.timeout(_PATIENCE_S):

@@ -333,7 +333,7 @@ async def test_a_sound_file_is_played_on_the_robot(it: PlayedReachy) -> None:
 
 
 async def test_what_will_be_said_is_sent_ahead(it: PlayedReachy) -> None:
-    await it.driver.prepare(["Hello."])
+    await it.driver.prepare_say([{"text": "Hello."}])
     assert len(it.asked("media/sounds/upload")) == 1
     await it.do("say", text="Hello.")
     assert len(it.asked("media/sounds/upload")) == 1

@@ -158,3 +158,19 @@ def test_sensors_that_it_does_not_have_are_no_error(tmp_path: Path) -> None:
     text = panel("{label: A, say: Hi}", head=head)
     experiment = read(tmp_path, text, "other", other=OTHER)
     assert any("near" in str(warning) for warning in experiment.warnings)
+
+
+def test_a_repair_that_says_more_than_the_other_robot_can_is_said_without_it(
+    tmp_path: Path,
+) -> None:
+    repairs = "repairs: {filler: {text: Hm, speed: 1}}\n"
+    experiment = read(
+        tmp_path,
+        panel("{label: A, say: Hi}", head=ROBOT) + repairs,
+        "plain",
+        plain="drivers: {robot: {type: simulated}}",
+    )
+    filler = experiment.action("repair filler")
+    assert filler is not None
+    assert [call.args for call in filler.calls] == [{"text": "Hm"}]
+    assert [each.what for each in filler.left_out] == ["say.speed"]

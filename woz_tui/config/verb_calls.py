@@ -111,7 +111,7 @@ class CallReader:
             beside_it = shares.get(name, {})
             own = [self._call(offer, entry, beside_it) for offer in chosen[name]]
             if self._vocabulary.another is not None and chosen[name]:
-                substitute = _Substitute(self._vocabulary, self._vocabulary.another, entry)
+                substitute = _Substitute(self._arguments_of(name), self._vocabulary.another, entry)
                 chosen[name] = substitute.offers(chosen[name])
                 own = [
                     call
@@ -295,14 +295,10 @@ class _Substitute:
     What is right with the file's own robot and not with this one is left out, and warned of.
     """
 
-    def __init__(self, vocabulary: Vocabulary, another: Robots, entry: Cursor) -> None:
+    def __init__(self, taken: Collection[str], another: Robots, entry: Cursor) -> None:
+        self._taken = {*taken}  # what the file's own robots take with this verb
         self._another = another
         self._entry = entry
-        self._taken = {
-            argument.name
-            for offer in vocabulary.offers(entry.path.rpartition(".")[2])
-            for argument in offer.verb.arguments
-        }
         self.left_out: list[LeftOut] = []
 
     def offers(self, own: Sequence[VerbOffer]) -> list[VerbOffer]:

@@ -90,9 +90,12 @@ class ResidentProgram:
 
     @property
     def program(self) -> str:
-        """How it is named in sentences."""
-        module = self._words.index("-m") + 1 if "-m" in self._words else 0
-        return self._words[module] if module < len(self._words) else self._words[0]
+        """How it is named in sentences: the module or the script, if an interpreter runs it."""
+        words = self._words
+        if "-m" in words[1:-1]:
+            return words[words.index("-m") + 1].rpartition(".")[2]
+        script = next((word for word in words[1:] if word.endswith(".py")), words[0])
+        return Path(script).name
 
     def start(self) -> None:
         """Begin to load it."""

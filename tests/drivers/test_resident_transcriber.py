@@ -10,13 +10,14 @@ import pytest
 from woz_drivers.child_process import RestartPauses
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.microphone.transcriber import TRANSCRIBER
 
 from tests.drivers.ears import ears
 from tests.drivers.heard import Heard, until
 from tests.drivers.resident_programs import ROOT, command, processes
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square, told
-from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Probe
+from woz_tui.drivers.contract import SPEECH, Probe
 from woz_tui.protocol.messages import Notice, Reading, SpeechEnded, SpeechText
 from woz_tui.system.clock import RealClock
 
@@ -73,7 +74,7 @@ async def test_it_is_started_once_and_understands_sentence_after_sentence(
     begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
     microphone, heard = await begin("ok", language="en")
-    await heard.state(SPEECH_TEXT, "ready")
+    await heard.state(TRANSCRIBER, "ready")
     one, two = await texts(heard, pipe, 2)
     assert (one.segment, one.text, one.detail) == (1, SECOND, "")
     assert (two.segment, two.text, two.confidence) == (2, SECOND, 0.75)
@@ -86,7 +87,7 @@ async def test_it_is_started_once_and_understands_sentence_after_sentence(
     )
     assert len(told(journal, "start")) == 1
     assert [line["language"] for line in told(journal, "request")] == ["en", "en"]
-    delays = [reading for reading in heard.all(Reading) if reading.sensor == SPEECH_TEXT]
+    delays = [reading for reading in heard.all(Reading) if reading.sensor == TRANSCRIBER]
     assert [reading.unit for reading in delays] == ["s", "s"]
     assert delays[0].value == round(one.took_us / 1_000_000, 2)
     await microphone.close()
@@ -97,7 +98,7 @@ async def test_it_is_loaded_with_the_session_and_what_is_said_meanwhile_is_under
     begin: Begin, pipe: PipedCommand, tmp_path: Path
 ) -> None:
     _, heard = await begin("slow", "ok")
-    await heard.state(SPEECH_TEXT, "loading")
+    await heard.state(TRANSCRIBER, "loading")
     pipe.send(SPOKEN)
     await heard.first(SpeechEnded)
     (tmp_path / "loaded").touch()
@@ -116,7 +117,7 @@ async def test_one_that_dies_is_told_of_with_a_remedy_and_started_again(
     (notice,) = heard.all(Notice)
     assert "out of memory" in notice.text
     assert str(journal) in notice.remedy, "it names the command"
-    assert heard.states(SPEECH_TEXT) == ["loading", "ready", "stale", "loading", "ready"]
+    assert heard.states(TRANSCRIBER) == ["loading", "ready", "stale", "loading", "ready"]
 
 
 async def test_one_that_dies_between_two_sentences_is_back_for_the_next(
@@ -128,7 +129,7 @@ async def test_one_that_dies_between_two_sentences_is_back_for_the_next(
     heard_before = len(heard.all(Notice))
     for one in processes(journal):
         one.kill()
-    await heard.state(SPEECH_TEXT, "stale")
+    await heard.state(TRANSCRIBER, "stale")
     assert len(heard.all(Notice)) == heard_before + 1
     pipe.send(SPOKEN)
     assert (await heard.first(SpeechText, after=1)).text == SECOND
@@ -189,7 +190,7 @@ async def test_what_is_said_so_far_is_shown_while_they_speak(
     begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
     _, heard = await begin("ok", partial_texts=0.2)
-    await heard.state(SPEECH_TEXT, "ready")
+    await heard.state(TRANSCRIBER, "ready")
     pipe.send(square(0.24, 0.5))
 
     def so_far() -> list[str]:
@@ -201,14 +202,15 @@ async def test_what_is_said_so_far_is_shown_while_they_speak(
     pipe.send(square(0.1, 0.01))
     final = await heard.first(SpeechText)
     assert final.text == f"hello {44 + 14 * BLOCK}"
+    assert so_far()[1:] == [final.text], "it takes the place of the text so far"
     assert [line["do"] for line in told(journal)] == ["start", "request", "request"]
 
 
 async def test_parts_of_an_answer_are_shown_before_it(begin: Begin, pipe: PipedCommand) -> None:
     _, heard = await begin("parts")
     await texts(heard, pipe, 1)
-    (part,) = [reading for reading in heard.all(Reading) if reading.sensor == SPEECH]
-    assert part.text == "hel"
+    so_far = [reading.text for reading in heard.all(Reading) if reading.sensor == SPEECH]
+    assert so_far == ["hel", SECOND]
 
 
 async def test_doctor_loads_it(tmp_path: Path, journal: Path) -> None:

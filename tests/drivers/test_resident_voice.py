@@ -119,10 +119,10 @@ async def test_what_cannot_be_prepared_is_prepared_when_it_is_back(
     (notice,) = desk.heard.all(Notice)
     assert "not prepared" in notice.text
 
-    def ready() -> list[float | None]:
-        return [one.value for one in desk.heard.all(Reading) if one.sensor == "prepared"]
+    def ready() -> list[str]:
+        return [one.text for one in desk.heard.all(Reading) if one.sensor == "prepared"]
 
-    await desk.heard.until(lambda: 3 in ready())
+    await desk.heard.until(lambda: "3 of 3" in ready())
     assert [line["text"] for line in told(journal, "request")] == ["One", "Two", "Two", "Three"]
     assert (await driver.perform(say("Three")))["source"] == "cache"
 

@@ -16,7 +16,7 @@ import pytest
 import pytest_asyncio
 from woz_drivers import pcm_audio
 from woz_drivers.microphone import whisper_transcriber
-from woz_drivers.microphone.transcriber import Transcript
+from woz_drivers.microphone.transcriber import TRANSCRIBER, Transcript
 from woz_drivers.resident_program import ResidentProgram
 from woz_drivers.speech import piper_voice
 from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
@@ -25,7 +25,7 @@ from woz_drivers.wav import Wav
 
 from tests.drivers.ears import ears
 from tests.peers.places import place
-from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, DriverError
+from woz_tui.drivers.contract import SPEECH, DriverError
 from woz_tui.protocol.messages import Reading, SpeechEnded, SpeechText
 from woz_tui.system.clock import RealClock
 
@@ -165,7 +165,7 @@ async def test_a_sentence_from_a_loudspeaker_to_the_log(
     assert text.detail == ""
     assert word_errors(words_of(SENTENCES[2]), words_of(text.text)) <= 4
     assert ended.began <= text.words[0].began < text.words[-1].ended <= ended.ended
-    (delay,) = [one for one in heard.all(Reading) if one.sensor == SPEECH_TEXT]
+    (delay,) = [one for one in heard.all(Reading) if one.sensor == TRANSCRIBER]
     assert delay.unit == "s"
     assert [one for one in heard.all(Reading) if one.sensor == SPEECH] == []
 

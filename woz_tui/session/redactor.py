@@ -552,7 +552,7 @@ def perceived_kind(sensor: str) -> str:
     parts = sensor.split(".")
     if "joint" in parts or "setpoint" in parts:
         return "joints"
-    if SPEECH in parts[-2:]:  # speech.text, too
+    if parts[-1] == SPEECH:
         return "transcript"
     return next((part for part in reversed(parts) if part in PERCEIVED), "")
 

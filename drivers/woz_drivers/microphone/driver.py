@@ -13,6 +13,7 @@ from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
 from woz_drivers.microphone.speech_segments import SpeechSegments
 from woz_drivers.microphone.transcriber import (
+    TRANSCRIBER,
     ProgramForEachSegment,
     ResidentTranscriber,
     Transcriber,
@@ -97,7 +98,11 @@ class Microphone(PassiveDriver):
             SENSOR,
             room_threshold.THRESHOLD,
             SPEECH,
-            *((SPEECH_TEXT,) if settings.transcribe or settings.resident_transcriber else ()),
+            *(
+                (SPEECH_TEXT, TRANSCRIBER)
+                if settings.transcribe or settings.resident_transcriber
+                else ()
+            ),
         )
 
     @classmethod

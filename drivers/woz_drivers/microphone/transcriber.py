@@ -19,7 +19,7 @@ import msgspec
 
 from woz_drivers import child_process, command_lines
 from woz_drivers.resident_program import ResidentProgram
-from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, DriverContext, DriverError
+from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
 from woz_tui.protocol.messages import SpeechText, SpokenWord
 
 log = logging.getLogger(__name__)
@@ -34,6 +34,8 @@ _MOST_BYTES = 65_536
 _FILE_S = 10.0
 
 
+#: The sensor that tells how the program is, and the delay of its last text in seconds.
+TRANSCRIBER = "transcriber"
 #: What is understood so far is published this often at most, in microseconds.
 _PARTIAL_EVERY_US = 300_000
 
@@ -138,7 +140,7 @@ class ProgramForEachSegment:
 
 
 class ResidentTranscriber:
-    """A program that stays loaded; the sensor `speech.text` tells how it is.
+    """A program that stays loaded; the sensor `transcriber` tells how it is.
 
     Request: `file`, and `language` if one is wanted. Answer: a `Transcript`.
     """
@@ -178,14 +180,14 @@ class ResidentTranscriber:
 
     def _state(self, state: str, why: str, remedy: str) -> None:
         if state == "lost":
-            self._context.sensor(SPEECH_TEXT, "stale", why)
+            self._context.sensor(TRANSCRIBER, "stale", why)
             if not self.warned:
                 self._context.notice("warning", f"{why}; it is started again", remedy)
             self.warned = True
         elif state == "loading":
-            self._context.sensor(SPEECH_TEXT, "loading", why)
+            self._context.sensor(TRANSCRIBER, "loading", why)
         else:
-            self._context.sensor(SPEECH_TEXT, "ready", why)
+            self._context.sensor(TRANSCRIBER, "ready", why)
 
 
 class Transcriber:
@@ -294,7 +296,10 @@ class Transcriber:
             return
         took_us = max(0, self._context.clock.now_us() - heard.ended_us)
         if not detail:
-            self._context.reading(SPEECH_TEXT, round(took_us / 1_000_000, 2), unit="s")
+            self._context.reading(TRANSCRIBER, round(took_us / 1_000_000, 2), unit="s")
+        if self._shown and not detail:  # the text so far has become this one
+            self._context.reading(SPEECH, None, text=one_line(transcript.text))
+        self._shown = ""
         message = SpeechText(
             driver=self._driver,
             segment=heard.segment,

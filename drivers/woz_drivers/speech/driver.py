@@ -163,7 +163,7 @@ class Speech(Driver):
         self._publish_progress(len(utterances), len(utterances))
 
     def _publish_progress(self, ready: int, of: int) -> None:
-        self.context.reading(PREPARED, ready, text=f"of {of}" if of else "")
+        self.context.reading(PREPARED, None, text=f"{ready} of {of}")
 
     def _choice(self, args: Mapping[str, Any]) -> VoiceChoice:
         return self.settings.choice().changed(args)

@@ -6,8 +6,9 @@ The stand-ins are called as the real ones are: a module that is imported, a prog
 from __future__ import annotations
 
 import sys
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from woz_drivers.microphone import whisper_transcriber
@@ -77,7 +78,8 @@ def whisper(folder: Path, *options: str) -> ResidentProgram:
 
 @pytest.mark.usefixtures("whisper_module")
 async def test_whisper(tmp_path: Path) -> None:
-    program, parts = whisper(tmp_path), []
+    program = whisper(tmp_path)
+    parts: list[dict[str, Any]] = []
 
     async def ask(**request: str) -> Transcript:
         return await program.ask(request, Transcript, 30.0, parts.append)
@@ -143,7 +145,7 @@ class Piper:
             for line in told(self._journal, "start")
         ]
 
-    def lines(self) -> list[Mapping[str, object]]:
+    def lines(self) -> list[dict[str, object]]:
         return told(self._journal, "line")
 
 

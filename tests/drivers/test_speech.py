@@ -7,18 +7,20 @@ import os
 import sys
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.pcm_audio import decode, rms
 from woz_drivers.speech.driver import Speech
+from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.speech.synthesis import file_names, spoken_text
 from woz_drivers.wav import parse
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.speech_desk import Desk, desk_in, said, say
-from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.drivers.contract import DriverError, RejectedError, Written
 from woz_tui.protocol.messages import Json, Notice, Reading
 
 
@@ -88,6 +90,26 @@ async def test_one_utterance_may_have_another_voice(desk: Desk) -> None:
     for args, volume in ((one, 1.0), (other, 0.5)):
         sent = await driver.perform(Ordered("say", args))
         assert (sent["cached"], sent["volume"]) == (True, volume)
+
+
+@pytest.mark.parametrize(
+    ("settings", "ignored"),
+    [
+        ({}, []),
+        ({"synthesise": "pico2wave -l {language} -w {wav} {text}"}, ["voice", "speed", "pitch"]),
+        ({"synthesise": "flite -voice {voice} -o {wav} -t {text}"}, ["speed", "pitch"]),
+        ({"speak": "spd-say -r {speed} {text}"}, ["voice", "language", "pitch"]),
+        ({"resident_voice": "python3 tones.py"}, []),
+    ],
+)
+def test_voice_settings_that_a_command_does_not_take_are_remarked(
+    settings: dict[str, Any], ignored: list[str], tmp_path: Path
+) -> None:
+    args: dict[str, Json] = {"text": "Hi", "voice": "a", "language": "de", "speed": 90, "pitch": 1}
+    made = SpeechSettings(**settings)
+    found = Speech.remarks(made, Written("say", args, tmp_path))
+    assert [(one.level, one.subject) for one in found] == [("warning", name) for name in ignored]
+    assert list(Speech.remarks(made, Written("say", {"text": "Hi"}, tmp_path))) == []
 
 
 async def test_how_many_utterances_are_ready_is_published(desk: Desk) -> None:

@@ -16,6 +16,7 @@ from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.simulated.argument_values import did_you_mean
 from woz_drivers.speech.settings import VOICE_ARGUMENTS
+from woz_drivers.speech.voice_list import voices
 from woz_tui.drivers.contract import (
     UNKNOWN,
     Argument,
@@ -31,6 +32,7 @@ from woz_tui.drivers.contract import (
     Scope,
     StopReport,
     Verb,
+    VoiceFound,
     Written,
 )
 from woz_tui.drivers.fields import Range
@@ -331,6 +333,11 @@ class ReachyMini(Driver):
                 data_set_and_name(move)
             except RejectedError as error:
                 yield Finding("warning", "move", error.what, error.remedy)
+
+    @classmethod
+    async def voices(cls, probe: Probe) -> list[VoiceFound]:
+        """Those of the synthesisers of this machine."""
+        return await voices(probe.folder)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import tempfile
-from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from woz_drivers import child_process, command_lines
 from woz_drivers.child_process import Child
 from woz_drivers.speech import doctor
-from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings, VoiceChoice
+from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings
 from woz_drivers.speech.synthesis import (
     PreparedUtterance,
     SpeechSynthesis,
@@ -37,6 +37,7 @@ from woz_tui.drivers.contract import (
     Scope,
     Verb,
     VoiceFound,
+    Written,
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
@@ -109,6 +110,15 @@ class Speech(Driver):
         return (_SAY, _VOLUME) if made.speak else (_SAY, _SOUND, _VOLUME)
 
     @classmethod
+    def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:
+        """Voice settings that the command of this voice does not take."""
+        ignored = settings.ignored() if written.verb == "say" else ()
+        for name in ignored:
+            if written.args.get(name) is not None:
+                what = f"this voice has no {name}: its command lacks {{{name}}}"
+                yield Finding("warning", name, what)
+
+    @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
         """How many utterances are ready."""
         return () if settings.speak else (PREPARED,)
@@ -148,7 +158,7 @@ class Speech(Driver):
         for number, args in enumerate(utterances):
             try:
                 text = spoken_text(str(args["text"]))
-                made = await self._voice.utterance(text, self._choice(args))
+                made = await self._voice.utterance(text, self._voice.choice(args))
             except RejectedError:
                 continue
             except DriverError as error:
@@ -164,9 +174,6 @@ class Speech(Driver):
 
     def _publish_progress(self, ready: int, of: int) -> None:
         self.context.reading(PREPARED, None, text=f"{ready} of {of}")
-
-    def _choice(self, args: Mapping[str, Any]) -> VoiceChoice:
-        return self.settings.choice().changed(args)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Speak, play or set the volume; returns when the sound has ended."""
@@ -266,7 +273,11 @@ class Speech(Driver):
         """Speak; of what has to be made first, sentence by sentence, each while the one before it
         is heard.
         """
-        choice, volume, clock = self._choice(job.args), self._volume_of(job), self.context.clock
+        choice, volume, clock = (
+            self._voice.choice(job.args),
+            self._volume_of(job),
+            self.context.clock,
+        )
         asked_us, heard_us = clock.now_us(), 0
         spoken: list[PreparedUtterance] = []
         words: list[Json] = []
@@ -318,7 +329,7 @@ class Speech(Driver):
 
     async def _play(self, job: Job, path: Path, content: Wav, volume: float) -> None:
         words = self.settings.play_words()
-        values = self.settings.values(self._choice(job.args), volume)
+        values = self.settings.values(self._voice.choice(job.args), volume)
         own_volume = any("{volume}" in word for word in words)
         async with _at_volume(path, content, 1.0 if own_volume else volume) as played:
             job.expects(content.seconds)
@@ -329,7 +340,7 @@ class Speech(Driver):
 
     async def _speak(self, job: Job, text: str) -> Mapping[str, Json]:
         words = self.settings.speak_words()
-        choice, volume = self._choice(job.args), self._volume_of(job)
+        choice, volume = self._voice.choice(job.args), self._volume_of(job)
         values = {**self.settings.values(choice, volume), "text": text}
         used = command_lines.placeholders(words, values, "speak")
         estimate = max(1, len(text.split())) * 60 / choice.speed

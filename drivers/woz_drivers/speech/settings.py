@@ -151,6 +151,19 @@ class SpeechSettings(SynthesisSettings):
         """The command that speaks by itself, or () if there is none. Raises `DriverError`."""
         return _checked(self.speak, SPEAK_WORDS, "speak") if self.speak else ()
 
+    def ignored(self) -> tuple[str, ...]:
+        """Those of `VOICE_ARGUMENTS` that its command does not take; a program that stays loaded
+        gets all.
+        """
+        try:
+            words = () if self.resident_voice else self.speak_words() or self.synthesise_words()
+        except DriverError:  # `problems` says so
+            return ()
+        taken = {name for name in SPEAK_WORDS if any(f"{{{name}}}" in word for word in words)}
+        if "voice" in taken:
+            taken.add("language")  # it stands for a voice that is not named
+        return tuple(one.name for one in VOICE_ARGUMENTS if words and one.name not in taken)
+
     def values(self, choice: VoiceChoice, volume: float) -> dict[str, str]:
         """What stands for the placeholders, but for {text} and {wav}; {volume} in percent."""
         return {

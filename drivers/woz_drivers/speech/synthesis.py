@@ -10,7 +10,7 @@ import hashlib
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -215,6 +215,10 @@ class SpeechSynthesis:
         if self._resident is not None:
             return self._resident.program
         return self._settings.synthesise_words()[0]
+
+    def choice(self, args: Mapping[str, Any]) -> VoiceChoice:
+        """The voice of an utterance with these arguments of `say`."""
+        return self._settings.choice().changed(args)
 
     def start(self) -> None:
         """Load the program that stays loaded, if there is one."""

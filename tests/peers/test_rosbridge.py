@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import json
 import signal
 import time
@@ -136,8 +137,9 @@ async def test_a_stop_ends_everything_and_says_what_it_could_not_end(robot: Real
         assert robot.of("velocity")[-1]["x"] == 0.0
         assert robot.of("say")[-1]["text"] == ""
         await asyncio.sleep(0.3)  # nothing comes behind the stop
-        moving = [line for line in robot.of("velocity")[before + 1 :] if line["x"] != 0.0]
-        assert moving == []
+        speeds = [line["x"] for line in robot.of("velocity")[before:]]
+        behind = [*itertools.dropwhile(lambda speed: speed != 0.0, speeds)]
+        assert set(behind) == {0.0}
 
 
 async def test_a_goal_that_was_just_sent_is_ended_by_a_stop(robot: RealRobot) -> None:
@@ -204,7 +206,7 @@ async def test_a_server_that_ends_is_lost_and_found_again(robot: RealRobot) -> N
         await it.healthy(Health.LOST)
         await robot.start_rosbridge()
         await it.healthy(Health.CONNECTED)
-        await until(lambda: robot.of("velocity")[-1]["x"] == 0.0)
+        await until(lambda: robot.of("velocity")[-1]["x"] == 0.0, 30)
         await it.begin("count", steps=2)
         assert robot.of("reached")
 
@@ -220,7 +222,7 @@ async def test_a_server_that_froze_in_a_drive_ends_it_when_it_wakes(robot: RealR
         late = len(robot.of("velocity"))
         robot.send_signal("rosbridge", signal.SIGCONT)
         await it.healthy(Health.CONNECTED)
-        await until(lambda: robot.of("velocity")[-1]["x"] == 0.0)
+        await until(lambda: robot.of("velocity")[-1]["x"] == 0.0, 30)
         moving = [line for line in robot.of("velocity")[late:] if line["x"] != 0.0]
         assert len(moving) <= 2, "at most what was sent before it was known to be silent"
 

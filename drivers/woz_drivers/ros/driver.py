@@ -49,8 +49,10 @@ _BEGINS_S = 5.0
 #: A sensor that is silent for so long, or for so many of its readings, is stale.
 _STALE_S, _STALE_READINGS = 2.0, 5
 _LOOK_S = 0.5
-#: So many times zero is published on a new connection.
+#: So many times zero is published on a new connection, at least.
 _FOUND_EACH_OTHER = 20
+#: At most so many: perhaps somebody else drives it.
+_MOST_ZEROS = 100
 #: Findings that the wizard is told of, before it becomes too much.
 _MOST_NOTICES = 4
 
@@ -273,13 +275,16 @@ class Ros(Driver):
 
     async def _end_again(self, leftovers: frozenset[str]) -> None:
         """With ROS 2 what is published before a publisher and its subscribers have found each other
-        is lost: say it for a while, unless somebody plays meanwhile.
+        is lost: say it for a while, and as long as the base moves, unless somebody plays meanwhile.
         """
-        for _ in range(_FOUND_EACH_OTHER):
+        base = self._base
+        for count in range(_MOST_ZEROS):
             await asyncio.sleep(PERIOD_S)
-            if self._base is not None and not self._base.moving:
-                await self._base.zero()
-            for name in leftovers:
+            if count >= _FOUND_EACH_OTHER and (base is None or not base.rolls_on):
+                return
+            if base is not None and not base.moving:
+                await base.zero()
+            for name in leftovers if count < _FOUND_EACH_OTHER else ():
                 act, stop = self._acts[name], self.settings.verbs[name].stop
                 if stop is not None and stop.publish and not act.going_on:
                     await act.end()

@@ -40,6 +40,11 @@ class VelocityDrive:
         if declared.odometry:
             robot.subscribe(declared.odometry, "nav_msgs/Odometry", self._measured, PERIOD_S / 2)
 
+    @property
+    def rolls_on(self) -> bool:
+        """Whether its odometry says that it moves, though no command drives."""
+        return self._still is False and not self.moving
+
     async def drive(self, job: Job) -> Mapping[str, Json]:
         """Drive by time: as long as the distance takes at the speed of the file."""
         declared = self._declared

@@ -194,6 +194,27 @@ async def test_the_first_message_on_a_connection_is_a_velocity_of_zero() -> None
         assert it.robot.velocities[0][1:] == (0.0, 0.0)
 
 
+async def test_a_base_that_rolls_on_is_told_zero_until_it_stands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With ROS 2 nobody hears the first messages of a new publisher."""
+    monkeypatch.setattr("woz_drivers.ros.driver._FOUND_EACH_OTHER", 1)
+    of = settings()
+    async with simulator(of) as robot:
+        heard, robot.interface = robot.interface, {**robot.interface, "drive": ""}
+        robot._commanded = (math.inf, 0.3, 0.0)
+        driver = Ros("robot", replace(of, address=robot.address), RecordingContext(Path()))
+        await driver.open()
+        await until(lambda: _published(robot, "/cmd_vel") > 3)
+        robot.interface = heard
+        await until(lambda: robot.speed == (0.0, 0.0))
+        await driver.close()
+
+
+def _published(robot: RosbridgeSimulator, topic: str) -> int:
+    return len([1 for name, it in robot.calls if name == "publish" and it["topic"] == topic])
+
+
 async def test_a_stop_of_driving_leaves_the_rest() -> None:
     async with played() as it:
         say = it.begin("say", text="x" * 500)

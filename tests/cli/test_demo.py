@@ -50,5 +50,18 @@ def test_the_same_file_runs_on_every_robot(name: str, robot: str) -> None:
         assert sorted({*done, *left_out}) == sorted({call.verb for call in before.calls})
 
 
+def test_a_camera_is_for_the_demo_of_the_engagement_model(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    parser = argparse.ArgumentParser()
+    demo.add(parser)
+    assert demo.run(parser.parse_args(["--robot", "pepper", "--camera"])) == 2
+    assert "--robot guide" in capsys.readouterr().err
+    file = bundled_file(demo.DEMOS[demo.WITH_CAMERA][0])
+    assert file is not None
+    experiment = load(file, installed(), robot=demo.CAMERA)
+    assert [driver.type for driver in experiment.drivers] == ["simulated", "faces"]
+
+
 def test_an_example_that_is_not_installed_is_none() -> None:
     assert bundled_file("nowhere.yaml") is None

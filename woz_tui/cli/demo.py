@@ -21,6 +21,9 @@ DEMOS: dict[str, tuple[str, str, str]] = {
 }
 
 
+DEFAULT = "simulated"
+#: With which robot `--camera` plays the demo of the engagement model.
+CAMERA, WITH_CAMERA = "simulated-camera", "guide"
 #: What else a robot is called by.
 NAMES = {"ros": "turtlebot"}
 
@@ -29,7 +32,7 @@ def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
         "--robot",
-        default="simulated",
+        default=DEFAULT,
         metavar="NAME",
         help="simulated: a museum guide and a visitor; eyepi: a body with a face to be played by"
         " hand; show: two such bodies; guide: with engagement model, runs without a wizard;"
@@ -37,6 +40,12 @@ def add(parser: ArgumentParser) -> None:
         " study: a complete study, with a wizard who is blind to the conditions;"
         " all: five robots and one wizard;"
         f" the museum guide on another robot: {', '.join(other_robots())}",
+    )
+    parser.add_argument(
+        "--camera",
+        action="store_true",
+        help="with --robot guide: the visitor is you, before the camera /dev/video0"
+        " (needs the extra `faces`: docs/how-to/faces.md)",
     )
     add_session(parser)
     add_keymap(parser)
@@ -53,17 +62,23 @@ def run(arguments: Namespace) -> int:
     """Play a demo experiment that comes with woz-tui."""
     wanted: str = NAMES.get(arguments.robot, arguments.robot)
     other = other_robots()
+    if arguments.camera and wanted not in (WITH_CAMERA, DEFAULT):
+        print(f"woz: --camera is for --robot {WITH_CAMERA}", file=sys.stderr)
+        return 2
     if wanted not in DEMOS and wanted not in other:
         from woz_tui.config.problems import hint  # noqa: PLC0415 - only for this sentence
 
         near = hint(wanted, [*DEMOS, *other]) or f"; there are {', '.join([*DEMOS, *other])}"
         print(f"woz: there is no demo of the robot {wanted!r}{near}", file=sys.stderr)
         return 2
-    name, condition, participant = DEMOS.get(wanted, DEMOS["simulated"])
+    if arguments.camera:
+        wanted = WITH_CAMERA
+    name, condition, participant = DEMOS.get(wanted, DEMOS[DEFAULT])
     experiment = bundled_file(name)
     if experiment is None:
         print(f"woz: this installation lacks experiments/{name}", file=sys.stderr)
         return 1
     arguments.condition = arguments.condition or condition
     arguments.participant = arguments.participant or participant
-    return run_command.play(arguments, experiment, "" if wanted in DEMOS else wanted)
+    robot = CAMERA if arguments.camera else "" if wanted in DEMOS else wanted
+    return run_command.play(arguments, experiment, robot)

@@ -299,7 +299,13 @@ class Ros(Driver):
 
     async def _compare(self) -> None:
         """Tell the wizard what does not fit this robot before a verb is used."""
-        found = await survey(self._robot, self.settings)
+        try:
+            found = await survey(self._robot, self.settings)
+        except DeviceLostError:
+            return
+        except DriverError as error:
+            self.context.notice("warning", f"not compared with the robot: {error.what}")
+            return
         self._broken = found.broken
         findings = [finding for _, finding in found.wrong]
         findings.sort(key=lambda finding: finding.level)

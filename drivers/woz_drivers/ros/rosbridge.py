@@ -27,8 +27,10 @@ from woz_drivers.web_socket_line import WebPlace, WebSocketLine
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 from woz_tui.protocol.messages import Json
 
-#: A service of rosapi that only answers; any answer says that the server has read so far.
-_TIME = "/rosapi/get_time"
+#: No such service: the server says so at once, and with that how far it has read. One that there is
+#: could hang, and until it answers nothing else of the connection is read. Servers that allow some
+#: services only always allow those of rosapi.
+_NO_SERVICE = "/rosapi/read_so_far"
 #: The server must be found to be rosbridge within so many seconds.
 _KNOWN_WITHIN_S = 5.0
 #: With ROS 2 what is published is lost until publisher and subscriber have found each other: so
@@ -294,14 +296,14 @@ class Rosbridge:
     async def read_so_far(self, within: float = 1.0) -> None:
         """Return when the server has carried out everything that was sent over the line.
 
-        It carries out one operation after the other, so it is asked something then; that rosapi is
-        not there is an answer, too. Raises TimeoutError, `DeviceLostError`.
+        It carries out one operation after the other, so it is asked for a service that is not
+        there. Raises TimeoutError, `DeviceLostError`.
         """
         ident = uuid.uuid4().hex
         answer = self._waiting[ident] = asyncio.get_running_loop().create_future()
         try:
             async with asyncio.timeout(within):
-                await self.line.send({"op": "call_service", "id": ident, "service": _TIME})
+                await self.line.send({"op": "call_service", "id": ident, "service": _NO_SERVICE})
                 await answer
         finally:
             self._waiting.pop(ident, None)

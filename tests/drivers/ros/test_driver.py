@@ -366,6 +366,15 @@ async def test_a_stop_while_it_is_gone_names_what_may_go_on() -> None:
             await it.play("gaze", yaw=1.0)
 
 
+async def test_a_rosapi_that_hangs_keeps_no_stop_waiting() -> None:
+    """With ROS 2 a connection waits for each service that is called on it."""
+    async with played() as it:
+        for service in ("get_time", "topics", "topics_and_raw_types", "services"):
+            it.robot.busy[f"/rosapi/{service}"] = asyncio.Event()
+        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+        await it.play("drive", x=0.05)
+
+
 async def test_a_frozen_robot_gets_no_more_velocities_and_a_zero_behind_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -432,7 +441,9 @@ async def test_something_else_that_listens_there_is_not_taken_for_the_robot(
     monkeypatch.setattr("woz_drivers.ros.rosbridge._KNOWN_WITHIN_S", 0.1)
     of = settings()
     async with simulator(of) as robot:
-        robot.busy["/rosapi/get_time"] = asyncio.Event()  # it takes what is sent, and says nothing
+        robot.busy["/rosapi/read_so_far"] = (
+            asyncio.Event()
+        )  # it takes what is sent, and says nothing
         context = RecordingContext(Path())
         driver = Ros("robot", replace(of, address=robot.address), context)
         await driver.open()

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.example_sessions import SECOND, STEM, ExampleSession
+from woz_tui.analysis.report_tables import people
 from woz_tui.analysis.session_reading import NoSessionError, ReportExtras, read_report
 from woz_tui.analysis.session_sources import sessions_in
 from woz_tui.log.log_files import NO_END
@@ -112,6 +113,17 @@ def test_curves_come_from_samples(tmp_path: Path) -> None:
     timeline = read_report(path, extras=ReportExtras(curves=True), places=[]).timeline
     assert timeline is not None
     assert [(curve.sensor, curve.values[-1]) for curve in timeline.curves] == [("loudness", 0.5)]
+
+
+def test_numbers_of_people_come_from_samples(tmp_path: Path) -> None:
+    path = short().written(tmp_path)
+    samples = [
+        m.Reading(seq=99 + n, t=n * 1_000_000, sensor="people", value=float(n)) for n in range(3)
+    ]
+    (tmp_path / f"{STEM}.samples.jsonl").write_bytes(b"".join(map(codec.encode, samples)))
+    figures = read_report(path, extras=ReportExtras(people=True), places=[]).figures
+    assert [row[1:3] for row in people(figures).rows] == [("nobody", "0:01"), ("1", "0:01")]
+    assert read_report(path, places=[]).figures.people == ()
 
 
 @pytest.mark.parametrize("version", ["v1", "v2"])

@@ -280,6 +280,15 @@ class LogIntegrity:
     verified: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class PeopleRow:
+    """For how long the sensor `sensor` saw so many people, in microseconds."""
+
+    sensor: str
+    people: int
+    us: int
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SessionFigures:
     """All figures of one session.
@@ -290,6 +299,7 @@ class SessionFigures:
     instead of the file's own. `participants` are those who
     took part (see `people`); `participant` names them, or all codes if nobody did. `unanswered` are
     titles of questionnaires that were due and neither answered nor declined, and after which trial.
+    `people` is empty unless samples were read.
     """
 
     path: str
@@ -341,6 +351,7 @@ class SessionFigures:
     lines: int = 0
     redacted: bool = False
     unanswered: tuple[str, ...] = ()
+    people: tuple[PeopleRow, ...] = ()
 
     @property
     def differences(self) -> list[SettingRow]:

@@ -235,6 +235,23 @@ def states(figures: SessionFigures) -> ReportTable:
     return ReportTable("Engagement", heads, rows, total=True)
 
 
+def people(figures: SessionFigures) -> ReportTable:
+    """For how long how many people were there."""
+    whole: dict[str, int] = {}
+    for row in figures.people:
+        whole[row.sensor] = whole.get(row.sensor, 0) + row.us
+    rows = [
+        (
+            LogText(row.sensor),
+            str(row.people or "nobody"),
+            clock(row.us),
+            percent(row.us / whole[row.sensor] if whole[row.sensor] else None),
+        )
+        for row in figures.people
+    ]
+    return ReportTable("People", ("Sensor", "People", "Time", "Share"), rows)
+
+
 def trials(figures: SessionFigures) -> ReportTable:
     """Trials, in their order."""
     rows = [

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from woz_tui.analysis.figure_counting import DEFAULTS, FigureOptions, figures_of
 from woz_tui.analysis.figures import LogIntegrity, SessionFigures
+from woz_tui.analysis.people_times import PeopleTimes
 from woz_tui.analysis.timeline_lanes import SensorCurves, TimelineDrawing, drawing_of
 from woz_tui.log.file_names import FileName
 from woz_tui.log.log_reader import Damage, LogFiles, LogLine, files_of, messages
@@ -115,11 +116,13 @@ class ReportExtras:
     Attributes:
         timeline: Its lanes.
         curves: Also curves of sensors, for which all samples are read.
+        people: For how long how many people were there; all samples are read for that, too.
         verified: Checksums and the numbers of all lines, samples too.
     """
 
     timeline: bool = False
     curves: bool = False
+    people: bool = False
     verified: bool = False
 
 
@@ -164,8 +167,10 @@ def _read_report(
 ) -> SessionReport:
     damage = Damage()
     timeline, curves, roll = Timeline(), SensorCurves(), LineCount()
+    people = PeopleTimes()
+    samples = extras.curves or extras.people
     lines, some = 0, False
-    for message in messages(path, damage, places=places, samples=extras.curves):
+    for message in messages(path, damage, places=places, samples=samples):
         roll.add(message)
         if isinstance(message, LogLine):
             lines += not message.sample
@@ -173,6 +178,7 @@ def _read_report(
         some = True
         lines += not is_sample(message)
         if is_sample(message):
+            people.add(message)
             curves.add(message)  # a session lasts from its first to its last line of actions
         else:
             timeline.apply(message)
@@ -184,5 +190,10 @@ def _read_report(
     integrity = integrity_of(figures, damage, found, roll)
     if extras.verified:
         integrity = with_verification(integrity, path, places)
-    drawing = drawing_of(timeline, curves) if extras.timeline or extras.curves else None
-    return SessionReport(replace(figures, wholeness=integrity, lines=lines), drawing)
+    drawing = None
+    if extras.timeline or extras.curves:
+        drawing = drawing_of(timeline, curves if extras.curves else None)
+    found_people = tuple(people.rows())
+    return SessionReport(
+        replace(figures, wholeness=integrity, lines=lines, people=found_people), drawing
+    )

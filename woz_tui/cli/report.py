@@ -180,7 +180,9 @@ def _extras(arguments: argparse.Namespace, sessions: int) -> ReportExtras:
 
     page = arguments.html is not None
     alone = sessions == 1 and not arguments.json
-    return ReportExtras(timeline=page or alone, curves=page, verified=arguments.verify)
+    return ReportExtras(
+        timeline=page or alone, curves=page, people=page or alone, verified=arguments.verify
+    )
 
 
 def _print_json(sessions: list[object], grouped: GroupedSessions, problems: list[str]) -> None:

@@ -202,6 +202,16 @@ def test_what_a_sensor_tells(sensor: str, kind: str) -> None:
     assert perceived_kind(sensor) == kind
 
 
+def test_the_words_of_a_blurred_text_are_left_out() -> None:
+    word = m.SpokenWord(text="roman", began=1, ended=2)
+    text = m.SpeechText(driver="ears", segment=1, text="roman glass", words=[word], t=NOW)
+    blurred = PerceptionView(blur=["transcript"])
+    told = Redactor(StudySettings(perception=blurred)).message(text)
+    assert isinstance(told, m.SpeechText)
+    assert (told.text, told.words) == ("●", [])
+    assert Redactor().message(text) is text
+
+
 @pytest.mark.parametrize(
     ("text", "shown"),
     [("", ""), ("yes", "●"), ("a b c", "●"), ("a b c d", "● ●"), ("w " * 11, "● ● ●")],

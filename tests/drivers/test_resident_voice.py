@@ -52,6 +52,9 @@ async def test_it_is_loaded_once_and_speaks_with_the_voice_of_each_action(
     assert (second["source"], second["seconds"]) == ("synthesised", 0.1)
     assert (again["source"], again["words"]) == ("cache", first["words"])
     assert len(told(journal, "start")) == 1
+    assert desk.heard.states("synthesiser") == ["loading", "ready"]
+    delays = [one.value for one in desk.heard.all(Reading) if one.sensor == "synthesiser"]
+    assert delays == [pytest.approx(sent["delay"], abs=0.01) for sent in (first, second)]
     asked = [
         [line[name] for name in ("text", "voice", "language", "speed", "pitch")]
         for line in told(journal, "request")

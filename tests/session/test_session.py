@@ -9,14 +9,16 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Puppet, Stage
+from tests.session.rig import Puppet, Stage, action, call, experiment, together
 from woz_tui.config import utterance_template
 from woz_tui.config.experiment import FilePosition, Problem
 from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.action_texts import utterances
 from woz_tui.session.participant_identity import RequestError, SessionIdentity, check_participant
 from woz_tui.session.preflight import preflight
+from woz_tui.session.variables import VariableValues
 
 KEY = RequestOrigin("key", "h", "con1")
 #: What `re` compares with sixteen letters for hours.
@@ -399,6 +401,23 @@ def test_a_voice_is_told_beforehand_what_it_will_say(tmp_path: Path) -> None:
     run_virtual(go())
     assert prepared[0] == ["Welcome", "Look at the map", "Ouch", "x"]
     assert prepared[1] == ["Hello P08", *prepared[0]]
+
+
+def test_it_is_told_with_which_voice_and_only_once_of_each(tmp_path: Path) -> None:
+    made = experiment(tmp_path)
+    one, other = (
+        action(name, together(call("say", text="Hello {participant}", voice=voice)))
+        for name, voice in (("One", "anna"), ("Other", "ben"))
+    )
+    again = action("Again", together(call("say", text="Hello {participant}", voice="ben")))
+    panel = replace(made.panels[0], actions=(one, other, again))
+    said = utterances(
+        replace(made, panels=(panel,), repairs=()), VariableValues({"participant": "P08"})
+    )
+    assert [*said.values()] == [
+        [{"text": "Hello P08", "voice": "anna"}, {"text": "Hello P08", "voice": "ben"}]
+    ]
+    assert utterances(replace(made, panels=(panel,), repairs=()), VariableValues({})) == {}
 
 
 def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> None:

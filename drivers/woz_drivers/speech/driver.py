@@ -48,7 +48,9 @@ _LOOK_S = 2.0
 _LONGEST_SPEECH_S = 120.0
 #: How many utterances are ready, while they are made.
 PREPARED = "prepared"
-#: That is published this often at most, in microseconds.
+#: How the program that stays loaded is, and how long its last sound took, in seconds.
+SYNTHESISER = "synthesiser"
+#: Progress is published this often at most, in microseconds.
 _PROGRESS_US = 500_000
 
 _SAY = Verb(
@@ -120,8 +122,10 @@ class Speech(Driver):
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """How many utterances are ready."""
-        return () if settings.speak else (PREPARED,)
+        """How many utterances are ready, and how the program is that makes them."""
+        if settings.speak:
+            return ()
+        return (PREPARED, SYNTHESISER) if settings.resident_voice else (PREPARED,)
 
     @classmethod
     async def voices(cls, probe: Probe) -> list[VoiceFound]:
@@ -260,6 +264,7 @@ class Speech(Driver):
 
     def _resident_moved(self, state: str, why: str, remedy: str) -> None:
         """The program that stays loaded is `loading`, `ready` or `lost`."""
+        self.context.sensor(SYNTHESISER, "stale" if state == "lost" else state, why)
         if state == "loading":
             return
         self._resident_trouble = DriverError(why, remedy) if state == "lost" else None
@@ -288,7 +293,9 @@ class Speech(Driver):
                 utterance = await making.pop()
                 if following:
                     making.append(asyncio.create_task(self._voice.utterance(following, choice)))
-                heard_us = heard_us or clock.now_us()
+                if not heard_us:
+                    heard_us = clock.now_us()
+                    self._publish_delay(utterance, (heard_us - asked_us) / 1_000_000)
                 begin = (clock.now_us() - heard_us) / 1_000_000
                 words += [
                     [one.word, round(begin + one.begin, 3), round(begin + one.end, 3)]
@@ -300,13 +307,17 @@ class Speech(Driver):
             for task in making:
                 task.cancel()
             await asyncio.gather(*making, return_exceptions=True)
-        new = [utterance for utterance in spoken if utterance.source != "cache"]
+        new = [utterance for utterance in spoken if utterance.source == "synthesised"]
         return {
             **self._sent((new or spoken)[0], volume),
             "seconds": round(sum(one.sound.seconds for one in spoken), 3),
             **{"text": text, "delay": round((heard_us - asked_us) / 1_000_000, 3)},
             **({"words": words} if words else {}),
         }
+
+    def _publish_delay(self, utterance: PreparedUtterance, seconds: float) -> None:
+        if self.settings.resident_voice and utterance.source == "synthesised":
+            self.context.reading(SYNTHESISER, round(seconds, 2), unit="s")
 
     def _volume_of(self, job: Job) -> float:
         wanted = job.args.get("volume")

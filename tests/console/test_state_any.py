@@ -76,6 +76,9 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
         names, st.builds(m.SignShown, filter=texts), max_size=2
     ),
     list[PanelView]: st.just([]),
+    list[m.SpokenWord]: st.lists(
+        st.builds(m.SpokenWord, text=texts, began=times, ended=times), max_size=3
+    ),
     tuple[str, ...]: st.lists(st.sampled_from(["condition", "loudness"]), max_size=2).map(tuple),
     WelcomeSettings: of(WelcomeSettings),
 }

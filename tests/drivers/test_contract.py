@@ -12,6 +12,7 @@ import pytest
 from woz_drivers import simulated
 from woz_drivers.camera.settings import CameraSettings
 from woz_drivers.dynamixel import DynamixelServos
+from woz_drivers.faces.settings import FacesSettings
 from woz_drivers.furhat import FurhatSettings
 from woz_drivers.led_face import LedFace
 from woz_drivers.led_face.settings import LedFaceSettings
@@ -37,6 +38,7 @@ SILENT = SynthesisSettings(synthesise=("no-such-program",))
 SETTINGS: list[tuple[str, Any]] = [
     ("camera", CameraSettings(command=("no-such-program",))),
     ("dynamixel", head(Path(NOWHERE), pan="pan", poses={"up": {"tilt": 10.0}})),
+    ("faces", FacesSettings(command=("no-such-program",))),
     ("furhat", FurhatSettings(address="127.0.0.1:1")),
     ("led-face", LedFaceSettings(NOWHERE)),
     ("microphone", MicrophoneSettings(command=("no-such-program",))),

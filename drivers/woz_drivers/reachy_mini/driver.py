@@ -36,6 +36,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
 
@@ -64,26 +65,9 @@ _ANGLE, _METRES, _STEP = Range(-180, 180, "deg"), Range(-100, 100, "m"), Range(-
 _SECONDS = Argument("seconds", "seconds", "0: as fast as it may", False, 0.0, Range(0, 60, "s"))
 
 _SOUND = (
-    Verb(
-        "say",
-        "speak a sentence with a voice made on this machine",
-        (Argument("text", "text", "what to say", required=True), *VOICE_ARGUMENTS),
-        lane=_VOICE,
-        limit_s=180.0,
-    ),
-    Verb(
-        "sound",
-        "play a WAV file on the robot",
-        (Argument("file", "file", "relative to the experiment's folder", required=True),),
-        lane=_VOICE,
-        limit_s=600.0,
-    ),
-    Verb(
-        "volume",
-        "set how loud the robot is",
-        (Argument("level", "number", "0 mute, 1 full", required=True, range=Range(0, 1)),),
-        lane=_CONTROL,
-    ),
+    common_verb("say", "speak a sentence with a voice made on this machine", *VOICE_ARGUMENTS),
+    common_verb("sound", "play a WAV file on the robot", lane=_VOICE),
+    common_verb("volume"),
     Verb(
         "wobble",
         "let the head move along with speech and sounds, or not",
@@ -92,14 +76,10 @@ _SOUND = (
     ),
 )
 _POWER = (
-    Verb(
+    common_verb(
         "torque",
-        "switch the motors on or off",
-        (
-            Argument("on", "flag", required=True),
-            Argument("by_hand", "flag", "on, but the head can be moved by hand", default=False),
-        ),
-        lane=_CONTROL,
+        "",
+        Argument("by_hand", "flag", "on, but the head can be moved by hand", default=False),
     ),
     Verb("wake_up", "switch the motors on and wake up, with a sound", lane=_BODY),
     Verb("go_to_sleep", "lie down, with a sound; the motors go off", lane=_BODY, limit_s=40.0),
@@ -111,77 +91,31 @@ _RECORDED = Verb(
     lane=_BODY,
     limit_s=120.0,
 )
-_EMOTION = Verb(
-    "emotion",
-    "show an emotion by posture and antennas",
-    (
-        Argument("emotion", "choice", required=True, choices=tuple(EMOTIONS)),
-        Argument("intensity", "number", "0 neutral, 1 full", default=1.0, range=Range(0, 1)),
-    ),
-    lane=_BODY,
+_EMOTION = common_verb(
+    "emotion", "show an emotion by posture and antennas", choices=tuple(EMOTIONS), lane=_BODY
 )
 
 
 def _moving(settings: ReachyMiniSettings) -> tuple[Verb, ...]:
     """What a body does in its place, where it follows one."""
     return (
-        Verb(
-            "play",
-            "play a move",
-            (
-                Argument("move", "choice", required=True, choices=settings.playable),
-                Argument("speed", "number", "2 is twice as fast", False, 1.0, Range(0.1, 4)),
-                Argument("amplitude", "number", "size", False, 1.0, Range(0, 2)),
-            ),
-            lane=_BODY,
-            limit_s=120.0,
-        ),
-        Verb(
-            "pose",
-            "take a pose",
-            (
-                Argument("joints", "joints", "degrees by joint; mm for the ways", required=True),
-                _SECONDS,
-            ),
-            lane=_BODY,
-            limit_s=70.0,
-        ),
-        Verb(
-            "poses",
-            "pass through poses, one after the other",
-            (Argument("poses", "poses", "poses, each with `seconds`", required=True),),
-            lane=_BODY,
-            limit_s=300.0,
-        ),
-        Verb("home", "look ahead, upright", (_SECONDS,), lane=_BODY, limit_s=70.0),
-        Verb(
+        common_verb("play", choices=settings.playable),
+        common_verb("pose", "take a pose: degrees, and mm for the ways", _SECONDS),
+        common_verb("poses"),
+        common_verb("home", "look ahead, upright", _SECONDS),
+        common_verb(
             "gaze",
             "look in a direction, or at a point in space",
-            (
-                Argument("yaw", "number", "left is positive", range=_ANGLE),
-                Argument("pitch", "number", "down is positive", range=Range(-90, 90, "deg")),
-                Argument("x", "number", "metres forward of the head", range=_METRES),
-                Argument("y", "number", "to its left", range=_METRES),
-                Argument("z", "number", "above the head", range=_METRES),
-            ),
-            lane=_HEAD,
-            stream=True,
+            Argument("pitch", "number", "down is positive", range=Range(-90, 90, "deg")),
+            Argument("x", "number", "metres forward of the head", range=_METRES),
+            Argument("y", "number", "to its left", range=_METRES),
+            Argument("z", "number", "above the head", range=_METRES),
         ),
-        Verb(
-            "nudge",
-            "turn the head a step from where it looks",
-            (
-                Argument("yaw", "number", "left is positive", default=0.0, range=_STEP),
-                Argument("pitch", "number", "down is positive", default=0.0, range=_STEP),
-            ),
-            lane=_HEAD,
-            limit_s=5.0,
-            brief=True,
-        ),
-        Verb(
+        common_verb("nudge"),
+        common_verb(
             "mode",
             "tracking: the head follows faces; demo: it shows its moves; normal: neither",
-            (Argument("mode", "choice", required=True, choices=MODES),),
+            choices=MODES,
             lane="mode",
         ),
     )

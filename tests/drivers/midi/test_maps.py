@@ -148,7 +148,7 @@ def test_what_nobody_could_carry_out_is_found_too(tmp_path: Path) -> None:
     assert problems(tmp_path, "    type: midi\n    map: m.yaml\n") == [
         "m.yaml:3:3: controls.knob-1: 'pich' is no control; did you mean 'pitch'?",
         "m.yaml:4:3: controls.knob-2: 'body' does not offer 'volume'; did you mean 'home'?",
-        "m.yaml:5:3: controls.knob-3: yaw must be -180 to 180 deg, not -400",
+        "m.yaml:5:3: controls.knob-3: yaw must be -180 to 180 degrees, not -400",
         "m.yaml:6:3: controls.button-1: 'hapy' is no emotion; did you mean 'happy'?",
         "m.yaml:7:3: controls.button-2: there is no action 'Helo'; did you mean 'Hello'?",
         "m.yaml:8:3: controls.button-3: play has no argument 'mov'; did you mean 'move'?",

@@ -4,8 +4,8 @@
 
 Needs the peer `faces` (`make peers`, or `.ci/peers --install faces`), whose Python runs the
 networks: bare calls of the interpreter, and our program with whole pictures around them, in turns
-in one process. Pictures are 640 x 480, as a camera has them. A Raspberry Pi 4 is taken to need four
-times as long as one core of a server, which was not measured.
+in one process. Pictures are 640 x 480, yuv420 as cameras have it. A Raspberry Pi 4 is taken to need
+four times as long as one core of a server, which was not measured.
 """
 
 from __future__ import annotations
@@ -19,10 +19,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from woz_drivers.faces.face_lines import SeenFace
 from woz_drivers.faces.face_tracks import FaceTracker, distance_of, gaze_of
 
 from benchmarks.figures import Spread, machine, table, verdict
+from tests.drivers.camera.pictures import planes
 from tests.peers.face_pictures import (
     CHANGES,
     NOBODY,
@@ -51,9 +53,10 @@ from woz_drivers.faces.face_networks import FaceNetworks, PictureSampler, interp
 from woz_drivers.faces.face_finder import answer
 from pathlib import Path
 
+import numpy as np
 folder, count, *films = sys.argv[1:]
 nets = [interpreted(str(path)) for path in models.checked(Path(folder))]
-whole = FaceNetworks(PictureSampler(PictureLayout(640, 480, "rgb24", 1920)), *nets)
+whole = FaceNetworks(PictureSampler(PictureLayout(640, 480, "yuv420", 640)), *nets)
 films = {Path(name).stem: Path(name).read_bytes() for name in films}
 sides = {"detection": 192, "mesh": 192, "iris": 64}
 inputs = [np.zeros((1, side, side, 3), np.float32) for side in sides.values()]
@@ -90,7 +93,7 @@ def measured_times(pictures: int, folder: Path) -> dict[str, list[float]]:
     files = []
     for name, picture in (("one", one), ("six", six)):
         path = folder / f"{name}.rgb"
-        path.write_bytes(picture.tobytes())
+        path.write_bytes(planes(np.asarray(picture), picture.width))
         files.append(str(path))
     words = [
         str(PEER / "bin" / "python"),

@@ -56,15 +56,20 @@ class PictureSource(Section):
         return ("rpicam-vid", "-n", "-v", "0", "-t", "0", "--codec", "yuv420", *size, *rate, "-o-")
 
     @property
+    def pixels(self) -> str:
+        """The format of a pixel."""
+        return self.format
+
+    @property
     def layout(self) -> PictureLayout:
         """The shape of the pictures."""
-        return PictureLayout(self.width, self.height, self.format, self.stride or self._row_bytes)
+        return PictureLayout(self.width, self.height, self.pixels, self.stride or self._row_bytes)
 
     @property
     def shape(self) -> str:
         """The pictures in words."""
-        return f"{self.width} x {self.height} {self.format}"
+        return f"{self.width} x {self.height} {self.pixels}"
 
     @property
     def _row_bytes(self) -> int:
-        return self.width if self.format == "yuv420" else 3 * self.width
+        return self.width if self.pixels == "yuv420" else 3 * self.width

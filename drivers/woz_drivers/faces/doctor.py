@@ -26,13 +26,21 @@ async def examine(probe: Probe) -> list[Finding]:
     async def describe(first: bytes) -> Finding:
         return await _look(probe, first)
 
-    return [await examine_pictures(probe, describe)]
+    settings: FacesSettings = probe.settings
+    if not settings.camera:
+        return [await examine_pictures(probe, describe)]
+    try:
+        found = await _answer(settings, probe, bytes(settings.layout.size))
+    except DriverError as error:
+        return [Finding("error", probe.name, error.what, error.remedy)]
+    text = f"a black picture took {found.ms:.0f} ms; those of {settings.camera} come in a session"
+    return [Finding("ok", probe.name, text)]
 
 
 async def _look(probe: Probe, picture: bytes) -> Finding:
     settings: FacesSettings = probe.settings
     found = await _answer(settings, probe, picture)
-    text = f"{settings.words[0]}: {settings.shape}; {_described(settings, found)}"
+    text = f"{settings.source}: {settings.shape}; {_described(settings, found)}"
     limit = 1000 / min(settings.publish, settings.rate)
     if found.ms > limit:
         return Finding(

@@ -20,6 +20,7 @@ from woz_drivers.faces.face_tracks import (
     gaze_of,
     judge_gaze,
 )
+from woz_drivers.faces.feed_camera import FeedCamera
 from woz_drivers.faces.settings import FacesSettings
 from woz_tui.drivers.contract import (
     Argument,
@@ -80,7 +81,7 @@ class Faces(PassiveDriver):
         #: When the next readings are due.
         self._due_us = 0
         self._sample: FaceSample | None = None
-        self._camera: ByteStream | None = None
+        self._camera: ByteStream | FeedCamera | None = None
         self._cutter = ChunkCutter(settings.layout.size, self._came)
         self._camera_trouble: DriverError | None = None
         #: The newest picture that no answer was asked for, and when the asked one was taken.
@@ -130,11 +131,13 @@ class Faces(PassiveDriver):
         """Start both programs, and again whenever one ends."""
         self.context.health(Health.CONNECTING, "starting the camera's command")
         settings, folder, clock = self.settings, self.context.folder, self.context.clock
-        self._camera = ByteStream(
-            StreamCommand(settings.words, folder, "nothing", _CHECK),
-            clock,
-            StreamListener(self._camera_begun, self._received, self._stale, self._camera_lost),
-        )
+        eye = StreamListener(self._camera_begun, self._received, self._stale, self._camera_lost)
+        if settings.camera:
+            size = (settings.width, settings.height)
+            self._camera = FeedCamera(settings.camera, size, settings.rate, self.context, eye)
+        else:
+            command = StreamCommand(settings.words, folder, "nothing", _CHECK)
+            self._camera = ByteStream(command, clock, eye)
         self._finder = ByteStream(
             StreamCommand(
                 settings.finder_words,
@@ -245,7 +248,7 @@ class Faces(PassiveDriver):
         self._frame += 1
         self._seen.put(self._sighting(addressed, taken_us))
         if self._camera_trouble is None:
-            self.context.health(Health.CONNECTED, f"{settings.words[0]}, {settings.shape}")
+            self.context.health(Health.CONNECTED, f"{settings.source}, {settings.shape}")
             for sensor in self.sensors(settings):
                 self.context.sensor(sensor, "ok")
             self._publish(addressed, taken_us)

@@ -11,13 +11,16 @@ from typing import Annotated
 from woz_drivers import command_lines
 from woz_drivers.camera.picture_source import PictureSource
 from woz_drivers.faces import models
-from woz_tui.drivers.fields import Doc, Path, Range, Seconds
+from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Sibling
 
 
 @dataclass(frozen=True, slots=True)
 class FacesSettings(PictureSource):
     """Where pictures come from, how the camera sees, and what counts as a look at the robot."""
 
+    camera: Annotated[
+        str, Sibling(), Doc("driver of the same robot whose camera it is, such as a Pepper")
+    ] = ""
     width: Annotated[int, Range(4, 1920), Doc("pixels a row")] = 640
     height: Annotated[int, Range(4, 1080), Doc("rows")] = 480
     rate: Annotated[float, Range(1, 120, "Hz"), Doc("pictures a second")] = 15.0
@@ -57,7 +60,19 @@ class FacesSettings(PictureSource):
         """What is wrong between settings: pairs of a setting's name and a sentence."""
         # Not `super()`: a dataclass with slots is another class than the one that is written here.
         found = PictureSource.problems(self)
+        if self.camera and (self.command or self.device):
+            found.append(("camera", "pictures come from it: leave command and device out"))
         return found + command_lines.problems(self.program, "program")
+
+    @property
+    def pixels(self) -> str:
+        """The format of a pixel."""
+        return "rgb24" if self.camera else self.format
+
+    @property
+    def source(self) -> str:
+        """Where pictures come from, in a word. Raises `DriverError`."""
+        return self.camera or self.words[0]
 
     @property
     def models_folder(self) -> pathlib.Path:

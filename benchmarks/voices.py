@@ -44,10 +44,16 @@ PEERS = ROOT / ".venv" / "peers"
 PIPER, WHISPER = PEERS / "piper", PEERS / "whisper"
 VOICE = "en_US-joe-medium"
 #: Thirteen words each; the number makes every sentence a new one.
-SENTENCE = "Welcome to the museum, picture number {} is the one that I like best."
+SENTENCE = "Welcome to the museum where picture number {} is the one that I like best."
+COMMA = "Welcome to the museum, picture number {} is the one that I like best."
 TWO = "Look at picture {} in this room. The one beside it is what I like best."
 #: Milliseconds to the first sound, on a core of a server: of a prepared and of a typed sentence.
-GOALS = {"prepared": 30.0, "typed": 300.0, "typed, two sentences": 300.0}
+GOALS = {
+    "prepared": 30.0,
+    "typed": 300.0,
+    "typed, with a comma": 300.0,
+    "typed, two sentences": 300.0,
+}
 #: How many times the bare resident program a resident voice or transcriber may take.
 OVER_BARE = 1.5
 

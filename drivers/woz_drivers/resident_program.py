@@ -109,8 +109,10 @@ class ResidentProgram:
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
 
-    async def load(self, within: float) -> float:
-        """Load it; seconds that took. Raises `DriverError`."""
+    async def load(self, within: float) -> float | None:
+        """Load it; seconds that took, or None if it is still loading after `within` seconds. Raises
+        `DriverError` if it ended.
+        """
         loop = asyncio.get_running_loop()
         began = loop.time()
         self.start()
@@ -118,8 +120,7 @@ class ResidentProgram:
             async with asyncio.timeout(within):
                 await self._until_ready()
         except TimeoutError:
-            what = f"{self.program} was not ready within {within:g} s"
-            raise DriverError(what, self._remedy) from None
+            return None
         return loop.time() - began
 
     async def ask(

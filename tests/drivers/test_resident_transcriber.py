@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from woz_drivers.child_process import RestartPauses
+from woz_drivers.microphone import doctor
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.transcriber import TRANSCRIBER
@@ -213,9 +214,13 @@ async def test_parts_of_an_answer_are_shown_before_it(begin: Begin, pipe: PipedC
     assert so_far == ["hel", SECOND]
 
 
-async def test_doctor_loads_it(tmp_path: Path, journal: Path) -> None:
+async def test_doctor_loads_it(
+    tmp_path: Path, journal: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "sound.raw").write_bytes(square(1.5, 0.01))
-    for behaviour, level in (("ok", "ok"), ("unloadable", "error")):
+    for behaviour, level in (("ok", "ok"), ("unloadable", "error"), ("slow", "warning")):
+        if behaviour == "slow":
+            monkeypatch.setattr(doctor, "_LOAD_PATIENCE_S", 0.2)
         settings = MicrophoneSettings(
             command="cat sound.raw", resident_transcriber=command(journal, behaviour)
         )

@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from woz_drivers.speech import synthesis
+from woz_drivers.speech import doctor, synthesis
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
 
@@ -158,6 +158,34 @@ async def test_a_typed_text_is_heard_before_its_second_sentence_is_made(
     assert asked == ["One more.", "Then another."]
 
 
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("Hello.", ["Hello."]),
+        ("Yes, I can. Why not?", ["Yes, I can.", "Why not?"]),
+        (
+            "Ask Dr. Who or Prof. Fox, Anna. He knows 3.5 things.",
+            ["Ask Dr. Who or Prof. Fox, Anna.", "He knows 3.5 things."],
+        ),
+        (
+            "Welcome to the museum, picture one is the one I like. Yes, that one over there.",
+            [
+                "Welcome to the museum,",
+                "picture one is the one I like.",
+                "Yes, that one over there.",
+            ],
+        ),
+    ],
+)
+async def test_in_which_parts_a_typed_text_is_made(
+    text: str, parts: list[str], desk: Desk, journal: Path
+) -> None:
+    settings = desk.settings(synthesise="", resident_voice=command(journal, "ok"))
+    voice = synthesis.SpeechSynthesis(settings, desk.folder)
+    assert voice.sentences(text, settings.choice()) == parts
+    assert " ".join(parts) == text
+
+
 async def test_its_sentences_are_one_utterance_and_a_prepared_one_is_made_whole(
     desk: Desk, journal: Path
 ) -> None:
@@ -208,6 +236,16 @@ async def test_doctor_says_a_word_with_it(desk: Desk, journal: Path) -> None:
         found, _ = await Speech.examine(Probe("voice", settings, desk.folder))
         assert found.level == level
         await until(lambda: processes(journal) == [])
+
+
+async def test_doctor_does_not_call_slow_loading_an_error(
+    desk: Desk, journal: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "_PATIENCE_S", 0.2)
+    settings = desk.settings(synthesise="", resident_voice=command(journal, "slow"))
+    found, _ = await Speech.examine(Probe("voice", settings, desk.folder))
+    assert found.level == "warning"
+    assert processes(journal) == []
 
 
 @pytest.mark.parametrize(

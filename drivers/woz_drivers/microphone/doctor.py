@@ -58,13 +58,11 @@ async def _resident(probe: Probe, settings: MicrophoneSettings) -> list[Finding]
         return [Finding("error", probe.name, error.what, error.remedy)]
     finally:
         await program.close()
-    return [
-        Finding(
-            "ok",
-            probe.name,
-            f"speech is recognised by {program.program}, loaded in {seconds:.1f} s",
-        )
-    ]
+    text = f"speech is recognised by {program.program}"
+    if seconds is None:
+        still = f"{text}, which is still loading after {_LOAD_PATIENCE_S:g} s"
+        return [Finding("warning", probe.name, still, "what is said before it has loaded waits")]
+    return [Finding("ok", probe.name, f"{text}, loaded in {seconds:.1f} s")]
 
 
 async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: Probe) -> bytes:

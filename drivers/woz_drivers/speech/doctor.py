@@ -42,12 +42,12 @@ async def synthesiser_finding(probe: Probe, settings: SynthesisSettings) -> Find
     """Whether it makes a first word."""
     synthesis = SpeechSynthesis(settings, probe.folder)
     try:
+        program = synthesis.program
         async with asyncio.timeout(_PATIENCE_S):
             made = await synthesis.utterance(_TRIAL)
-        program = synthesis.program
     except TimeoutError:
-        what = f"no first word within {_PATIENCE_S:g} s"
-        return Finding("error", probe.name, what, "try its command in a terminal")
+        what = f"{program}: no first word after {_PATIENCE_S:g} s"
+        return Finding("warning", probe.name, what, "it may still be loading: try `woz say`")
     except DriverError as error:
         return Finding("error", probe.name, error.what, error.remedy)
     finally:

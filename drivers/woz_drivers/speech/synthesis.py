@@ -96,6 +96,8 @@ _MOST_OUTPUT = 200_000_000
 
 #: Between two sentences: behind a sign after a word of three letters or more, so not in "Dr. Who".
 _SENTENCE_END = re.compile(r"(?<=[^\W\d_]{3}[.!?])(?<!Prof\.)(?<!Mrs\.) +(?=[^\W\d_])")
+#: A first sentence is cut behind a comma: three words or more before it, five or more behind it.
+_CLAUSE_END = re.compile(r"((?:\S+ ){2,}?\S*[,;:]) ((?:\S+ ){4,}\S+)")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
@@ -256,10 +258,14 @@ class SpeechSynthesis:
 
     def sentences(self, text: str, choice: VoiceChoice) -> list[str]:
         """`text` in the parts in which it is made: its sentences, if a program that stays loaded
-        has to make them; else the whole.
+        has to make them, and the beginning of a first one that is long; else the whole.
         """
         there = self._recording(text) is not None or self._path(text, choice).exists()
-        return [text] if self._resident is None or there else _SENTENCE_END.split(text)
+        if self._resident is None or there:
+            return [text]
+        first, *others = _SENTENCE_END.split(text)
+        begins = _CLAUSE_END.fullmatch(first)
+        return [*((begins[1], begins[2]) if begins else (first,)), *others]
 
     def _path(self, text: str, choice: VoiceChoice) -> Path:
         words = self._settings.resident_words() or self._settings.synthesise_words()

@@ -8,6 +8,7 @@ from dataclasses import replace
 from woz_drivers.ros.declarations import DriveDeclaration, VerbDeclaration
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import COMMON_VERBS, common_verb
 
 DRIVE = "drive"
 #: Verbs that the driver makes of another one.
@@ -16,105 +17,32 @@ DERIVED = {"nudge": "gaze", "poses": "pose"}
 #: What they change is over at once, so that a stop has nothing to end.
 BRIEF = frozenset({"volume", "torque", "eyes", "emotion", "screen", "mode"})
 
-_PAN, _TILT = Range(-180, 180, "deg"), Range(-90, 90, "deg")
-_SHARE = Range(0, 1)
-_METRES = Range(-5, 5, "m")
+_SECONDS = Argument("seconds", "seconds", "how long it takes", False, 1.0, Range(0.1, 60, "s"))
 
 
-def _verb(name: str, summary: str, lane: str, *arguments: Argument, stream: bool = False) -> Verb:
-    return Verb(name, summary, arguments, lane=lane, stream=stream)
+def _named(argument: str, summary: str = "") -> Argument:
+    """A word that the robot knows, or that `values` translates for it."""
+    return Argument(argument, "text", summary, required=True)
 
 
-def _text(name: str, summary: str = "", kind: str = "text") -> Argument:
-    return Argument(name, kind, summary, required=True)
-
-
-#: The common verbs of drivers/README.md, as far as a message can play them.
+#: The common verbs as far as a message can play them.
 COMMON: Mapping[str, Verb] = {
     verb.name: verb
     for verb in (
-        _verb("say", "say a text", "voice", _text("text")),
-        _verb(
-            "sound", "play a sound of the robot", "sound", _text("file", "as the robot names it")
-        ),
-        _verb(
-            "volume",
-            "how loud it is",
-            "volume",
-            Argument("level", "number", "", True, None, _SHARE),
-        ),
-        _verb(
-            "play",
-            "play a gesture",
-            "body",
-            _text("move"),
-            Argument("speed", "number", "1: as recorded", False, 1.0, Range(0.1, 5)),
-            Argument("amplitude", "number", "1: as recorded", False, 1.0, Range(0, 2)),
-        ),
-        _verb(
-            "pose",
-            "take a pose",
-            "body",
-            Argument("joints", "joints", "degrees by joint", True),
-            Argument("seconds", "seconds", "how long it takes", False, 1.0, Range(0.1, 60, "s")),
-        ),
-        _verb(
-            "home",
-            "take the pose of rest",
-            "body",
-            Argument("seconds", "seconds", "how long it takes", False, 1.0, Range(0.1, 60, "s")),
-        ),
-        _verb(
-            "gaze",
-            "look there",
-            "head",
-            Argument("yaw", "number", "degrees to the left", True, None, _PAN),
-            Argument("pitch", "number", "degrees down", False, None, _TILT),
-            stream=True,
-        ),
-        _verb("torque", "motors on or off", "torque", Argument("on", "flag", "", True)),
-        _verb(
-            "emotion",
-            "show an emotion",
-            "face",
-            _text("emotion"),
-            Argument("intensity", "number", "how strongly", False, 1.0, _SHARE),
-        ),
-        _verb(
-            "eyes",
-            "colour of the eyes",
-            "face",
-            _text("color", "a name or #rrggbb"),
-            Argument(
-                "animation",
-                "choice",
-                "how the light is",
-                default="steady",
-                choices=("steady", "blink", "intermittent"),
-            ),
-        ),
-        _verb("screen", "show a picture", "screen", _text("file", "as the robot names it")),
-        _verb("mode", "change the robot's mode", "control", _text("mode")),
+        common_verb("say"),
+        common_verb("sound", "", _named("file", "as the robot names it")),
+        common_verb("volume", lane="volume"),
+        common_verb("play", "", _named("move")),
+        common_verb("pose", "", _SECONDS),
+        common_verb("home", "", _SECONDS),
+        common_verb("gaze", "", replace(COMMON_VERBS["gaze"].arguments[0], required=True)),
+        common_verb("torque", lane="torque"),
+        common_verb("emotion", "", _named("emotion")),
+        common_verb("eyes"),
+        common_verb("screen", "", _named("file", "as the robot names it")),
+        common_verb("mode", "", _named("mode")),
     )
 }
-
-_NUDGE = Verb(
-    "nudge",
-    "look a step further",
-    (
-        Argument("yaw", "number", "degrees to the left", default=0.0, range=_PAN),
-        Argument("pitch", "number", "degrees down", default=0.0, range=_TILT),
-    ),
-    lane="head",
-    brief=True,
-)
-_POSES = Verb(
-    "poses",
-    "take poses one after the other",
-    (Argument("poses", "poses", "", True),),
-    lane="body",
-    limit_s=600.0,
-)
 
 
 def arguments_of(name: str, declared: VerbDeclaration) -> dict[str, Argument]:
@@ -167,22 +95,11 @@ def offered(
                 drives=declared.drives,
             )
         )
-    verbs += [_NUDGE] if "gaze" in declarations else []
-    verbs += [_POSES] if "pose" in declarations else []
+    verbs += [common_verb(name) for name, other in DERIVED.items() if other in declarations]
     return (*verbs, *([_drive(drive)] if drive is not None else []))
 
 
 def _drive(declared: DriveDeclaration) -> Verb:
-    sideways = [Argument("y", "number", "metres to the left", default=0.0, range=_METRES)]
-    return Verb(
-        DRIVE,
-        "drive and turn from where it stands",
-        (
-            Argument("x", "number", "metres forward", default=0.0, range=_METRES),
-            *(sideways if declared.sideways else []),
-            Argument("turn", "number", "degrees to the left", default=0.0, range=Range(-360, 360)),
-        ),
-        lane="base",
-        drives=True,
-        limit_s=600.0,
-    )
+    drive = common_verb(DRIVE, limit_s=600.0)
+    ways = [each for each in drive.arguments if declared.sideways or each.name != "y"]
+    return replace(drive, arguments=tuple(ways))

@@ -97,8 +97,13 @@ class FindingProgram:
     def __init__(self, peer: Path, width: int = WIDTH, height: int = HEIGHT) -> None:
         self.settings = settings(peer, width=width, height=height)
         self._ran = subprocess.Popen(
-            self.settings.program, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+            self.settings.program,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
         )
+        #: What it wrote to standard error, once it has ended.
+        self.errors = b""
 
     def find(self, picture: Image.Image | bytes) -> FacesLine:
         """What it answers."""
@@ -119,7 +124,7 @@ class FindingProgram:
         at: TracebackType | None,
     ) -> None:
         self._ran.kill()
-        self._ran.communicate()
+        _, self.errors = self._ran.communicate()
 
 
 def settings(

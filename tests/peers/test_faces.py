@@ -49,6 +49,12 @@ def test_one_person_is_one_person(program: FindingProgram, peer: Path, change: s
     assert len(faces) == 1
 
 
+def test_the_run_time_says_nothing_that_could_be_taken_for_a_reason(peer: Path) -> None:
+    with FindingProgram(peer) as ran:
+        ran.find(on_grey())
+    assert ran.errors == b""
+
+
 @pytest.mark.parametrize("name", NOBODY)
 def test_nobody_is_nobody(program: FindingProgram, peer: Path, name: str) -> None:
     picture = fitted(opened(peer, name))

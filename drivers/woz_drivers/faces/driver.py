@@ -226,7 +226,7 @@ class Faces(PassiveDriver):
         self.context.health(health, worst.what, worst.remedy)
 
     def _stale(self, why: str) -> None:
-        for sensor in self.sensors(self.settings):
+        for sensor in ADDRESSED:
             self.context.sensor(sensor, "stale", why)
 
     # -- faces ---------------------------------------------------------------------------------
@@ -249,7 +249,7 @@ class Faces(PassiveDriver):
         self._seen.put(self._sighting(addressed, taken_us))
         if self._camera_trouble is None:
             self.context.health(Health.CONNECTED, f"{settings.source}, {settings.shape}")
-            for sensor in self.sensors(settings):
+            for sensor in ADDRESSED:
                 self.context.sensor(sensor, "ok")
             self._publish(addressed, taken_us)
 

@@ -10,9 +10,11 @@ can take its place (setting `program`).
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -66,6 +68,21 @@ def _run(pictures: BinaryIO, lines: int, networks: FaceNetworks, size: int, clos
         os.write(lines, answer(networks, data, closely))
 
 
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Keeps what the run time says of itself from standard error: the last line there is told as
+    the reason if this program ends.
+    """
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
+
+
 def main() -> int:
     """Work until stdin ends."""
     parser = argparse.ArgumentParser(prog="python -m woz_drivers.faces.face_finder")
@@ -83,7 +100,8 @@ def main() -> int:
     lines = os.dup(1)
     os.dup2(2, 1)
     try:
-        found = [interpreted(str(path)) for path in models.checked(words.models)]
+        with _silence():
+            found = [interpreted(str(path)) for path in models.checked(words.models)]
     except DriverError as error:
         sys.stderr.write(f"{error.what}: {error.remedy}\n")
         return 1

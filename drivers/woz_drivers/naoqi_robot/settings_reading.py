@@ -313,7 +313,7 @@ def _conflicts(
         yield f"the robot blinks only while autonomous life is interactive, not {state}"
     elif blinks and "eyes" in used:
         yield "blinking darkens the eyes now and then, whatever their colour"
-    if state in BUSY:
+    if state in BUSY and state != desired.get("state"):  # who asked for it expects it
         yield f"autonomous life is {state}: the robot moves and talks by itself"
     elif state == "safeguard":
         yield "autonomous life is safeguard: the robot protects itself and may not obey"

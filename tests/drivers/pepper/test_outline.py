@@ -274,3 +274,10 @@ def test_a_robot_that_only_obeys_has_no_conflicts() -> None:
     }
     assert conflicts(calm, ("gaze", "nudge", "play", "pose", "say", "eyes")) == []
     assert conflicts({}, ("gaze", "play", "say", "eyes")) == []
+
+
+def test_a_life_of_its_own_that_was_asked_for_surprises_nobody() -> None:
+    alive: dict[str, Json] = {"state": "solitary", "awake": True}
+    assert conflicts(alive, ()) != []
+    assert conflicts(alive, (), {"state": "interactive"}) != []
+    assert conflicts(alive, (), {"state": "solitary"}) == []

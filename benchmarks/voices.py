@@ -45,7 +45,7 @@ PIPER, WHISPER = PEERS / "piper", PEERS / "whisper"
 VOICE = "en_US-joe-medium"
 #: Thirteen words each; the number makes every sentence a new one.
 SENTENCE = "Welcome to the museum where picture number {} is the one that I like best."
-COMMA = "Welcome to the museum, picture number {} is the one that I like best."
+COMMA = "Welcome to museum {}, the picture on the left is the one that I like best."
 TWO = "Look at picture {} in this room. The one beside it is what I like best."
 #: Milliseconds to the first sound, on a core of a server: of a prepared and of a typed sentence.
 GOALS = {
@@ -185,13 +185,12 @@ async def first_sounds(
         await driver.prepare_say(prepared)
         for number, args in enumerate(prepared):
             clocked.add("the player alone", player_alone(folder))
+            letter = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % 26]
             for name, said in (
                 ("prepared", args),
                 ("typed", {"text": SENTENCE.format(1000 + number)}),
-                (
-                    "typed, two sentences",
-                    {"text": TWO.format("ABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % 26])},
-                ),
+                ("typed, with a comma", {"text": COMMA.format(letter)}),
+                ("typed, two sentences", {"text": TWO.format(letter)}),
             ):
                 began, before = time.time_ns(), len(starts(folder))
                 await driver.perform(_Say(said))

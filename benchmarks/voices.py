@@ -254,11 +254,11 @@ async def whisper(clocked: Clocked, folder: Path, sounds: list[Path]) -> None:
     await resident.close()
 
 
-async def measure(folder: Path, count: int) -> None:
+async def measure(folder: Path, count: int, peers: bool) -> None:
     clocked, missing = Clocked(), []
     await first_sounds(clocked, "espeak-ng", folder / "espeak", count, {})
     sounds: list[Path] = []
-    if (PIPER / ".installed").exists():
+    if peers and (PIPER / ".installed").exists():
         await first_sounds(clocked, "piper", folder / "piper", count, piper_settings())
         sounds = await piper(clocked, folder, count)
     else:
@@ -302,10 +302,12 @@ def main() -> None:
     """Measure; print tables."""
     parser = argparse.ArgumentParser(description="How soon a robot speaks and understands.")
     parser.add_argument("--sentences", type=int, default=12)
-    parser.add_argument("--quick", action="store_true", help="three sentences")
+    parser.add_argument("--quick", action="store_true", help="three sentences, espeak-ng alone")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="woz-bench-") as name:
-        asyncio.run(measure(Path(name), 3 if options.quick else options.sentences))
+        asyncio.run(
+            measure(Path(name), 3 if options.quick else options.sentences, not options.quick)
+        )
 
 
 if __name__ == "__main__":

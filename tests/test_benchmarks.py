@@ -61,11 +61,12 @@ LONG = {
     *("key_latency.py", "screen_bytes.py", "start_up.py", "stop_latency.py"),
     *("robot_latency.py", "robot_faults.py", "five_robots.py"),
 }
+MARKS = dict.fromkeys(LONG, pytest.mark.benchmarks) | {"voices.py": pytest.mark.espeak}
 
 
 @pytest.mark.parametrize(
     "script",
-    [pytest.param(name, marks=[pytest.mark.benchmarks] if name in LONG else []) for name in TABLES],
+    [pytest.param(name, marks=MARKS.get(name, ())) for name in TABLES],
 )
 def test_a_quick_run_prints_its_tables(script: str) -> None:
     done = subprocess.run(

@@ -264,7 +264,7 @@ async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedCommand) -> None:
     assert [verb.name for verb in Microphone.verbs(None)] == ["listen_room"]
     deaf, hears = MicrophoneSettings(), MicrophoneSettings(transcribe="whisper {file}")
     assert Microphone.sensors(deaf) == ("loudness", "loudness.threshold", "speech")
-    assert Microphone.sensors(hears) == (*Microphone.sensors(deaf), "speech.text")
+    assert Microphone.sensors(hears) == (*Microphone.sensors(deaf), "speech.text", "transcriber")
     with pytest.raises(RejectedError):
         await microphone.perform(Ordered("say", {"text": "x"}))
     await microphone.stop(Scope.ALL)

@@ -31,6 +31,7 @@ def settings(tmp_path: Path, journal: Path) -> dict[str, str]:
         "synthesise": shlex.join((*SCRIPT, "synthesise", str(journal), "--wav", "{wav}", *words)),
         "play": shlex.join((*SCRIPT, "play", str(journal), "--wav", "{wav}")),
         "cache": str(tmp_path / "cache"),
+        "margin": "2 s",
     }
 
 

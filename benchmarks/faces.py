@@ -16,7 +16,6 @@ import math
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +55,7 @@ from pathlib import Path
 import numpy as np
 folder, count, *films = sys.argv[1:]
 nets = [interpreted(str(path)) for path in models.checked(Path(folder))]
-whole = FaceNetworks(PictureSampler(PictureLayout(640, 480, "yuv420", 640)), *nets)
+whole = FaceNetworks(PictureSampler(PictureLayout(640, 480, "yuv420", 640)), *nets, far=True)
 films = {Path(name).stem: Path(name).read_bytes() for name in films}
 sides = {"detection": 192, "mesh": 192, "iris": 64}
 inputs = [np.zeros((1, side, side, 3), np.float32) for side in sides.values()]
@@ -72,18 +71,6 @@ for n in range(int(count) + 3):
             times[name].append((time.process_time() - began) * 1000)
 print(json.dumps(times))
 """
-
-
-@dataclass(frozen=True)
-class Look:
-    """What was found in one picture."""
-
-    faces: list[SeenFace]
-    focal: float
-
-    @property
-    def first(self) -> SeenFace | None:
-        return self.faces[0] if self.faces else None
 
 
 def measured_times(pictures: int, folder: Path) -> dict[str, list[float]]:
@@ -128,14 +115,12 @@ def accuracy_rows(program: FindingProgram) -> Iterator[tuple[str, ...]]:
     """A row for each way in which pictures are changed."""
     focal = program.settings.focal
     pictures = {name: opened(PEER, name) for name in ("astronaut.png", "group.jpg")}
-    upright = Look(program.find(changed(pictures["astronaut.png"], "as it is")).faces, focal).first
-    assert upright is not None
+    [one] = program.people(changed(pictures["astronaut.png"], "as it is"))
+    upright = one.face
     for change, (degrees, scale, *_) in CHANGES.items():
-        counts = {
-            name: counted(program.find(changed(one, change)).faces)
-            for name, one in pictures.items()
-        }
-        face = Look(program.find(changed(pictures["astronaut.png"], change)).faces, focal).first
+        people = {name: program.people(changed(one, change)) for name, one in pictures.items()}
+        counts = {name: len(there) for name, there in people.items()}
+        face = people["astronaut.png"][0].face if people["astronaut.png"] else None
         row = [change, f"{counts['astronaut.png']} of 1", f"{counts['group.jpg']} of 6"]
         if face is None:
             yield *row, "", "", ""
@@ -150,13 +135,6 @@ def accuracy_rows(program: FindingProgram) -> Iterator[tuple[str, ...]]:
         )
 
 
-def counted(faces: list[SeenFace]) -> int:
-    """How many people the tracker makes of a picture that is seen twice."""
-    tracker = FaceTracker(1.0)
-    tracker.update(faces, 0)
-    return len(tracker.update(faces, 100_000))
-
-
 def _gaze_change(face: SeenFace, upright: SeenFace, *, mirrored: bool) -> str:
     now, before = gaze_of(face), gaze_of(upright)
     if now is None or before is None:
@@ -168,9 +146,7 @@ def _gaze_change(face: SeenFace, upright: SeenFace, *, mirrored: bool) -> str:
 def nobody_row(program: FindingProgram) -> str:
     """In how many pictures without a person somebody was found."""
     false = [
-        name
-        for name in NOBODY
-        if program.find(on_grey((fitted(opened(PEER, name)), 320, 240))).faces
+        name for name in NOBODY if program.people(on_grey((fitted(opened(PEER, name)), 320, 240)))
     ]
     return f"pictures without a person: somebody in {len(false)} of {len(NOBODY)}"
 

@@ -14,6 +14,7 @@ from types import TracebackType
 import numpy as np
 from PIL import Image, ImageEnhance, ImageFilter
 from woz_drivers.faces.face_lines import FacesLine, decoded_line
+from woz_drivers.faces.face_tracks import FaceTrack, FaceTracker
 from woz_drivers.faces.settings import FacesSettings
 
 WIDTH, HEIGHT = 640, 480
@@ -113,6 +114,14 @@ class FindingProgram:
         self._ran.stdin.write(data)
         self._ran.stdin.flush()
         return decoded_line(self._ran.stdout.readline())
+
+    def people(self, picture: Image.Image, pictures: int = 14) -> list[FaceTrack]:
+        """Who is there once this has been seen for a second, nearest first."""
+        tracker = FaceTracker(1.0)
+        there: list[FaceTrack] = []
+        for n in range(pictures):
+            there = tracker.update(self.find(picture).faces, n * 66_667)
+        return sorted(there, key=lambda track: -track.face.width)
 
     def __enter__(self) -> FindingProgram:
         return self

@@ -46,6 +46,8 @@ EACH = ("gaze.face", "distance.face", "direction.face")
 _CHECK = "try its command in a terminal; `woz doctor` shows its output"
 #: A calibration needs so many pictures with a face, and waits for so many seconds longer for them.
 _LEAST, _LATE_S = 5, 2.0
+#: What is known of a face is told for so long: small ones are not found in every picture.
+_FRESH_US = 150_000
 #: Colours of frames: who is addressed, who looks, everybody else (Okabe and Ito, 2008).
 _GREEN, _YELLOW, _GREY = (0, 158, 115), (240, 228, 66), (200, 200, 200)
 NEXT, RULE = "next", "rule"
@@ -270,7 +272,7 @@ class Faces(PassiveDriver):
         reading("presence", float(bool(self._there)))
         reading("people", float(len(self._there)))
         for track in self._there:
-            if track.seen_us == taken_us:
+            if taken_us - track.seen_us <= _FRESH_US:
                 self._publish_of(track, ".face", str(track.id))
         if addressed is None:
             reading("addressed", None)
@@ -280,7 +282,7 @@ class Faces(PassiveDriver):
             return
         text = "by hand" if self._addressed.by_hand else ""
         reading("addressed", float(addressed.id), text=text)
-        if addressed.seen_us == taken_us:
+        if taken_us - addressed.seen_us <= _FRESH_US:
             self._publish_of(addressed)
 
     def _publish_of(self, track: FaceTrack, kind: str = "", text: str = "") -> None:

@@ -92,6 +92,7 @@ def main() -> int:
     parser.add_argument("--format", choices=FORMATS, required=True)
     parser.add_argument("--stride", type=int, required=True)
     parser.add_argument("--closely", type=int, default=3)
+    parser.add_argument("--far", action="store_true")
     parser.add_argument("--mirror", action="store_true")
     parser.add_argument("--flip", action="store_true")
     words = parser.parse_args()
@@ -109,7 +110,7 @@ def main() -> int:
         sys.stderr.write(f"{error}: pip install 'woz-tui[faces]'\n")
         return 1
     sampler = PictureSampler(layout, mirrored=words.mirror, flipped=words.flip)
-    networks = FaceNetworks(sampler, *found)
+    networks = FaceNetworks(sampler, *found, far=words.far)
     _run(sys.stdin.buffer, lines, networks, layout.size, words.closely)
     return 0
 

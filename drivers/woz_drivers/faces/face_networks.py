@@ -10,8 +10,8 @@ Pupil Tracking from Monocular Video" (2020).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,8 +32,14 @@ DETECTION_SIDE, MESH_SIDE, IRIS_SIDE = 192, 192, 64
 _GRID = 48
 #: Boxes below this score are no faces; points of the mesh count from the other one on.
 _FACE, _MESH = 0.4, 0.5
+#: The score of a box in which the mesh finds no face: it may be one that is half hidden.
+_DOUBTFUL = 0.45
 #: In smaller faces the irises are a pixel or two: nothing can be seen of them. In pixels.
 _IRISES_FROM = 60.0
+#: Faces smaller than this part of the picture's longer side are looked at where they were.
+_SMALL = 0.1
+#: They are looked for there in so many pictures.
+_REMEMBERED = 8
 #: Boxes that share more of their area than this are of one face.
 _SAME = 0.3
 #: The mesh wants a square so many times as large as the box; the iris, as the eye is wide.
@@ -58,6 +64,17 @@ class FoundBox:
         """The longer side of the box."""
         left, top, right, bottom = self.box
         return float(max(right - left, bottom - top))
+
+    @property
+    def middle(self) -> Place:
+        """The middle of the box."""
+        left, top, right, bottom = map(float, self.box)
+        return (left + right) / 2, (top + bottom) / 2
+
+    def covers(self, place: Place) -> bool:
+        """Whether a place is inside of the box."""
+        left, top, right, bottom = map(float, self.box)
+        return left <= place[0] <= right and top <= place[1] <= bottom
 
     @property
     def tilt(self) -> float:
@@ -205,16 +222,40 @@ def overlap(one: Floats, other: Floats) -> float:
 # -- all three -------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True, slots=True)
+class View:
+    """An upright square of a picture in which faces are looked for."""
+
+    middle: Place
+    size: float
+    pixels: Pixels
+
+
 class FaceNetworks:
-    """Finds faces in raw pictures of one layout."""
+    """Finds faces in raw pictures of one layout.
+
+    With `far` it looks at a part of each picture a second time, twice as large: in turns at all
+    parts, and at every second picture where a small face was. A face that is found there alone is
+    found in every second picture.
+    """
 
     def __init__(
-        self, sampler: PictureSampler, detection: Network, mesh: Network, iris: Network
+        self,
+        sampler: PictureSampler,
+        detection: Network,
+        mesh: Network,
+        iris: Network,
+        *,
+        far: bool = False,
     ) -> None:
         self._sampler = sampler
         self._size = float(max(sampler.width, sampler.height))
-        self._middle = ((sampler.width - 1) / 2, (sampler.height - 1) / 2)
-        self._whole = sampler.square(self._middle, self._size, 0.0, DETECTION_SIDE)
+        middle = ((sampler.width - 1) / 2, (sampler.height - 1) / 2)
+        self._whole = self._view(middle, self._size)
+        self._parts = [*self._overlapping_parts()] if far else []
+        self._turn = 0
+        #: Middles of small faces, and in which turn each was found.
+        self._small: dict[Place, int] = {}
         self._detection, self._mesh, self._iris = detection, mesh, iris
 
     def find(self, data: bytes, closely: int) -> list[FoundFace]:
@@ -225,21 +266,68 @@ class FaceNetworks:
         return [*near, *(FoundFace(box) for box in boxes[closely:])]
 
     def _boxes(self) -> list[FoundBox]:
-        pixels = self._sampler.of(self._whole)
+        boxes = self._seen(self._whole)
+        if self._parts:
+            part = self._next_part()
+            boxes += [box for box in self._seen(part) if self._is_whole(box, part)]
+            boxes.sort(key=lambda box: -box.score)
+        faces = merged(boxes)
+        for box in faces:
+            # Where it was before is where it is now.
+            self._small = {
+                place: turn for place, turn in self._small.items() if not box.covers(place)
+            }
+            if box.size < _SMALL * self._size:
+                self._small[box.middle] = self._turn
+        self._small = {
+            place: turn for place, turn in self._small.items() if self._turn - turn <= _REMEMBERED
+        }
+        return faces
+
+    def _seen(self, view: View) -> list[FoundBox]:
+        pixels = self._sampler.of(view.pixels)
         pixels *= 2
         pixels -= 1
         regressors, logits = self._detection(pixels[None])
-        scale = self._size / DETECTION_SIDE
-        return merged(decoded(regressors[0], logits.reshape(-1), scale, self._middle))
+        scale = view.size / DETECTION_SIDE
+        return decoded(regressors[0], logits.reshape(-1), scale, view.middle)
+
+    def _view(self, middle: Place, size: float) -> View:
+        return View(middle, size, self._sampler.square(middle, size, 0.0, DETECTION_SIDE))
+
+    def _overlapping_parts(self) -> Iterator[View]:
+        """Squares half as large as the picture, each half over the next one."""
+        side = self._size / 2
+        for y in _middles(self._sampler.height, side):
+            for x in _middles(self._sampler.width, side):
+                yield self._view((x, y), side)
+
+    def _next_part(self) -> View:
+        self._turn += 1
+        turn, at_small = divmod(self._turn, 2)
+        if at_small and self._small:
+            return self._view([*self._small][turn % len(self._small)], self._size / 2)
+        return self._parts[(turn if self._small else self._turn) % len(self._parts)]
+
+    def _is_whole(self, box: FoundBox, part: View) -> bool:
+        """Whether a box does not reach over the edge of a part, but for edges of the picture."""
+        low = np.array(part.middle) - part.size / 2
+        high = np.minimum(low + part.size, (self._sampler.width, self._sampler.height))
+        low = np.maximum(low, 0)
+        return bool(
+            np.all((box.box[:2] >= low) | (low == 0))
+            and np.all(
+                (box.box[2:] <= high) | (high >= (self._sampler.width, self._sampler.height))
+            )
+        )
 
     def _look_closely(self, box: FoundBox) -> FoundFace:
         sampler = self._sampler
-        left, top, right, bottom = map(float, box.box)
-        middle = ((left + right) / 2, (top + bottom) / 2)
+        middle = box.middle
         size, tilt = _FACE_MARGIN * box.size, box.tilt
         points, score = self._mesh(sampler.of(sampler.square(middle, size, tilt, MESH_SIDE))[None])
         if float(score.reshape(())) < np.log(_MESH / (1 - _MESH)):
-            return FoundFace(box)
+            return FoundFace(replace(box, score=min(box.score, _DOUBTFUL)))
         mesh = turned_back(points.reshape(-1, 3), middle, size, tilt, MESH_SIDE)
         if box.size < _IRISES_FROM:
             return FoundFace(box, mesh)
@@ -260,6 +348,14 @@ class FaceNetworks:
             place[:, 0] = IRIS_SIDE - place[:, 0]
         found: Floats = turned_back(place, middle, size, tilt, IRIS_SIDE)[0]
         return found
+
+
+def _middles(pixels: int, side: float) -> list[float]:
+    """Of squares in a row of so many pixels, each half over the next one."""
+    if pixels <= side:
+        return [(pixels - 1) / 2]
+    count = math.ceil((pixels - side) / (side / 2)) + 1
+    return [float(one) for one in np.linspace((side - 1) / 2, pixels - (side + 1) / 2, count)]
 
 
 def interpreted(path: str) -> Network:

@@ -13,6 +13,8 @@ from woz_drivers.faces.face_lines import SeenFace
 
 #: A face that may begin a track has this score at least, and is found in so many pictures.
 _BEGINS, _PICTURES = 0.5, 2
+#: which lie no farther apart than this (small faces are looked for in every second one).
+_WAITS_US = 250_000
 #: A face is the one from before if its middle is nearer than this to where that was to be expected,
 #: in widths of its box (more with each second that it was not found), and neither is more than so
 #: many times as large as the other.
@@ -71,6 +73,8 @@ class FaceTracker:
         self._hold_us = round(hold_s * 1e6)
         self._tracks: list[FaceTrack] = []
         self._last = 0
+        #: When the last picture was taken.
+        self._updated_us = 0
 
     def forget(self) -> None:
         """Nobody is there; numbers are never given twice."""
@@ -78,6 +82,10 @@ class FaceTracker:
 
     def update(self, faces: Sequence[SeenFace], now_us: int) -> list[FaceTrack]:
         """Take the faces of a picture; all who are there, oldest first."""
+        before_us, self._updated_us = self._updated_us, now_us
+        self._tracks = [
+            one for one in self._tracks if one.seen_us == before_us or self._stays(one, now_us)
+        ]
         pairs = sorted(
             (off, index, number)
             for index, track in enumerate(self._tracks)
@@ -99,9 +107,8 @@ class FaceTracker:
 
     def _stays(self, track: FaceTrack, now_us: int) -> bool:
         """One found once alone was none."""
-        if track.pictures < _PICTURES:
-            return track.seen_us == now_us
-        return now_us - track.seen_us <= self._hold_us
+        hold_us = _WAITS_US if track.pictures < _PICTURES else self._hold_us
+        return now_us - track.seen_us <= hold_us
 
     def _follow(self, track: FaceTrack, face: SeenFace, now_us: int) -> None:
         seconds = (now_us - track.seen_us) / 1e6

@@ -45,6 +45,9 @@ class FacesSettings(PictureSource):
     closely: Annotated[
         int, Range(0, 10), Doc("of so many faces, the largest, the gaze is looked at")
     ] = 3
+    far: Annotated[
+        bool, Doc("look twice for small and far faces, which takes half as long again")
+    ] = True
     publish: Annotated[float, Range(0.5, 30, "Hz"), Doc("readings a second")] = 10.0
     models: Annotated[
         str,
@@ -91,6 +94,7 @@ class FacesSettings(PictureSource):
             *("--models", str(self.models_folder), "--closely", str(self.closely)),
             *("--width", str(layout.width), "--height", str(layout.height)),
             *("--format", layout.format, "--stride", str(layout.stride)),
+            *(("--far",) if self.far else ()),
             *(("--mirror",) if self.mirror else ()),
             *(("--flip",) if self.flip else ()),
         )

@@ -171,6 +171,39 @@ def test_the_largest_faces_are_looked_at_closely_and_the_others_are_counted() ->
     assert pose_of(far).yaw is None
 
 
+def white_square(pixels: Floats) -> Sequence[Floats]:
+    """A detection that takes a white square for a face if it is 12 of its pixels wide or more."""
+    rows, columns = np.nonzero(pixels[0, :, :, 0] > 0)
+    if not rows.size or np.ptp(columns) < 11:
+        return detection()[0][None], detection()[1].reshape(1, 2304, 1)
+    middle = np.array((columns.mean(), rows.mean())) + 0.5
+    cell = (middle // 4).astype(int)
+    regressors, logits = detection((int(cell[1] * 48 + cell[0]), 0.9))
+    regressors[:, :2] = middle - (cell + 0.5) * 4
+    regressors[:, 2:4] = np.ptp(columns) + 1
+    return regressors[None], logits.reshape(1, 2304, 1)
+
+
+@pytest.mark.parametrize(("x", "y"), [(5, 5), (33, 20), (60, 44), (18, 40)])
+def test_a_small_face_is_found_by_looking_twice(x: int, y: int) -> None:
+    """Three pixels of 64 are 9 of the network's in the whole picture, 18 in a part."""
+    made = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    made[y - 1 : y + 2, x - 1 : x + 2] = 255
+    data = made.tobytes()
+
+    def unused(pixels: Floats) -> Sequence[Floats]:
+        raise AssertionError("nothing is looked at closely")
+
+    once = FaceNetworks(sampler(data), white_square, unused, unused)
+    assert [once.find(data, 0) for _ in range(12)] == [[]] * 12
+    twice = FaceNetworks(sampler(data), white_square, unused, unused, far=True)
+    found = [twice.find(data, 0) for _ in range(24)]
+    assert [len(faces) for faces in found[12:]].count(1) >= 6
+    assert all(len(faces) <= 1 for faces in found)
+    middles = [faces[0].box.middle for faces in found if faces]
+    assert np.array(middles) == pytest.approx(np.array([(x, y)] * len(middles)), abs=0.6)
+
+
 # -- the head --------------------------------------------------------------------------------------
 
 

@@ -40,7 +40,8 @@ def test_a_face_keeps_its_number_while_it_moves() -> None:
 
 
 def test_what_is_found_in_one_picture_alone_is_nobody() -> None:
-    assert course(FaceTracker(0.7), [face(100)], [], [face(100)], []) == [[]] * 4
+    once = [face(100)]
+    assert course(FaceTracker(0.7), once, [], [], once, [], [], once) == [[]] * 7
 
 
 def test_a_doubtful_face_begins_no_track_but_continues_one() -> None:

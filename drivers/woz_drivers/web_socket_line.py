@@ -101,17 +101,24 @@ class WebSocketLine:
         self._base = ""
         self._ready = False
         self._trouble = DeviceLostError(f"{shown} is not connected yet", "wait until it is there")
+        #: Ends the present connection with its error.
+        self._broken: asyncio.Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
         #: Loop time at which the robot was last heard.
         self._heard = 0.0
         self._pongs: dict[bytes, asyncio.Future[None]] = {}
         self._pings = 0
         self._misunderstood = False
+        self._was_ready = False
 
     @property
     def ready(self) -> bool:
         """Whether the robot is connected, and `get_ready` is through."""
         return self._ready
+
+    def need(self) -> None:
+        """Raise `DeviceLostError` with the present reason unless the robot is connected."""
+        self._open_socket()
 
     def start(self) -> None:
         """Begin to look for the robot; returns at once. Needs a running event loop."""
@@ -125,22 +132,27 @@ class WebSocketLine:
         if task is not None:
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
+            self._trouble = DeviceLostError(f"{self._shown} was let go", "start the session again")
 
     # -- for the driver ------------------------------------------------------------------------
 
     async def send(self, message: Any) -> None:
-        """Send a message. Raises `DeviceLostError`; nothing is sent to a robot that is silent."""
+        """Send a message. Raises `DeviceLostError`; a robot that takes none is lost with that."""
         opened = self._open_socket()
         text = msgspec.json.encode(message).decode()
         try:
             async with asyncio.timeout(_SEND_S):
                 await opened.send_str(text)
         except (TimeoutError, ConnectionError, RuntimeError) as error:
-            raise self._trouble_of(error) from error
+            raise self._break(error) from error
 
     async def probe(self, within: float = _SILENCE_S) -> None:
         """Return when the robot has answered a ping that is sent now: do this before anything that
-        must not happen late, such as driving. Raises `DeviceLostError`.
+        must not happen late, such as driving.
+
+        Raises:
+            DeviceLostError: The robot is not connected, or was lost meanwhile.
+            DriverError: It did not answer within `within` seconds.
         """
         opened = self._open_socket()
         self._pings += 1
@@ -150,8 +162,13 @@ class WebSocketLine:
             async with asyncio.timeout(within):
                 await opened.ping(payload)
                 await pong
-        except (TimeoutError, ConnectionError, RuntimeError) as error:
-            raise self._trouble_of(error) from error
+        except TimeoutError:
+            raise DriverError(
+                f"{self._shown} did not answer within {within:g} s",
+                "look at its network; try again",
+            ) from None
+        except (ConnectionError, RuntimeError) as error:
+            raise self._break(error) from error
         finally:
             self._pongs.pop(payload, None)
 
@@ -170,7 +187,8 @@ class WebSocketLine:
         Raises:
             DeviceLostError: The robot is not connected, or was lost meanwhile.
             AnswerError: It answered with an error.
-            DriverError: It did not answer within `within` seconds, or with what is no JSON.
+            DriverError: It did not answer within `within` seconds, broke this request off, or
+                answered with what is no JSON.
         """
         self._open_socket()
         assert self._session is not None
@@ -189,7 +207,11 @@ class WebSocketLine:
                 f"{self._shown} did not answer {path} within {within:g} s", "try again"
             ) from None
         except (aiohttp.ClientError, ConnectionError, RuntimeError) as error:
-            raise self._trouble_of(error) from error
+            if self._socket is None:
+                raise DeviceLostError(self._trouble.what, self._trouble.remedy) from error
+            raise DriverError(
+                f"{self._shown} did not answer {path}: {_reason(error)}", "try again"
+            ) from error
         if answer.status >= 400:
             words = body.decode("utf-8", "replace").strip()[:200]
             raise AnswerError(f"{self._shown} refused {path}: {words}", answer.status)
@@ -210,13 +232,17 @@ class WebSocketLine:
             raise DeviceLostError(self._trouble.what, self._trouble.remedy)
         return self._socket
 
-    def _trouble_of(self, error: BaseException) -> DeviceLostError:
-        if self._socket is None:
+    def _break(self, error: BaseException) -> DeviceLostError:
+        """End the present connection; returns why, or why it has ended already."""
+        if self._socket is None or self._broken is None:
             return DeviceLostError(self._trouble.what, self._trouble.remedy)
-        return DeviceLostError(
+        why = DeviceLostError(
             f"{self._shown} did not take a message: {str(error) or 'it does not answer'}",
-            "look at the robot and its network",
+            "look at the robot and its network; it is connected again by itself",
         )
+        if not self._broken.done():
+            self._broken.set_exception(why)
+        return why
 
     async def _keep_open(self) -> None:
         pause = _FIRST_PAUSE_S
@@ -226,32 +252,36 @@ class WebSocketLine:
             except DriverError as error:
                 self._trouble = DeviceLostError(error.what, error.remedy)
                 self._context.health(Health.LOST, error.what, error.remedy)
-            pause = _FIRST_PAUSE_S if self._ready else min(2 * pause, _LONGEST_PAUSE_S)
-            self._ready = False
+            pause = _FIRST_PAUSE_S if self._was_ready else min(2 * pause, _LONGEST_PAUSE_S)
             await asyncio.sleep(pause)
 
     async def _one_connection(self) -> None:
         """Connect, and end with the `DriverError` that says why the robot is lost."""
+        self._was_ready = False
         place = await self._find()
         web, sockets = ("https", "wss") if place.secure else ("http", "ws")
-        async with aiohttp.ClientSession(headers=self._headers) as session:
+        async with aiohttp.ClientSession(
+            headers=self._headers, connector=resetting_connector()
+        ) as session:
             opened = await self._connect(session, f"{sockets}://{place.address}{place.path}")
             self._session, self._socket = session, opened
             self._base = f"{web}://{place.address}"
             self._heard = asyncio.get_running_loop().time()
             self._misunderstood = False
+            self._broken = asyncio.get_running_loop().create_future()
             try:
-                await self._serve(opened)
+                await self._serve(opened, self._broken)
             except DriverError as error:
                 self._trouble = DeviceLostError(error.what, error.remedy)
                 raise
             finally:
-                self._session = self._socket = None
+                self._was_ready, self._ready = self._ready, False
+                self._session = self._socket = self._broken = None
                 for pong in self._pongs.values():
                     if not pong.done():
                         pong.set_exception(ConnectionError("the connection was lost"))
                 self._on_lost(self._trouble)
-                await _break_off(opened)
+                await opened.close()  # without waiting: see `ws_close` below
 
     async def _connect(
         self, session: aiohttp.ClientSession, url: str
@@ -279,9 +309,12 @@ class WebSocketLine:
                 "check its address, that it is switched on and that its software runs",
             ) from None
 
-    async def _serve(self, opened: aiohttp.ClientWebSocketResponse[bool]) -> None:
-        """Read, ask and make ready until one of the three says that the robot is lost."""
-        every = (
+    async def _serve(
+        self, opened: aiohttp.ClientWebSocketResponse[bool], broken: asyncio.Future[None]
+    ) -> None:
+        """Read, ask and make ready until one of the three, or `broken`, says that it is lost."""
+        every: tuple[asyncio.Future[None], ...] = (
+            broken,
             asyncio.create_task(self._read(opened), name=f"reading {self._shown}"),
             asyncio.create_task(self._watch(opened), name=f"watching {self._shown}"),
             asyncio.create_task(self._make_ready(), name=f"making {self._shown} ready"),
@@ -366,13 +399,16 @@ class WebSocketLine:
             self._context.health(Health.FAULTED, what, self._trouble.remedy)
 
 
-async def _break_off(opened: aiohttp.ClientWebSocketResponse[bool]) -> None:
-    """Close it without waiting, and throw away what has not been sent yet."""
-    transport_socket = opened.get_extra_info("socket")
-    if transport_socket is not None:
-        with contextlib.suppress(OSError):
-            transport_socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
-    await opened.close()
+def resetting_connector() -> aiohttp.TCPConnector:
+    """Connections whose end throws away what has not been sent yet: nothing arrives late."""
+    return aiohttp.TCPConnector(socket_factory=_resetting_socket)
+
+
+def _resetting_socket(place: aiohttp.AddrInfoType) -> socket.socket:
+    family, kind, protocol, _, _ = place
+    made = socket.socket(family, kind, protocol)
+    made.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
+    return made
 
 
 def _reason(error: BaseException) -> str:

@@ -226,3 +226,43 @@ async def test_closing_leaves_no_task_behind(robot: Parrot) -> None:
         pass
     await until(lambda: not robot.sockets)
     assert {task for task in asyncio.all_tasks() - before if "parrot" in task.get_name()} == set()
+
+
+async def test_a_robot_that_takes_nothing_more_is_lost_and_found_again(
+    robot: Parrot, desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(web_socket_line, "_SEND_S", 0.05)
+    monkeypatch.setattr(web_socket_line, "_SILENCE_S", 1000.0)
+    robot.freeze()
+    with pytest.raises(DeviceLostError):
+        while True:
+            await desk.line.send({"word": "x" * 1_000_000})
+    await until(lambda: desk.lost != [])
+    robot.thaw()
+    await until(lambda: desk.line.ready)
+
+
+async def test_it_is_not_ready_any_more_when_the_loss_is_told(robot: Parrot) -> None:
+    desk = Desk(robot.address)
+    states: list[bool] = []
+    desk.line._on_lost = lambda error: states.append(desk.line.ready)
+    desk.line.start()
+    await until(lambda: desk.line.ready)
+    robot.drop()
+    await until(lambda: states != [])
+    await until(lambda: desk.line.ready)
+    await desk.line.close()
+    assert states == [False, False]
+    assert not desk.line.ready
+    with pytest.raises(DeviceLostError):
+        desk.line.need()
+
+
+async def test_a_slow_answer_to_a_probe_costs_no_connection(robot: Parrot, desk: Desk) -> None:
+    robot.freeze()
+    with pytest.raises(DriverError) as raised:
+        await desk.line.probe(within=0.05)
+    assert not isinstance(raised.value, DeviceLostError)
+    robot.thaw()
+    await desk.line.probe()
+    assert desk.lost == []

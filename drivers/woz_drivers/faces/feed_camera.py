@@ -61,6 +61,7 @@ class FeedCamera:
                 self._listener.ended(
                     DriverError(f"{self._driver} sends no pictures", "is it connected?")
                 )
+                came_us = now_us  # told once, and again after the same time
             elif now_us - came_us >= _STALE_S * 1e6:
                 self._listener.silent(f"{self._driver} sends no pictures")
             await asyncio.sleep(_LOOK_S)

@@ -5,7 +5,6 @@ the robot has.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -236,8 +235,12 @@ class NaoqiRobot(Driver):
             self._later.start(self._live())
 
     async def _live(self) -> None:
-        with contextlib.suppress(DeviceLostError):  # then the next connection does it
+        try:
             await self._apply([part for part in self._parts if isinstance(part, AutonomyPart)])
+        except DeviceLostError as error:
+            if self._present:  # else the next connection does it
+                what = f"what it does by itself could not be set: {error.what}"
+                self.context.notice("warning", what, "set it on the robot's screen")
 
     async def rest(self) -> None:
         """Take the posture of the robot file, otherwise rest; autonomous life stays as it is."""

@@ -150,11 +150,18 @@ class Speech(Driver):
         """
         if self.settings.speak:
             return
-        self._preparing = asyncio.create_task(self._prepare(utterances))
+        preparing = self._start_preparing(utterances)
         try:
-            await asyncio.wait([self._preparing])
+            await asyncio.wait([preparing])
         finally:
+            preparing.cancel()
+
+    def _start_preparing(self, utterances: list[Mapping[str, Json]]) -> asyncio.Task[None]:
+        """Begin to prepare these, and end what was being prepared before."""
+        if self._preparing is not None:
             self._preparing.cancel()
+        self._preparing = asyncio.create_task(self._prepare(utterances))
+        return self._preparing
 
     async def _prepare(self, utterances: list[Mapping[str, Json]]) -> None:
         self._unprepared = []
@@ -270,7 +277,7 @@ class Speech(Driver):
         self._resident_trouble = DriverError(why, remedy) if state == "lost" else None
         self._complete()
         if state == "ready" and self._unprepared:
-            self._preparing = asyncio.create_task(self._prepare(self._unprepared))
+            self._start_preparing(self._unprepared)
 
     # -- sound ---------------------------------------------------------------------------------
 

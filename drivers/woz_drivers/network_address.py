@@ -19,6 +19,8 @@ def host_and_port(place: str, usual: int, examples: str) -> tuple[str, int]:
     Raises `RejectedError` with what is wrong, and `examples` as its remedy. Nothing of `place`,
     which may hold a password, is repeated.
     """
+    if "/" in place:
+        raise RejectedError("this is an address of a page", f"leave out http:// and /; {examples}")
     found = _PLACE.fullmatch(place)
     if found is None:
         if place.count(":") > 1 and "[" not in place:

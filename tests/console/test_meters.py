@@ -346,6 +346,15 @@ def test_events_say_when_what_and_how_it_ended() -> None:
     assert "mistake" in shown
 
 
+def test_a_robot_that_is_back_is_told_as_its_loss_was() -> None:
+    lost = m.DriverLost(driver="nao", detail="it does not answer", t=NOW - 5_000_000, seq=1)
+    back = m.DriverConnected(driver="nao", detail="simulated", t=NOW - 2_900_000, seq=2)
+    many = [m.Note(text=f"note {number}", t=NOW - 2_000_000, seq=3 + number) for number in range(6)]
+    lines = text(event_rows(pictured(lost, back, *many), PaintFrame(60, 8, NOW))).splitlines()
+    assert any("nao lost" in line for line in lines)
+    assert any("✓ nao connected  after 2.1 s" in line for line in lines)
+
+
 def test_the_scripts_line() -> None:
     shown = text([script_row(pictured(), PaintFrame(60, 1, NOW), "Space")])
     assert "▸ Map" in shown

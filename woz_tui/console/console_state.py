@@ -21,6 +21,7 @@ from woz_tui.console.engagement.engagement_view import EngagementView
 from woz_tui.console.engagement.wizard_overrides import toggled_text
 from woz_tui.console.event_sentences import EventLine, event_line, explained
 from woz_tui.console.message_feed import Incoming
+from woz_tui.console.number_text import seconds
 from woz_tui.console.replay.replay_state import ReplayState, updated
 from woz_tui.console.running_actions import ActiveRun, RunningActions, RunOutcome
 from woz_tui.console.study.study_view import StudyView
@@ -33,7 +34,7 @@ from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import Allowance, WelcomeSettings
 from woz_tui.session.redactor import PerceptionFilter, Redactor
-from woz_tui.timeline.episodes import StopEpisode, keep_latest
+from woz_tui.timeline.episodes import LostDriverEpisode, StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
 
 #: What may be used where no profile is in use.
@@ -418,6 +419,11 @@ class ConsoleState:
             self.session.apply(message)
             return
         recorder = self.session.recorder
+        lost = (
+            self.session.lost.get(message.driver)
+            if isinstance(message, m.DriverConnected)
+            else None
+        )
         outcome = self.runs.apply(self.session.apply(message))
         self.engaged.apply(message)
         self.study.apply(message)
@@ -441,7 +447,7 @@ class ConsoleState:
                     recorder.detail,
                 )
         if tell:
-            self._add_event(message, outcome)
+            self._add_event(message, outcome, lost)
         if isinstance(message, m.Command):
             self._put_said(message)
 
@@ -472,8 +478,15 @@ class ConsoleState:
                     each for each, view in there.items() if view is not None and not view.locked
                 )
 
-    def _add_event(self, message: m.Message, outcome: RunOutcome | None) -> None:
-        """Put it on the list of events, or its outcome behind the event that began it."""
+    def _add_event(
+        self,
+        message: m.Message,
+        outcome: RunOutcome | None,
+        lost: LostDriverEpisode | None,
+    ) -> None:
+        """Put it on the list of events, or its outcome behind the event that began it. `lost`: how
+        the driver had been lost that is connected now.
+        """
         if outcome is not None:
             for event in reversed(self.events):
                 if event.run == outcome.run:
@@ -486,6 +499,9 @@ class ConsoleState:
         told = event_line(message, self)
         if told is None or (self.events and self.events[-1].again(told)):
             return
+        if lost is not None:  # as important as the loss, which stands on the list
+            told.machine = False
+            told.detail = f"after {seconds(message.t - lost.begin)}, {told.detail}"
         if told.model:  # one line says where the model is: the last one
             kept = [event for event in self.events if not event.model]
             self.events = deque(kept, maxlen=EVENTS)

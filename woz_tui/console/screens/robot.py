@@ -127,8 +127,7 @@ class RobotDialog(DrawingDialog):
         """What stands there in a session without such a robot."""
         return (
             "No robot of this session has settings to show.\n"
-            "A Pepper has; see docs/how-to/pepper.md:\n"
-            "  pepper: {type: pepper, robots: [ADDRESS]}"
+            "`woz robots` lists what each robot has; the key of the drivers says how each is."
         )
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:

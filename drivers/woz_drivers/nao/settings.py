@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
 from woz_drivers.nao.nao_model import CAMERAS, NAO
+from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.robot_model import RobotModel
+from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
 
@@ -45,6 +47,16 @@ class NaoSettings(NaoqiSettings, _Address):
     files: Annotated[FilesSettings, Doc("sound files of this machine")] = field(
         default_factory=FilesSettings
     )
+
+    def problems(self) -> list[tuple[str, str]]:
+        """See `NaoqiSettings.problems`; this robot has one address, which has to be one."""
+        found = super().problems()
+        if self.address and not any(path == "address" for path, _ in found):
+            try:
+                parse(self.address)
+            except RejectedError as error:
+                found.append(("address", f"{error.what}; {error.remedy}"))
+        return found
 
     @property
     def addresses(self) -> Mapping[str, str]:

@@ -155,6 +155,9 @@ class NaoqiSettings(Section):
         for name, value in self.initial_values(of_section("Voice")).items():
             if isinstance(value, int | float) and not SETTINGS[name].allows(value):
                 found.append((SETTINGS[name].file, f"takes {SETTINGS[name].numbers}"))
+        if self.posture and self.posture not in self.model.postures:
+            known = ", ".join(self.model.postures)
+            found.append(("posture", f"no robot of this kind has {self.posture!r}; it has {known}"))
         return found
 
     def initial_values(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:

@@ -201,3 +201,10 @@ async def test_the_screen_offers_its_postures_and_no_tablet(it: Played) -> None:
     assert not {"screen", "tablet", "hip"} & {verb.name for verb in Nao.verbs(NaoSettings())}
     shown = await it.tells(lambda one: set(lines) <= set(one.values))
     assert shown.values["posture"] == "Stand"
+
+
+async def test_a_wrong_address_or_posture_is_found_before_the_session() -> None:
+    wrong = NaoSettings(address="http://192.168.1.21", posture="Sitt")
+    assert {path for path, _ in wrong.problems()} == {"address", "posture"}
+    assert NaoSettings(address="nao.local", posture="Sit").problems() == []
+    assert NaoSettings().problems() == []

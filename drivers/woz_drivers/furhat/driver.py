@@ -121,14 +121,14 @@ class Furhat(Driver):
         super().__init__(name, settings, context)
         self._link = FurhatLink(settings, context, get_ready=self._get_ready, on_lost=self._lost)
         about = (self._link, settings, context)
-        self._head = head = FurhatHead(*about)
+        head = FurhatHead(*about)
         self._hearing = FurhatHearing(*about)
         self._parts: tuple[FurhatPart, ...] = (
             *(FurhatSpeech(*about), FurhatFace(*about, head), head, FurhatLight(*about)),
             *(self._hearing, FurhatSenses(*about, head), FurhatCamera(*about)),
         )
         self._by_verb = {verb.name: part for part in self._parts for verb in part.verbs(settings)}
-        self._looking: asyncio.Task[None] | None = None
+        self._settings_task: asyncio.Task[None] | None = None
         self._shown: dict[str, Json] = {}
         self._closed = False
 
@@ -179,27 +179,31 @@ class Furhat(Driver):
         """End speech and gestures and hold the gaze; each confirms with the robot's own event."""
         if scope is not Scope.ALL:
             return None
+        for part in self._parts:
+            part.hold()
         if not self._link.ready:
-            self._head.let_go()
             return None
         until = asyncio.get_running_loop().time() + STOP_S
-        ends: dict[str, list[asyncio.Future[Any]]] = {}
-        for part in self._parts:
-            halted = await part.halt()
-            if part.name:
-                ends[part.name] = halted
-        # The robot takes requests in order: with this answer it has taken those of the stop.
-        taken = asyncio.ensure_future(self._link.authenticate(STOP_S))
-        every = [taken, *(end for part_ends in ends.values() for end in part_ends)]
+        halts = [asyncio.create_task(part.halt()) for part in self._parts]
+        pending: list[asyncio.Task[Any]] = [*halts]
         try:
+            await asyncio.wait(halts, timeout=STOP_S)
+            # The robot takes requests in order: with this answer it has taken those of the stop.
+            taken = asyncio.create_task(self._link.authenticate(STOP_S))
+            pending.append(taken)
+            ends: dict[str, list[asyncio.Future[Any]]] = {
+                part.name: [taken, halt, *(halt.result() if _done(halt) else ())]
+                for part, halt in zip(self._parts, halts, strict=True)
+                if part.name
+            }
+            every = {end for part_ends in ends.values() for end in part_ends}
             left = max(0.0, until - asyncio.get_running_loop().time())
             await asyncio.wait(every, timeout=left)
-            missing = {
-                name for name, part_ends in ends.items() if not all(map(_done, [taken, *part_ends]))
-            }
+            missing = {name for name, part_ends in ends.items() if not all(map(_done, part_ends))}
         finally:
-            taken.cancel()
-            taken.add_done_callback(lambda over: over.cancelled() or over.exception())
+            for task in pending:
+                task.cancel()
+                task.add_done_callback(lambda over: over.cancelled() or over.exception())
         return StopReport(tuple(sorted(ends.keys() - missing)), tuple(sorted(missing)))
 
     async def rest(self) -> None:
@@ -214,10 +218,10 @@ class Furhat(Driver):
         """End everything of this driver; the robot stays as it is."""
         self._closed = True
         self._by_verb = {}
-        looking, self._looking = self._looking, None
-        if looking is not None:
-            looking.cancel()
-            await asyncio.wait([looking])
+        task, self._settings_task = self._settings_task, None
+        if task is not None:
+            task.cancel()
+            await asyncio.wait([task])
         for part in self._parts:
             await part.close()
         await self._link.close()
@@ -233,7 +237,7 @@ class Furhat(Driver):
                 raise
             except DriverError as error:
                 self.context.notice("warning", error.what, error.remedy)
-        self._looking = asyncio.create_task(self._look(), name="furhat settings")
+        self._settings_task = asyncio.create_task(self._watch_settings(), name="furhat settings")
         self._show()
         words = [self._link.shown, *(str(self._shown.get(name, "")) for name in ("voice", "face"))]
         return ", ".join(word for word in words if word)
@@ -241,19 +245,19 @@ class Furhat(Driver):
     def _lost(self) -> None:
         if self._closed:
             return
-        if self._looking is not None:
-            self._looking.cancel()
-            self._looking = None
+        if self._settings_task is not None:
+            self._settings_task.cancel()
+            self._settings_task = None
         for part in self._parts:
             part.lost()
 
-    async def _look(self) -> None:
+    async def _watch_settings(self) -> None:
         """What changes by itself: whom it looks at, whether it listens."""
-        with contextlib.suppress(DeviceLostError):
-            while True:
-                await asyncio.sleep(_LOOK_S)
+        while True:
+            await asyncio.sleep(_LOOK_S)
+            with contextlib.suppress(DeviceLostError):  # until it is back this is begun anew
                 await self._hearing.go_on()
-                self._show()
+            self._show()
 
     def _show(self) -> None:
         """The settings as the robot has them, if they have changed."""

@@ -7,6 +7,7 @@ by piece, so that it ends at once with the stop.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -34,6 +35,7 @@ from woz_drivers.simulated.argument_values import (
 )
 from woz_tui.drivers.contract import (
     Argument,
+    DeviceLostError,
     DriverContext,
     DriverError,
     Job,
@@ -71,13 +73,15 @@ class FurhatFace(FurhatPart):
         super().__init__(link, settings, context)
         self._head = head
         self._gesture: Exchange[GestureEnded] | None = None
-        #: What the face holds: of the emotion, and beside it of poses.
+        #: What the face holds: of the emotion, over it of poses, over both of a gesture of ours.
         self._emotion: dict[str, float] = {}
         self._posed: dict[str, float] = {}
+        self._played: dict[str, float] = {}
         #: What was sent last, and counts up with each stop: what moves the face then ends.
         self._sent: dict[str, float] = {}
         self._stops = 0
-        self._face_id = settings.face
+        self._wanted_face = settings.face
+        self._shown_face = ""
         self._faces: list[str] = []
         self._configured: dict[str, bool] = {}
 
@@ -117,33 +121,38 @@ class FurhatFace(FurhatPart):
                 return await self._configure(job)
         return await super().perform(job)
 
+    def hold(self) -> None:
+        """What is sent from here ends; the face keeps nothing of a gesture of ours."""
+        self._stops += 1
+        self._played.clear()
+
     async def halt(self) -> list[asyncio.Future[Any]]:
         """End gestures; the expression stays."""
-        self._stops += 1
         gesture = self._gesture
         if gesture is None or gesture.over.done():
+            await self._send_face()
             return []
-        await self._neutral()
+        await self._reset_face()
         return [gesture.over]
 
     async def connected(self) -> None:
         """Show the face that was wanted, with the expression of before."""
         self._gesture = None
-        self._sent = {}
-        await self._neutral()
+        await self._reset_face()
+        if self._configured:
+            await self._link.send("request.face.config", **self._configured)
         status = await self._link.ask("request.face.status", FaceStatus)
         self._faces = status.face_list or []
-        wanted, self._face_id = self._face_id, status.face_id or ""
-        if wanted and wanted != self._face_id:
-            self._known(wanted)
-            self._face_id = wanted
+        self._shown_face = status.face_id or ""
+        wanted = self._wanted_face
+        if wanted and wanted != self._shown_face:
+            self._require_listed(wanted)
             await self._link.send("request.face.config", face_id=wanted, **self._configured)
-        elif self._configured:
-            await self._link.send("request.face.config", **self._configured)
+            self._shown_face = wanted
 
     def shown(self) -> Mapping[str, Json]:
         """Which face it is."""
-        return {"face": self._face_id} if self._face_id else {}
+        return {"face": self._shown_face} if self._shown_face else {}
 
     # -- gestures ------------------------------------------------------------------------------
 
@@ -167,7 +176,7 @@ class FurhatFace(FurhatPart):
         assert name in GESTURES
         if self._gesture is not None:
             self._link.forget(self._gesture)
-        self._gesture = await self._link.begin(
+        gesture = self._gesture = await self._link.begin(
             *("request.gesture.start", GestureEnded, GestureStarted),
             name=name,
             intensity=intensity,
@@ -178,31 +187,51 @@ class FurhatFace(FurhatPart):
             f"the robot did not play the gesture {name}", "does its software have it?"
         )
         try:
-            event = await self._gesture.next(_BEGINS_WITHIN_S, late)
+            event = await gesture.next(_BEGINS_WITHIN_S, late)
             while not isinstance(event, GestureEnded):
-                event = await self._gesture.next(_ENDS_WITHIN_S, late)
+                event = await gesture.next(_ENDS_WITHIN_S, late)
         except asyncio.CancelledError:
-            if self._link.ready and not self._gesture.over.done():
-                await self._neutral()
+            await self._end_on_robot(gesture)
             raise
+        except DeviceLostError:
+            raise
+        except DriverError:
+            await self._end_on_robot(gesture)  # what did not begin in time must not begin later
+            self._link.forget(gesture)
+            raise
+
+    async def _end_on_robot(self, gesture: Exchange[GestureEnded]) -> None:
+        if self._link.ready and not gesture.over.done():
+            with contextlib.suppress(DeviceLostError):
+                await self._reset_face()
 
     async def _frames(
         self, job: Job, frames: Sequence[FaceFrame], speed: float, amplitude: float
     ) -> None:
-        """A gesture of ours; what it changed is as before at its end."""
+        """A gesture of ours; what it changed is as before at its end, however it ends."""
         job.expects(sum(frame.seconds for frame in frames) / speed)
-        before = dict(self._posed)
         yaw, pitch = self._head.direction()
         turns = any(frame.yaw or frame.pitch for frame in frames)
         stops = self._stops
-        for frame in frames:
-            if turns:
-                await self._head.look(yaw + frame.yaw * amplitude, pitch + frame.pitch * amplitude)
-            scaled = _bounded({name: share * amplitude for name, share in frame.face.items()})
-            await self._ramp(self._posed, before | scaled, frame.seconds / speed, whole=True)
-            if stops != self._stops:
-                return
-        await self._ramp(self._posed, before, 0.0, whole=True)
+        try:
+            for frame in frames:
+                if turns:
+                    await self._head.look(
+                        yaw + frame.yaw * amplitude, pitch + frame.pitch * amplitude
+                    )
+                scaled = _bounded({name: share * amplitude for name, share in frame.face.items()})
+                below = {**self._emotion, **self._posed}
+                wanted = {name: below.get(name, 0.0) for name in self._played} | scaled
+                for name in scaled:
+                    self._played.setdefault(name, below.get(name, 0.0))
+                await self._ramp(self._played, wanted, frame.seconds / speed)
+                if stops != self._stops:
+                    return
+        finally:
+            self._played.clear()
+            if self._link.ready:
+                with contextlib.suppress(DeviceLostError):
+                    await self._send_face()
 
     async def _poses(self, job: Job) -> dict[str, Json]:
         poses = [job.args] if job.verb == "pose" else job.args.get("poses") or []
@@ -223,7 +252,7 @@ class FurhatFace(FurhatPart):
         await self._head.look(0.0, 0.0)
         await self._ramp(self._posed, {}, 0.0, whole=True)
         await self._ramp(self._emotion, {}, seconds, whole=True)
-        await self._neutral()
+        await self._reset_face()
         return {"seconds": seconds}
 
     # -- the expression ------------------------------------------------------------------------
@@ -261,13 +290,13 @@ class FurhatFace(FurhatPart):
             await asyncio.sleep(min(STEP_S, seconds * (1.0 - share)))
             if stops != self._stops:
                 return
-        for name in names:
+        for name in names if layer is not self._played else ():
             if layer.get(name) == 0.0:
                 del layer[name]
 
     async def _send_face(self) -> None:
         """What has changed since the last message."""
-        wanted = _bounded({**self._emotion, **self._posed})
+        wanted = _bounded({**self._emotion, **self._posed, **self._played})
         for name in self._sent:
             wanted.setdefault(name, 0.0)
         changed = {
@@ -279,10 +308,10 @@ class FurhatFace(FurhatPart):
             self._sent |= changed
             await self._link.send("request.face.params", params=changed)
 
-    async def _neutral(self) -> None:
+    async def _reset_face(self) -> None:
         """End gestures of the robot, which takes the expression along; show that again."""
-        await self._link.send("request.face.reset")
         self._sent = {}
+        await self._link.send("request.face.reset")
         await self._send_face()
 
     # -- which face ----------------------------------------------------------------------------
@@ -293,19 +322,20 @@ class FurhatFace(FurhatPart):
         if not face and not flags:
             raise RejectedError("nothing to change was named", "give a face, or a flag")
         if face:
-            self._known(face)
+            self._require_listed(face)
         sent = {"visibility" if name == "visible" else name: bool(on) for name, on in flags.items()}
         wanted = {"face_id": face} if face else {}
         await self._link.send("request.face.config", **wanted, **sent)
         self._configured |= sent
         if face:
             status = await self._link.ask("request.face.status", FaceStatus, face_list=False)
-            if status.face_id not in (None, face):
-                raise DriverError(f"the robot shows {status.face_id}, not {face}", "try again")
-            self._face_id = face
-        return {"face": self._face_id, **flags}
+            self._shown_face = status.face_id or face
+            if self._shown_face != face:
+                raise DriverError(f"the robot shows {self._shown_face}, not {face}", "try again")
+            self._wanted_face = face
+        return {"face": self._shown_face, **flags}
 
-    def _known(self, face: str) -> None:
+    def _require_listed(self, face: str) -> None:
         """Raises `RejectedError` for a face that the robot does not list."""
         if self._faces and face not in self._faces:
             raise RejectedError(
@@ -314,7 +344,7 @@ class FurhatFace(FurhatPart):
 
     def lost(self) -> None:
         """What moves the face ends."""
-        self._stops += 1
+        self.hold()
 
 
 def _bounded(params: Mapping[str, float]) -> dict[str, float]:

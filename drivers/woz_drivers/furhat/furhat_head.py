@@ -22,7 +22,6 @@ from woz_tui.protocol.messages import Json
 
 #: How far it turns its gaze: in degrees to a side, and up or down.
 YAW, PITCH = Range(-75, 75, "degrees"), Range(-45, 45, "degrees")
-_STEP = Range(-90, 90, "degrees")
 #: How far away a place lies that is given as a direction, in metres.
 _FAR_M = 1.5
 LANE = "head"
@@ -38,6 +37,8 @@ class FurhatHead(FurhatPart):
         self._yaw = self._pitch = 0.0
         #: Whom it looks at; empty: at a place.
         self._followed = ""
+        #: What the robot was asked for last: user, location or nobody.
+        self._asked = ""
         self._status = "nobody"
         self._seen: Mapping[str, Place] = {}
         self._turn: Exchange[AttendStatus] | None = None
@@ -78,11 +79,11 @@ class FurhatHead(FurhatPart):
         return {"yaw": round(yaw, 2), "pitch": round(pitch, 2)}
 
     async def _follow(self, user: str) -> dict[str, Json]:
+        self._followed = user
         if user == "nobody":
             await self._attend("nobody")
         else:
             await self._attend("user", user_id=user)
-        self._followed = user
         return {"user": user}
 
     async def look(self, yaw: float, pitch: float) -> tuple[float, float]:
@@ -105,25 +106,26 @@ class FurhatHead(FurhatPart):
         """Who is there now, by id."""
         self._seen = users
 
-    async def halt(self) -> list[asyncio.Future[Any]]:
-        """Hold the gaze: whom it follows it follows no further."""
-        if self._followed and self._followed != "nobody":
-            await self.look(*self.direction())
-            assert self._turn is not None
-            return [self._turn.over]
-        return []
-
-    def let_go(self) -> None:
-        """Follow nobody when the robot is back: the stop was pressed while it was away."""
+    def hold(self) -> None:
+        """Whom it follows it follows no further, also when the robot is back."""
         if self._followed and self._followed != "nobody":
             self._yaw, self._pitch = self.direction()
             self._followed = ""
+
+    async def halt(self) -> list[asyncio.Future[Any]]:
+        """Hold the gaze of a robot that follows somebody."""
+        if self._asked != "user":
+            return []
+        await self.look(self._yaw, self._pitch)
+        assert self._turn is not None
+        return [self._turn.over]
 
     async def connected(self) -> None:
         """Look where it was told to last."""
         if self._followed:
             await self._follow(self._followed)
-        elif (self._yaw, self._pitch) != (0.0, 0.0):
+        # Not `else`: a stop may have come meanwhile. A robot that was away may still follow.
+        if not self._followed and (self._asked == "user" or (self._yaw, self._pitch) != (0.0, 0.0)):
             await self.look(self._yaw, self._pitch)
 
     def shown(self) -> Mapping[str, Json]:
@@ -134,6 +136,7 @@ class FurhatHead(FurhatPart):
         return shown
 
     async def _attend(self, kind: str, **fields: Any) -> None:
+        self._asked = kind
         attention = self._settings.attention
         if kind != "nobody":
             fields |= {

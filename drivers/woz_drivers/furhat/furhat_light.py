@@ -24,6 +24,7 @@ class FurhatLight(FurhatPart):
     def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
         super().__init__(link, settings, context)
         self._color = color({"color": settings.led}, "color") if settings.led else ""
+        self._animation = "steady"
         self._loop: asyncio.Task[None] | None = None
 
     @classmethod
@@ -39,25 +40,29 @@ class FurhatLight(FurhatPart):
         )
         self._end_loop()
         await self._link.send("request.led.set", color=shown)
-        self._color = shown
-        if animation != "steady":
-            self._loop = asyncio.create_task(self._repeat(animation), name="furhat light")
+        self._color, self._animation = shown, animation
+        self._begin_loop()
         return {"color": shown, "animation": animation}
 
+    def hold(self) -> None:
+        """It comes and goes no more, also when the robot is back."""
+        self._end_loop()
+        self._animation = "steady"
+
     async def halt(self) -> list[asyncio.Future[object]]:
-        """The light stays; it comes and goes no more."""
-        if self._loop is not None:
-            self._end_loop()
+        """The light stays, also one that was just dark."""
+        if self._color:
             await self._link.send("request.led.set", color=self._color)
         return []
 
     async def connected(self) -> None:
-        """Show the colour that was asked for last."""
+        """Show what was asked for last."""
         if self._color:
             await self._link.send("request.led.set", color=self._color)
+            self._begin_loop()
 
     def lost(self) -> None:
-        """Nothing blinks any more."""
+        """Nothing blinks until it is back."""
         self._end_loop()
 
     def shown(self) -> Mapping[str, Json]:
@@ -71,10 +76,15 @@ class FurhatLight(FurhatPart):
         if loop is not None:
             await asyncio.wait([loop])
 
-    async def _repeat(self, animation: str) -> None:
-        with contextlib.suppress(DeviceLostError):
+    def _begin_loop(self) -> None:
+        self._end_loop()
+        if self._animation != "steady":
+            self._loop = asyncio.create_task(self._repeat(), name="furhat light")
+
+    async def _repeat(self) -> None:
+        with contextlib.suppress(DeviceLostError):  # it begins anew when the robot is back
             while True:
-                if animation == "blink":
+                if self._animation == "blink":
                     await asyncio.sleep(_OPEN_S)
                     await self._link.send("request.gesture.start", name="Blink")
                 else:

@@ -37,8 +37,11 @@ class FurhatPart:
         """Carry out one of its verbs."""
         raise RejectedError(f"{self.name or 'this part'} cannot {job.verb}")
 
+    def hold(self) -> None:
+        """The stop, here: begin and send nothing more of what went on, also when it is back."""
+
     async def halt(self) -> list[asyncio.Future[Any]]:
-        """Send what ends it, at once; returns what has to come before it has ended."""
+        """The stop, there: send what ends it; returns what has to come before it has ended."""
         return []
 
     async def connected(self) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import contextlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -115,11 +116,15 @@ class FurhatSpeech(FurhatPart):
                 return {"level": level}
         return await super().perform(job)
 
+    def hold(self) -> None:
+        """Send no more of a sound."""
+        self._end_sending()
+
     async def halt(self) -> list[asyncio.Future[Any]]:
         """Fall silent, whoever speaks through it."""
-        self._end_sending()
+        spoken = self._spoken
         await self._link.send("request.speak.stop")
-        return [self._spoken.over] if self._spoken is not None else []
+        return [] if spoken is None or spoken.over.done() else [spoken.over]
 
     async def connected(self) -> None:
         """Set voice and volume; say nothing that was begun before."""
@@ -201,19 +206,21 @@ class FurhatSpeech(FurhatPart):
                     ends = now + left
                     job.expects(max(0.0, left))
         except asyncio.CancelledError:
-            await self._hush()
+            await self._send_stop()
             raise
         except DeviceLostError:
             raise
         except DriverError:
-            await self._hush()  # what did not begin in time must not begin later
+            await self._send_stop()  # what did not begin in time must not begin later
+            self._link.forget(exchange)
             raise
 
-    async def _hush(self) -> None:
-        """End it on the robot; the next request comes behind this one."""
+    async def _send_stop(self) -> None:
+        """End it on the robot, if it is there; the next request comes behind this one."""
         self._end_sending()
         if self._link.ready:
-            await self._link.send("request.speak.stop")
+            with contextlib.suppress(DeviceLostError):
+                await self._link.send("request.speak.stop")
 
     # -- sounds --------------------------------------------------------------------------------
 

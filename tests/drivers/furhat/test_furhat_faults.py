@@ -7,9 +7,10 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+from robot_simulators import furhat as simulator
 from robot_simulators.furhat import FurhatSimulator
 from woz_drivers import web_socket_line
-from woz_drivers.furhat import Furhat, FurhatSettings, furhat_link, furhat_speech
+from woz_drivers.furhat import Furhat, FurhatSettings, furhat_light, furhat_link, furhat_speech
 from woz_drivers.furhat.settings import FurhatSensesSettings, FurhatVoiceSettings
 
 from tests.drivers.furhat.acted import DEAF, QUIET, Acted, acted
@@ -61,6 +62,39 @@ async def test_a_robot_that_was_started_anew_gets_everything_again(it: Acted) ->
     await it.arrived()
     assert it.robot.led == "#00ff00"
     assert it.robot.requests("request.system.config")[-2] == {"volume": 40}
+
+
+async def test_a_light_that_comes_and_goes_does_so_again_when_the_robot_is_back(
+    it: Acted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(furhat_light, "_HALF_S", 0.02)
+    await it.do("eyes", color="green", animation="intermittent")
+    it.robot.drop()
+    await it.is_lost()
+    await it.is_there()
+    before = len(it.robot.requests("request.led.set"))
+    await until(lambda: len(it.robot.requests("request.led.set")) > before + 3)
+    assert {"color": "#000000"} in it.robot.requests("request.led.set")[before:]
+
+
+async def test_a_face_that_the_robot_lacks_for_a_while_is_shown_when_it_has_it(
+    it: Acted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await it.do("face", face="adult - Isabel", blinking=False)
+    monkeypatch.setattr(simulator, "FACES", ("adult - Alex",))
+    it.robot.face_id = "adult - Alex"
+    it.robot.drop()
+    await it.is_lost()
+    await it.is_there()
+    assert "adult - Isabel" in it.notices
+    assert it.shown["face"] == "adult - Alex"
+    assert it.robot.requests("request.face.config")[-1] == {"blinking": False}
+    monkeypatch.undo()
+    it.robot.drop()
+    await it.is_lost()
+    await it.is_there()
+    await it.arrived()
+    assert it.robot.face_id == "adult - Isabel"
 
 
 async def test_a_frozen_robot_is_noticed_and_says_nothing_late(

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import struct
 import wave
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from woz_drivers.furhat import driver
+from woz_drivers.furhat import driver, furhat_face, furhat_light, furhat_speech
 from woz_drivers.furhat.settings import FurhatSensesSettings
 
 from tests.drivers.furhat.acted import SOMEBODY, Acted, acted
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
-from woz_tui.drivers.contract import DeviceLostError, Scope, StopReport
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Scope, StopReport
 from woz_tui.protocol.messages import AnyMessage, Command, DriverConnected, Json, StopConfirmed
 from woz_tui.testing import until
 
@@ -118,6 +119,74 @@ async def test_a_frozen_robot_confirms_nothing(it: Acted) -> None:
     assert await it.stop() == StopReport(missing=PARTS)
 
 
+@pytest.mark.usefixtures("unhurried")
+@pytest.mark.parametrize(
+    ("request_", "verb", "args"),
+    [
+        ("request.speak.text", "say", {"text": LONG}),
+        ("request.gesture.start", "play", {"move": "nod"}),
+    ],
+)
+async def test_what_the_robot_refused_is_nothing_that_has_to_end(
+    it: Acted, request_: str, verb: str, args: dict[str, str]
+) -> None:
+    it.robot.faults.refused[request_] = "not now"
+    with pytest.raises(DriverError, match="not now"):
+        await it.do(verb, **args)
+    assert await it.stop() == StopReport(confirmed=PARTS)
+
+
+@pytest.mark.usefixtures("unhurried")
+async def test_what_did_not_begin_in_time_is_ended_and_the_stop_waits_for_it_no_more(
+    it: Acted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(furhat_speech, "_BEGINS_WITHIN_S", 0.1)
+    monkeypatch.setattr(furhat_face, "_BEGINS_WITHIN_S", 0.1)
+    it.robot.ignored |= {"request.speak.text", "request.gesture.start"}
+    with pytest.raises(DriverError, match="did not begin"):
+        await it.begin("say", text=LONG)
+    resets = len(it.robot.requests("request.face.reset"))
+    with pytest.raises(DriverError, match="Nod"):
+        await it.begin("play", move="nod")
+    await until(lambda: len(it.robot.requests("request.face.reset")) > resets)
+    assert await it.stop() == StopReport(confirmed=PARTS)
+
+
+@pytest.mark.usefixtures("unhurried")
+@pytest.mark.parametrize("stopped", [True, False])
+async def test_an_interrupted_gesture_of_ours_leaves_nothing_in_the_face(
+    it: Acted, stopped: bool
+) -> None:
+    await it.do("pose", joints={"JAW_OPEN": 0.5})
+    await it.do("emotion", emotion="friendly")
+    await it.arrived()
+    face = dict(it.robot.face)
+    dancing = it.begin("play", move="dance", speed=0.5)
+    await until(lambda: it.robot.face.get("NECK_ROLL", 0.0) > 1)
+    if stopped:
+        await it.stop()
+    else:
+        dancing.cancel()
+    await until(lambda: {**it.robot.face, "NECK_ROLL": 0.0} == {**face, "NECK_ROLL": 0.0})
+    assert it.robot.face["NECK_ROLL"] == 0.0
+    await it.do("play", move="dance", speed=20.0)
+    await it.arrived()
+    assert it.robot.face == {**face, "NECK_ROLL": 0.0}
+
+
+async def test_a_stop_beside_the_loss_names_what_may_go_on(it: Acted) -> None:
+    for moments in range(12):
+        await it.do("eyes", color="red", animation="intermittent")
+        it.context.healths.clear()
+        it.robot.drop()
+        for _ in range(moments):
+            await asyncio.sleep(0)
+        report = await it.driver.stop(Scope.ALL)
+        assert report in (None, StopReport(missing=PARTS))
+        await until(lambda: bool(it.context.healths))
+        await it.is_there()
+
+
 async def test_a_robot_that_is_lost_has_nothing_to_confirm(it: Acted) -> None:
     saying = it.begin("say", text=LONG)
     await until(lambda: bool(it.robot.speaking))
@@ -139,6 +208,34 @@ async def test_a_robot_that_is_away_at_the_stop_follows_nobody_when_it_is_back(i
     await it.is_there()
     await it.arrived()
     assert it.robot.requests("request.attend.user") == it.robot.requests("request.attend.user")[:1]
+
+
+async def test_a_robot_that_followed_on_while_it_was_away_looks_straight_on(it: Acted) -> None:
+    await it.do("follow", user="user-9")  # whom it has not seen yet
+    await it.robot.close()
+    await it.is_lost()
+    assert await it.driver.stop(Scope.ALL) is None
+    await it.robot.start()
+    await it.is_there()
+    await until(lambda: it.robot.attended == "location")
+
+
+async def test_a_light_that_was_stopped_while_the_robot_was_away_stays(
+    it: Acted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(furhat_light, "_HALF_S", 0.01)
+    await it.do("eyes", color="red", animation="intermittent")
+    await it.robot.close()
+    await it.is_lost()
+    assert await it.driver.stop(Scope.ALL) is None
+    await it.robot.start()
+    await it.is_there()
+    await it.arrived()
+    sent = len(it.robot.requests("request.led.set"))
+    for _ in range(10):
+        await it.arrived()
+    assert len(it.robot.requests("request.led.set")) == sent
+    assert it.robot.led == "#ff0000"
 
 
 async def test_a_stop_of_driving_alone_does_not_silence_it(it: Acted) -> None:

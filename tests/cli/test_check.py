@@ -321,3 +321,44 @@ def test_all_robots_are_a_column_each_and_a_broken_one_is_named(
     checked(tmp_path, GOOD, "--robot", "all", "--format", "json")
     report = json.loads(capsys.readouterr().out)
     assert report["robots"]["1-speaker"]["Hello"] == ["play"]
+
+
+def test_errors_are_counted_for_the_file_that_has_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = tmp_path / "other.yaml"
+    other.write_text("drivers: {voice: {type: voic, speed: 2}, ear: {type: eer}}")
+    assert checked(tmp_path, GOOD, "--robot", str(other)) == 1
+    assert capsys.readouterr().err.splitlines()[-1] == f"{other}: 2 errors"
+    wrong = GOOD.replace("label: Hello", "lable: Hello")
+    assert checked(tmp_path, wrong, "--robot", str(other)) == 1
+    counts = capsys.readouterr().err.splitlines()[-2:]
+    assert sorted(counts) == sorted([f"{tmp_path / 'e.yaml'}: 1 error", f"{other}: 2 errors"])
+
+
+def test_a_robot_file_is_checked_as_what_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "e.yaml"
+    assert checked(tmp_path, ANOTHER) == 0
+    out = capsys.readouterr().out
+    assert "voice (voice)  say, " in out
+    assert f"{path}: a robot file of 1 driver, no errors" in out
+    assert f"woz check EXPERIMENT --robot {path}" in out
+    assert checked(tmp_path, ANOTHER, "--all") == 0
+    assert "text: text, required" in capsys.readouterr().out
+    assert checked(tmp_path, ANOTHER, "--format", "json") == 0
+    [driver] = json.loads(capsys.readouterr().out)["drivers"]
+    assert (driver["name"], driver["verbs"][0]["name"]) == ("voice", "say")
+
+
+def test_what_is_wrong_with_a_robot_file_is_told_with_its_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "e.yaml"
+    assert checked(tmp_path, "name: f\ndrivers:\n  ear: {type: voic}\n") == 1
+    err = capsys.readouterr().err.splitlines()
+    assert err[0].startswith(f"{path}:3:9: drivers.ear.type: there is no driver")
+    assert err[-1] == f"{path}: 1 error"
+    assert checked(tmp_path, ANOTHER, "--robot", "voice") == 1
+    assert f"woz check EXPERIMENT --robot {path}" in capsys.readouterr().err

@@ -162,6 +162,22 @@ def test_every_error_of_a_broken_file_is_told_with_its_place(
     assert not seen.find("Driver")
 
 
+def test_a_robot_file_is_examined_without_an_experiment(
+    visit: Callable[..., Visit], tmp_path: Path
+) -> None:
+    robot = tmp_path / "f1.yaml"
+    robot.write_text("name: f1\ndrivers: {one: {type: simulated}}\n")
+    seen = visit("f1.yaml", "--json")
+    [about] = seen.find("Robot file")
+    assert (about["level"], about["text"]) == ("ok", "1 driver")
+    assert seen.find("Driver one (simulated)")
+    robot.write_text("name: f1\ndrivers: {one: {type: simulatet}}\n")
+    [wrong] = visit("f1.yaml", "--json").find("Robot file")
+    assert (wrong["level"], wrong["subject"]) == ("error", "f1.yaml:2:17")
+    [refused] = visit("f1.yaml", "--robot", "nao", "--json").find("Robot file")
+    assert refused["remedy"] == "woz doctor EXPERIMENT --robot nao"
+
+
 def test_a_missing_file_is_an_error_and_the_machine_is_examined_all_the_same(
     visit: Callable[..., Visit],
 ) -> None:

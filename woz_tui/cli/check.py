@@ -1,4 +1,4 @@
-"""`woz check FILE`: every error of an experiment file, what it offers, and a verdict."""
+"""`woz check FILE`: every error of an experiment or robot file, what it offers, a verdict."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from argparse import ArgumentParser, Namespace
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -21,6 +22,7 @@ from woz_tui.config.engagement_section import ENTERED, signs_given
 from woz_tui.config.experiment import (
     Action,
     Call,
+    DriverSpec,
     Engagement,
     Experiment,
     ExperimentError,
@@ -29,6 +31,7 @@ from woz_tui.config.experiment import (
     Wait,
 )
 from woz_tui.config.loading import load
+from woz_tui.config.robots import is_robot_file, load_robot
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import engagement_verbs, session_verbs
 from woz_tui.console.text_console import TextConsole
@@ -43,7 +46,7 @@ _PAGE = 120
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument("file", type=Path, help="experiment file")
+    parser.add_argument("file", type=Path, help="experiment file, or a robot file")
     parser.add_argument(
         "--keys", action="store_true", help="the table of keys, as the wizard's terminal sends them"
     )
@@ -82,6 +85,8 @@ def run(arguments: Namespace) -> int:
 
 def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
+    if is_robot_file(arguments.file):
+        return _check_robot(arguments, catalogue)
     try:
         every = arguments.robot == robot_fit.ALL
         experiment = load(arguments.file, catalogue, robot="" if every else arguments.robot)
@@ -113,13 +118,53 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     return 0
 
 
+def _check_robot(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+    """`check` of a robot file: its errors, or what the robot offers; all of it with `--all`."""
+    file: Path = arguments.file
+    if arguments.robot:
+        text = f"{file} is a robot file; name an experiment: woz check EXPERIMENT --robot {file}"
+        print(text, file=sys.stderr)
+        return 1
+    try:
+        drivers = load_robot(file, catalogue)
+    except ExperimentError as error:
+        _print_errors(error.problems, arguments)
+        return 1
+    if arguments.format == "json":
+        report = {"file": str(file), "ok": True, "problems": [], "drivers": _drivers(drivers)}
+        print(json.dumps(report, indent=2))
+        return 0
+    console = TextConsole(page=_PAGE)
+    if arguments.all:
+        _print_drivers(console, drivers)
+    else:
+        rows = (
+            (f"{spec.name} ({spec.type})", "\n".join(_offered(spec)) or "nothing")
+            for spec in drivers
+        )
+        _print_section(console, "what it offers", _subject_rows(rows))
+    told = f"{file}: a robot file of {_count(len(drivers), 'driver')}, no errors"
+    console.print(Text(told, style="bold"), soft_wrap=True)
+    fits = f"what it does of an experiment: woz check EXPERIMENT --robot {file}"
+    console.print(Text(fits), soft_wrap=True)
+    return 0
+
+
+def _offered(spec: DriverSpec) -> Iterator[str]:
+    if spec.verbs:
+        yield ", ".join([verb.name for verb in spec.verbs])
+    if spec.sensors:
+        yield f"senses {', '.join(spec.sensors)}"
+
+
 def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
     if arguments.format == "json":
         report: Json = {"file": str(arguments.file), "ok": False, "problems": _problems(problems)}
         print(json.dumps(report, indent=2))
     for problem in problems:
         print(problem, file=sys.stderr)
-    print(f"{arguments.file}: {_count(len(problems), 'error')}", file=sys.stderr)
+    for file, number in Counter(problem.place.file for problem in problems).items():
+        print(f"{file}: {_count(number, 'error')}", file=sys.stderr)
 
 
 # -- for people -------------------------------------------------------------------------------
@@ -164,18 +209,22 @@ def _count(number: int, what: str) -> str:
 
 
 def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None:
-    for spec in experiment.drivers:
-        rows = verb_rows(spec.verbs)
-        if spec.sensors:
-            sensors = Text(", ".join(spec.sensors), style="dim")
-            rows.append((Text("(senses)", style="dim"), sensors))
-        _print_section(console, f"{spec.name} ({spec.type})", rows)
+    _print_drivers(console, experiment.drivers)
     if experiment.engagement is not None:
         lines = _engagement_lines(experiment, experiment.engagement)
         _print_section(console, "engagement", _subject_rows(lines))
         _print_section(console, "", verb_rows(engagement_verbs()))
     if study := [*study_summary.study_lines(experiment)]:
         _print_section(console, "study", _subject_rows(study))
+
+
+def _print_drivers(console: TextConsole, drivers: Iterable[DriverSpec]) -> None:
+    for spec in drivers:
+        rows = verb_rows(spec.verbs)
+        if spec.sensors:
+            sensors = Text(", ".join(spec.sensors), style="dim")
+            rows.append((Text("(senses)", style="dim"), sensors))
+        _print_section(console, f"{spec.name} ({spec.type})", rows)
 
 
 def _print_section(console: TextConsole, title: str, rows: Iterable[tuple[Text, Text]]) -> None:
@@ -357,18 +406,22 @@ def _report(
             for assigned in keymap.builtins.values()
         ],
         "notes": list(keymap.warnings),
-        "drivers": [
-            {
-                "name": spec.name,
-                "type": spec.type,
-                "verbs": [*map(_verb, spec.verbs)],
-                "sensors": list(spec.sensors),
-            }
-            for spec in experiment.drivers
-        ],
+        "drivers": _drivers(experiment.drivers),
         "engagement": _engagement(experiment, engagement) if engagement else None,
         "study": study_summary.as_json(experiment),
     }
+
+
+def _drivers(drivers: Iterable[DriverSpec]) -> list[Json]:
+    return [
+        {
+            "name": spec.name,
+            "type": spec.type,
+            "verbs": [*map(_verb, spec.verbs)],
+            "sensors": list(spec.sensors),
+        }
+        for spec in drivers
+    ]
 
 
 _PROBLEM = ("path", "message", "warning")

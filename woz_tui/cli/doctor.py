@@ -16,7 +16,7 @@ from rich.text import Text
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.cli.shared_options import add_robot
-from woz_tui.config.experiment import DriverSpec, Experiment, ExperimentError, Problem
+from woz_tui.config.experiment import DriverSpec, ExperimentError, Problem
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Finding, Probe
@@ -51,7 +51,10 @@ class DoctorSection:
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
-        "experiment", type=Path, nargs="?", help="experiment file (default: only the machine)"
+        "experiment",
+        type=Path,
+        nargs="?",
+        help="experiment file, or a robot file (default: only the machine)",
     )
     parser.add_argument(
         "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
@@ -76,7 +79,8 @@ def run(arguments: Namespace) -> int:
 
 
 def examine(experiment: Path | None, recordings: Path, robot: str = "") -> Iterator[DoctorSection]:
-    """All checks, section by section. Bounded in time; never raises.
+    """All checks, section by section, `experiment` being an experiment file or a robot file.
+    Bounded in time; never raises.
 
     `robot`: the one that plays the experiment instead of the one that its file names.
     """
@@ -143,36 +147,67 @@ def _ports() -> list[Finding]:
 # -- the experiment and its drivers -------------------------------------------------------------
 
 
+@dataclass(frozen=True, slots=True)
+class _Devices:
+    """The drivers of an experiment or of a robot file, and the folder that the file is in."""
+
+    drivers: tuple[DriverSpec, ...]
+    folder: Path
+    catalogue: plugins.Catalogue
+
+
 def _experiment(path: Path, robot: str) -> Iterator[DoctorSection]:
-    loaded: list[tuple[Experiment, plugins.Catalogue]] = []
-    findings = bounded(str(path), lambda: _load(path, robot, loaded), LOAD_S)
-    yield DoctorSection("Experiment", findings)
-    for experiment, catalogue in loaded:
-        for spec in experiment.drivers:
-            findings = _driver(spec, experiment, catalogue)
+    from woz_tui.config.robots import is_robot_file  # noqa: PLC0415 - not without a file
+
+    loaded: list[_Devices] = []
+    is_robot = is_robot_file(path)
+    load_devices = _load_robot if is_robot else _load
+    findings = bounded(str(path), lambda: load_devices(path, robot, loaded), LOAD_S)
+    yield DoctorSection("Robot file" if is_robot else "Experiment", findings)
+    for devices in loaded:
+        for spec in devices.drivers:
+            findings = _driver(spec, devices)
             yield DoctorSection(f"Driver {spec.name} ({spec.type})", findings)
 
 
-def _load(
-    path: Path, robot: str, loaded: list[tuple[Experiment, plugins.Catalogue]]
-) -> list[Finding]:
-    """Appends the experiment to `loaded` if it has no errors."""
+def _load(path: Path, robot: str, loaded: list[_Devices]) -> list[Finding]:
+    """Appends the experiment's devices to `loaded` if it has no errors."""
     from woz_tui.config.loading import load  # noqa: PLC0415 - not without a file
 
     try:
         catalogue = plugins.installed()
         experiment = load(path, catalogue, robot=robot)
-    except ExperimentError as error:
-        return [*map(_problem, error.problems)]
-    except plugins.PluginError as error:
-        return [Finding("error", "drivers", str(error))]
-    except OSError as error:
-        return [Finding("error", str(path), error.strerror or str(error), "check the path")]
-    loaded.append((experiment, catalogue))
+    except (ExperimentError, plugins.PluginError, OSError) as error:
+        return _refused(path, error)
+    loaded.append(_Devices(experiment.drivers, experiment.path.parent, catalogue))
     count = sum(len(panel.actions) for panel in experiment.panels)
     drivers = counted(len(experiment.drivers), "driver")
     text = f"{experiment.title}: {counted(count, 'action')}, {drivers}"
     return [Finding("ok", path.name, text), *map(_problem, experiment.warnings)]
+
+
+def _load_robot(path: Path, robot: str, loaded: list[_Devices]) -> list[Finding]:
+    """`_load` for a robot file, which no other robot can play."""
+    from woz_tui.config.robots import load_robot  # noqa: PLC0415 - not without a file
+
+    if robot:
+        text = "this is a robot file, and --robot is for experiments"
+        return [Finding("error", path.name, text, f"woz doctor EXPERIMENT --robot {robot}")]
+    try:
+        catalogue = plugins.installed()
+        drivers = load_robot(path, catalogue)
+    except (ExperimentError, plugins.PluginError, OSError) as error:
+        return _refused(path, error)
+    loaded.append(_Devices(drivers, path.absolute().parent, catalogue))
+    return [Finding("ok", path.name, counted(len(drivers), "driver"))]
+
+
+def _refused(path: Path, error: ExperimentError | plugins.PluginError | OSError) -> list[Finding]:
+    if isinstance(error, ExperimentError):
+        return [*map(_problem, error.problems)]
+    if isinstance(error, OSError):
+        return [Finding("error", str(path), error.strerror or str(error), "check the path")]
+    return [Finding("error", "drivers", str(error))]
 
 
 def _problem(problem: Problem) -> Finding:
@@ -181,11 +216,9 @@ def _problem(problem: Problem) -> Finding:
     return Finding(level, where, f"{problem.path}: {problem.message}")
 
 
-def _driver(
-    spec: DriverSpec, experiment: Experiment, catalogue: plugins.Catalogue
-) -> list[Finding]:
-    probe = Probe(spec.name, spec.settings, experiment.path.parent)
-    driver: type[Driver] = catalogue[spec.type]
+def _driver(spec: DriverSpec, devices: _Devices) -> list[Finding]:
+    probe = Probe(spec.name, spec.settings, devices.folder)
+    driver: type[Driver] = devices.catalogue[spec.type]
     findings = bounded(spec.name, lambda: asyncio.run(driver.examine(probe)), DRIVER_S)
     return findings or [Finding("info", spec.name, "this driver has no checks")]
 

@@ -11,6 +11,7 @@ from tests.config.reading import ROBOT, panel
 from woz_tui.config.bundled_files import robot_files
 from woz_tui.config.experiment import Experiment, ExperimentError, ParallelCalls
 from woz_tui.config.loading import load
+from woz_tui.drivers import plugins
 
 #: As `ROBOT`, with other names: its head is called neck, its joints yaw and nick.
 OTHER = """
@@ -174,3 +175,19 @@ def test_a_repair_that_says_more_than_the_other_robot_can_is_said_without_it(
     assert filler is not None
     assert [call.args for call in filler.calls] == [{"text": "Hm"}]
     assert [each.what for each in filler.left_out] == ["say.speed"]
+
+
+@pytest.mark.parametrize("play", ["play: nod", "play: {move: nod}"])
+def test_a_move_that_its_driver_warns_of_is_left_out(tmp_path: Path, play: str) -> None:
+    path = tmp_path / "experiment.yaml"
+    path.write_text(panel(f"{{label: A, say: Hi, {play}}}", head="title: T\nrobot: simulated\n"))
+    nao = tmp_path / "plain.yaml"
+    nao.write_text("drivers: {nao: {type: nao, address: 192.168.1.21}}")
+    action = load(path, plugins.installed(), robot=str(nao)).actions[0]
+    assert [call.verb for call in action.calls] == ["say"]
+    assert [each.what for each in action.left_out] == ["play"]
+    assert "there is no animation 'nod'" in action.left_out[0].why
+    nao.write_text(f"moves: {{nod: Yes_1}}\n{nao.read_text()}")
+    action = load(path, plugins.installed(), robot=str(nao)).actions[0]
+    assert [call.verb for call in action.calls] == ["say", "play"]
+    assert action.left_out == []

@@ -15,7 +15,7 @@ from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import is_choice, read_choice
 from woz_tui.config.experiment import Call, LeftOut, ParallelCalls, TextVariants
 from woz_tui.config.problems import ProblemReport, join, listed, quoted
-from woz_tui.config.robots import Robots, VerbOffer
+from woz_tui.config.robots import PLAY, Robots, VerbOffer
 from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
 from woz_tui.config.sign_values import argument_problem, without_a_sign
 from woz_tui.config.yaml_cursor import (
@@ -347,7 +347,11 @@ class _Substitute:
             subject = f"{part.lstrip('.')}: " if part.startswith((".", "[")) else ""
             self._leave_out(verb, f"{subject}{problem.message}")
             return None
+        move = offer.verb.arguments[0].name if verb == PLAY and offer.verb.arguments else ""
         for warning in report.warnings:
+            if move and warning.path in (self._entry.path, join(self._entry.path, move)):
+                self._leave_out(verb, warning.message)  # a move that this robot does not have
+                return None
             self._entry.report.warning(warning.place, warning.path, warning.message)
         for name in sorted(dropped & {*beside, *dict(self._entry.entries())}):
             self._leave_out(f"{verb}.{name}", "not offered")

@@ -33,7 +33,8 @@ def test_the_robot_is_chosen_on_the_command_line(capsys: pytest.CaptureFixture[s
     assert demo.run(parser.parse_args(["--robot", "eyepy"])) == 2
     assert "did you mean 'eyepi'?" in capsys.readouterr().err
     assert demo.run(parser.parse_args(["--robot", "xyz"])) == 2
-    assert "simulated" in capsys.readouterr().err
+    assert {"simulated", "ros"} <= {*re.split(r"[ ,\n]+", capsys.readouterr().err)}
+    assert re.search(r"\bros\b", parser.format_help())
 
 
 @pytest.mark.parametrize("robot", [*robot_files(None)])

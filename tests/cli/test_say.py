@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.config.reading import panel
 from tests.drivers.speech_desk import SCRIPT
 from tests.fakes.sound import told
 from woz_tui import cli
@@ -130,3 +131,15 @@ def test_no_voices(
     monkeypatch.chdir(tmp_path)
     assert cli.main(["voices"]) == 1
     assert "apt install espeak-ng" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("robot", ["furhat", "nao"])
+def test_a_robot_that_speaks_by_itself_lists_no_voices(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], robot: str
+) -> None:
+    path = tmp_path / "e.yaml"
+    path.write_text(panel("{label: A, say: Hello}"))
+    assert cli.main(["voices", str(path), "--robot", robot]) == 1
+    said = capsys.readouterr().err
+    assert f"{robot}: this robot does not list its voices" in said
+    assert "espeak" not in said

@@ -54,8 +54,8 @@ def add(parser: ArgumentParser) -> None:
 
 
 def other_robots() -> list[str]:
-    """Robots that come with woz-tui and have no demo of their own."""
-    return [name for name in robot_files(None) if name not in DEMOS]
+    """What robots are called that come with woz-tui and have no demo of their own."""
+    return [*(name for name in robot_files(None) if name not in DEMOS), *NAMES]
 
 
 def run(arguments: Namespace) -> int:

@@ -178,6 +178,7 @@ def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
     verbs = [
         (f"`{verb}`", *("yes" if verb in names else "-" for names in offered))
         for verb in COMMON_VERBS
+        if any(verb in names for names in offered)
     ]
     rest = []
     for each in found:

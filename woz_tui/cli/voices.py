@@ -13,7 +13,7 @@ from rich.text import Text
 
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.cli.say import add_speakers, speakers
+from woz_tui.cli.say import Speaker, add_speakers, speakers
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Probe, VoiceFound
@@ -36,7 +36,8 @@ def run(arguments: Namespace) -> int:
 def _voices(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     wanted = arguments.language.lower()
     found: dict[VoiceFound, None] = {}
-    for one in speakers(arguments, catalogue):
+    asked = speakers(arguments, catalogue)
+    for one in asked:
         probe = Probe(one.name, one.settings, one.folder)
         for voice in asyncio.run(one.kind.voices(probe)):
             if voice.language.lower().replace("_", "-").startswith(wanted):
@@ -51,5 +52,20 @@ def _voices(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
             table.add_row(*map(Text, (voice.engine, voice.name, voice.language, voice.detail)))
         TextConsole(page=100).print(table)
     else:
-        print("no voices found: sudo apt install espeak-ng", file=sys.stderr)
+        print(_why_none(arguments, asked), file=sys.stderr)
     return 0 if found else 1
+
+
+def _why_none(arguments: Namespace, asked: list[Speaker]) -> str:
+    """Why there is nothing to list, and what helps."""
+    if not asked:
+        return f"no driver of {arguments.experiment} speaks"
+    silent = [one.name for one in asked if not _lists_voices(one.kind)]
+    if len(silent) == len(asked):
+        return f"{' and '.join(silent)}: this robot does not list its voices"
+    return "no voices found: sudo apt install espeak-ng"
+
+
+def _lists_voices(kind: type[Driver]) -> bool:
+    """Whether the driver has a list of its own."""
+    return getattr(kind.voices, "__func__", None) is not getattr(Driver.voices, "__func__", None)

@@ -141,6 +141,8 @@ class RosbridgeSimulator(WebRobot):
         velocities: The velocities that the base was given: seconds, metres and radians a second.
         speed: What the base does now: metres and radians a second.
         refuse_goals: Goals are not accepted.
+        accepts_goals: While it is not set, goals wait to be accepted (ROS 2).
+        tells_results: Whether it says how goals ended (ROS 1).
         nonsense: What comes instead of the next answers, as text.
         busy: Services that answer only when their event is set.
     """
@@ -158,6 +160,9 @@ class RosbridgeSimulator(WebRobot):
         self.velocities: list[tuple[float, float, float]] = []
         self.speed = (0.0, 0.0)
         self.refuse_goals = False
+        self.accepts_goals = asyncio.Event()
+        self.accepts_goals.set()
+        self.tells_results = True
         self.nonsense: list[str] = []
         self.busy: dict[str, asyncio.Event] = {}
         self.interface = interface
@@ -440,6 +445,8 @@ class RosbridgeSimulator(WebRobot):
             goal.status = "refused"
         else:
             await self.pursue(goal, lambda: tell(codes["active"]))
+        if not self.tells_results:
+            return
         tell(codes[goal.status])
         result = {
             "header": {},
@@ -700,6 +707,7 @@ class _Client:
             robot.logged.append(str(error))
             self._send({**answer, "values": str(error), "status": 0, "result": False})
             return
+        await robot.accepts_goals.wait()
         goal = SimulatedGoal(message.get("id", ""), action, str(message.get("args")))
 
         def feedback() -> None:

@@ -13,7 +13,7 @@ from woz_drivers.ros import simulated_interface
 from woz_drivers.ros.declarations import TWIST, TWIST_STAMPED
 from woz_drivers.ros.message_types import MessageTypes, plain
 from woz_drivers.ros.rosbridge import Rosbridge
-from woz_drivers.ros.settings import RosSettings
+from woz_drivers.ros.settings import RosSettings, shown
 from woz_drivers.ros.survey import Survey, survey
 from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Health, Probe
@@ -56,7 +56,7 @@ async def examine(probe: Probe) -> list[Finding]:
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
     except TimeoutError:
-        text = f"{settings.address} answers too slowly to be examined"
+        text = f"{shown(settings.address)} answers too slowly to be examined"
         return [Finding("error", probe.name, text, "look at the network and at rosbridge's log")]
 
 
@@ -73,7 +73,7 @@ async def _examined(name: str, settings: RosSettings, folder: Path) -> list[Find
     findings += _listed(found)
     if settings.address != SIMULATED:
         text = "can be drafted as a robot file"
-        command = f"python -m woz_drivers.ros {settings.address} > robot.yaml"
+        command = f"python -m woz_drivers.ros {shown(settings.address)} > robot.yaml"
         findings.append(Finding("info", name, text, command))
     return findings
 
@@ -100,7 +100,7 @@ async def _visit(settings: RosSettings, folder: Path) -> tuple[str, Survey, list
         for _ in range(_QUESTIONS):
             begun = loop.time()
             with suppress(TimeoutError):
-                await robot.read_so_far()
+                await robot.wait_until_processed()
             times_ms.append((loop.time() - begun) * 1000)
         return robot.shown, await survey(robot, settings, all_services=True), times_ms
     finally:
@@ -120,12 +120,12 @@ async def _until_found(context: _DoctorContext) -> None:
         raise DeviceLostError("the robot does not answer", "is rosbridge running?") from None
 
 
-def _line(shown: str, times_ms: list[float]) -> Finding:
+def _line(robot: str, times_ms: list[float]) -> Finding:
     median, worst = statistics.median(times_ms), max(times_ms)
     text = f"answers in {median:.1f} ms (worst of {len(times_ms)}: {worst:.1f} ms)"
     if median > _SLOW_MS:
-        return Finding("warning", shown, text, "use a cable, or a wireless network of its own")
-    return Finding("ok", shown, text)
+        return Finding("warning", robot, text, "use a cable, or a wireless network of its own")
+    return Finding("ok", robot, text)
 
 
 def _protected(settings: RosSettings) -> Iterator[Finding]:
@@ -136,7 +136,7 @@ def _protected(settings: RosSettings) -> Iterator[Finding]:
     if host.startswith(("127.", "localhost", "[::1]")):
         return
     text = "asks for no password: whoever reaches it can drive the robot"
-    yield Finding("warning", settings.address, text, _TUNNEL)
+    yield Finding("warning", shown(settings.address), text, _TUNNEL)
 
 
 def _unchecked(settings: RosSettings, found: Survey) -> Iterator[Finding]:

@@ -16,7 +16,7 @@ from woz_drivers.ros.declarations import (
     StopDeclaration,
     VerbDeclaration,
 )
-from woz_drivers.ros.rosbridge import Rosbridge
+from woz_drivers.ros.rosbridge import Rosbridge, ServiceFailedError
 from woz_drivers.ros.settings import RosSettings
 from woz_drivers.ros.survey import survey
 from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
@@ -85,22 +85,25 @@ class Ros(Driver):
         self._base = (
             VelocityDrive(self._robot, settings.drive) if settings.drive is not None else None
         )
-        self._acts = {
-            verb: Act(verb, declared, self._robot) for verb, declared in settings.verbs.items()
+        self._offered = {verb.name: verb for verb in offered(settings.verbs, settings.drive)}
+        #: What ends cancelled commands, by lane: the next command of the lane waits for it.
+        endings: dict[str, set[asyncio.Task[None]]] = {
+            verb.lane: set() for verb in self._offered.values()
+        }
+        self._declared = {
+            verb: DeclaredVerb(verb, declared, self._robot, endings[self._offered[verb].lane])
+            for verb, declared in settings.verbs.items()
         }
         self._sensors = {
             sensor: Sensor(sensor, declared, context, self._robot)
             for sensor, declared in settings.sensors.items()
         }
-        self._offered = {verb.name: verb for verb in offered(settings.verbs, settings.drive)}
         #: Where it looks: degrees to the left, degrees down.
         self._gaze = (0.0, 0.0)
         #: Verbs that cannot work with this robot, and why.
         self._broken: Mapping[str, Finding] = {}
         self._watch: asyncio.Task[None] | None = None
-        #: What may be going on since the line was lost.
-        self._leftovers: set[str] = set()
-        self._lost_unasked = False
+        self._lost_unexpectedly = False
         self._closed = False
 
     @classmethod
@@ -171,7 +174,7 @@ class Ros(Driver):
                 self._check_pose(job.args["joints"])
             case "home":
                 self._gaze = (0.0, 0.0)
-        return await self._acts[job.verb].perform(job, job.args)
+        return await self._declared[job.verb].perform(job, job.args)
 
     async def _look(self, job: Job) -> Mapping[str, Json]:
         """A gaze, or a step from the last one, within the bounds of the file."""
@@ -189,7 +192,7 @@ class Ros(Driver):
                 angle = min(max(angle, low), high)
             angles.append(angle)
         self._gaze = (angles[0], angles[1])
-        sent = await self._acts["gaze"].perform(job, {"yaw": angles[0], "pitch": angles[1]})
+        sent = await self._declared["gaze"].perform(job, {"yaw": angles[0], "pitch": angles[1]})
         return {"yaw": angles[0], "pitch": angles[1], **sent}
 
     async def _poses(self, job: Job) -> Mapping[str, Json]:
@@ -201,7 +204,7 @@ class Ros(Driver):
             seconds = float(pose.get("seconds") or 1.0)
             began = time.monotonic()
             arguments = {"joints": pose["joints"], "seconds": seconds}
-            sent.append(dict(await self._acts["pose"].perform(job, arguments)))
+            sent.append(dict(await self._declared["pose"].perform(job, arguments)))
             # A message is sent at once, the movement takes its time.
             await asyncio.sleep(max(0.0, seconds - (time.monotonic() - began)))
         return {"poses": sent}
@@ -217,18 +220,22 @@ class Ros(Driver):
     async def stop(self, scope: Scope) -> StopReport | None:
         """Everything at once; each verb confirms for itself."""
         if not self._robot.line.ready:
-            moving = self._moving() if self._lost_unasked else ()
+            moving = self._moving() if self._lost_unexpectedly else ()
             return StopReport(missing=tuple(moving)) if moving else None
         stops: dict[str, Coroutine[Any, Any, None]] = {}
         if self._base is not None:
             stops["driving"] = self._base.stop()
-        for name, act in self._acts.items():
-            if act.stoppable and (scope is Scope.ALL or self.settings.verbs[name].drives):
-                stops[name] = act.stop()
+        for name, verb in self._declared.items():
+            if verb.stoppable and (scope is Scope.ALL or self.settings.verbs[name].drives):
+                stops[name] = verb.stop()
         return await self._confirmed(stops)
 
+    def _leftovers(self) -> frozenset[str]:
+        """What may be going on since the line was lost."""
+        return frozenset(name for name, verb in self._declared.items() if verb.may_go_on)
+
     def _moving(self) -> list[str]:
-        return [*(["driving"] if self._base is not None else []), *sorted(self._leftovers)]
+        return [*(["driving"] if self._base is not None else []), *sorted(self._leftovers())]
 
     async def _confirmed(self, stops: Mapping[str, Coroutine[Any, Any, None]]) -> StopReport | None:
         if not stops:
@@ -265,11 +272,12 @@ class Ros(Driver):
         """The robot is there: what went on when it was lost ends first."""
         if self._base is not None:
             await self._base.zero()
-        if self._lost_unasked:
+        if self._lost_unexpectedly:
             await self._end_everything()
-        self._lost_unasked = False
-        self._robot.later(self._end_again(frozenset(self._leftovers)))
-        self._leftovers.clear()
+        self._lost_unexpectedly = False
+        self._robot.later(self._end_again(self._leftovers()))
+        for verb in self._declared.values():
+            verb.may_go_on = False
         self._robot.later(self._compare())
         return f"rosbridge of ROS {self.settings.ros} at {self._robot.shown}"
 
@@ -285,17 +293,17 @@ class Ros(Driver):
             if base is not None and not base.moving:
                 await base.zero()
             for name in leftovers if count < _FOUND_EACH_OTHER else ():
-                act, stop = self._acts[name], self.settings.verbs[name].stop
-                if stop is not None and stop.publish and not act.going_on:
-                    await act.end()
+                verb, stop = self._declared[name], self.settings.verbs[name].stop
+                if stop is not None and stop.publish and not verb.going_on:
+                    await verb.end()
 
     async def _end_everything(self) -> None:
         """Without waiting for confirmations, but for those of services."""
         if self._base is not None:
             await self._base.zero()
-        for act in self._acts.values():
+        for verb in self._declared.values():
             with suppress(DriverError, TimeoutError):
-                await act.end()
+                await verb.end()
 
     async def _compare(self) -> None:
         """Tell the wizard what does not fit this robot before a verb is used."""
@@ -316,8 +324,9 @@ class Ros(Driver):
             self.context.notice("warning", f"and {more} more", "see all with woz doctor")
 
     def _lost(self, error: DeviceLostError) -> None:
-        self._lost_unasked = not self._closed
-        self._leftovers |= {name for name, act in self._acts.items() if act.going_on}
+        self._lost_unexpectedly = not self._closed
+        for verb in self._declared.values():
+            verb.lost()
         if self._base is not None:
             self._base.lost()
         if not self._closed:
@@ -331,13 +340,23 @@ class Ros(Driver):
                 sensor.look()
 
 
-class Act:
+class DeclaredVerb:
     """One verb of the file: sends it, knows its end, ends it."""
 
-    def __init__(self, verb: str, declared: VerbDeclaration, robot: Rosbridge) -> None:
+    def __init__(
+        self,
+        verb: str,
+        declared: VerbDeclaration,
+        robot: Rosbridge,
+        endings: set[asyncio.Task[None]],
+    ) -> None:
         self._verb = verb
         self._declared = declared
         self._robot = robot
+        #: What ends earlier commands of its lane.
+        self._endings = endings
+        #: Whether a command of it was under way when the robot was lost.
+        self.may_go_on = False
         self._arguments = arguments_of(verb, declared)
         self._text = next((n for n, one in self._arguments.items() if one.kind == "text"), "")
         #: How many commands of it are going on.
@@ -356,6 +375,12 @@ class Act:
         """Whether a command of it is under way."""
         return self._going_on > 0
 
+    def lost(self) -> None:
+        """The robot is gone."""
+        self.may_go_on |= self.going_on
+        if self._ends is not None:
+            self._ends.forget(self.may_go_on)
+
     @property
     def stoppable(self) -> bool:
         """Whether a stop has anything to do, or to tell, about it."""
@@ -371,6 +396,9 @@ class Act:
         except TemplateError as error:
             raise RejectedError(f"{self._verb}: {error}", "correct the robot file") from None
         sent: dict[str, Json] = {"to": declared.target, "message": message}
+        if self._endings:
+            await asyncio.wait(self._endings)
+            self._robot.need()
         self._going_on += 1
         try:
             if self._ends is not None:
@@ -383,17 +411,37 @@ class Act:
                 sent["result"] = answer
             else:
                 kind = declared.type_.removesuffix("Action")
-                result = await self._robot.pursue(declared.action, kind, message, declared.within)
+                result = await self._robot.send_goal(
+                    declared.action, kind, message, declared.within
+                )
                 _check_success(declared.action, result, declared.success)
                 sent["result"] = result
             await self._robot.unless_lost(self._until_end(job, args))
         except asyncio.CancelledError:
             # Stopped, replaced or timed out; a stop is sent beside this, and twice does no harm.
-            self._robot.later(self.end())
+            self._end_later()
+            raise
+        except DeviceLostError:
+            self.may_go_on = True
+            raise
+        except ServiceFailedError:
+            if self._ends is not None:
+                self._ends.forget(may_go_on=False)
+            raise
+        except DriverError:
+            if not declared.action:  # a goal was cancelled already, if that was needed
+                self._end_later()
             raise
         finally:
             self._going_on -= 1
         return sent
+
+    def _end_later(self) -> asyncio.Task[None]:
+        """Begin to end it: the next command of the lane is not sent before."""
+        ending = self._robot.later(self.end())
+        self._endings.add(ending)
+        ending.add_done_callback(self._endings.discard)
+        return ending
 
     def _values(self, args: Mapping[str, Any]) -> dict[str, Any]:
         values = {**dict.fromkeys(self._arguments), **args}
@@ -419,18 +467,18 @@ class Act:
         """End it and return when that is known. Raises if nobody knows it."""
         declared = self._declared
         was_going_on = self._going_on > 0
-        await self.end()
+        await asyncio.shield(self._end_later())
         if declared.action:
             ours = [goal for goal in self._robot.goals.values() if goal.action == declared.action]
-            await asyncio.gather(*(self._robot.cancel(goal) for goal in ours))
+            await asyncio.gather(*(self._robot.cancel(goal) for goal in ours if goal.accepted))
             return
         if declared.stop is None:
             raise DriverError(f"{self._verb} cannot be stopped", "say how with `stop`")
         if declared.stop.publish:
-            await self._robot.read_so_far()
+            await self._robot.wait_until_processed()
         elif was_going_on and declared.service:
             # The call of the verb and that of its stop go different ways: one may overtake.
-            await self.end()
+            await asyncio.shield(self._end_later())
         if self._ends is not None:
             await self._ends.silence()
 
@@ -465,15 +513,19 @@ class EndTopic:
         self._declared = declared
         self._path = ValuePath.parse(declared.value)
         self._begun = self._ended = False
-        #: What it said last; what was never heard counts as ended.
+        #: Whether nothing goes on: nothing was begun, or it said so since.
         self._silent = True
-        self._told = asyncio.Event()
+        self._message_came = asyncio.Event()
         robot.subscribe(declared.subscribe, declared.type_, self._arrived)
 
     def expect(self) -> None:
         """Something is going to begin: what was said before does not count."""
         self._begun = self._declared.begun is None
-        self._ended = False
+        self._ended = self._silent = False
+
+    def forget(self, may_go_on: bool) -> None:
+        """What it said before does not count, because the robot is gone or nothing was begun."""
+        self._silent = not may_go_on
 
     def _arrived(self, message: Mapping[str, Any]) -> None:
         value = self._path.of(message)
@@ -482,7 +534,7 @@ class EndTopic:
             self._begun = True
         elif self._silent and self._begun:
             self._ended = True
-        self._told.set()
+        self._message_came.set()
 
     async def wait(self, verb: str, within: float) -> None:
         """Return when it has ended. Raises `DriverError` if the robot does not say so."""
@@ -492,8 +544,8 @@ class EndTopic:
             try:
                 async with asyncio.timeout_at(began + limit):
                     while not (self._ended if what == "ended" else self._begun):
-                        self._told.clear()
-                        await self._told.wait()
+                        self._message_came.clear()
+                        await self._message_came.wait()
             except TimeoutError:
                 raise DriverError(
                     f"{verb}: {topic} did not say within {limit:g} s that it has {what}",
@@ -504,8 +556,8 @@ class EndTopic:
         """Return when it says that nothing goes on. Raises TimeoutError."""
         async with asyncio.timeout(_STOP_S):
             while not self._silent:
-                self._told.clear()
-                await self._told.wait()
+                self._message_came.clear()
+                await self._message_came.wait()
 
 
 class Sensor:

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from woz_drivers.ros.templates import TemplateError, ValuePath
+from woz_drivers.ros.templates import ValuePath
 
 #: Field by field as in the packages common_msgs of ROS 1 (noetic) and common_interfaces of ROS 2
 #: (kilted). `1:` and `2:` before a field: only there.
@@ -251,11 +251,3 @@ def _misfit(value: Any, kind: str) -> str:
 
 def _is_time(value: Any) -> bool:
     return isinstance(value, dict) and {*value} <= {"secs", "nsecs", "sec", "nanosec"}
-
-
-def parse_path(text: str) -> ValuePath | None:
-    """A path, or None for what is none."""
-    try:
-        return ValuePath.parse(text)
-    except TemplateError:
-        return None

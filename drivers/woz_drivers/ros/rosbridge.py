@@ -21,9 +21,9 @@ import aiohttp
 import msgspec
 
 from woz_drivers.ros.message_types import plain, wire_name
-from woz_drivers.ros.settings import RosSettings, url
+from woz_drivers.ros.settings import RosSettings, shown, url
 from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
-from woz_drivers.web_socket_line import WebPlace, WebSocketLine
+from woz_drivers.web_socket_line import WebPlace, WebSocketLine, resetting_connector
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 from woz_tui.protocol.messages import Json
 
@@ -38,10 +38,16 @@ _KNOWN_WITHIN_S = 5.0
 DISCOVERY_S = 0.5
 #: A robot that was heard so lately is alive, in seconds: odometry comes ten times a second.
 _JUST_NOW_S = 0.1
+#: A further connection may take so long, in seconds.
+_CONNECT_S = 3.0
 #: A cancellation that came before its goal was accepted is lost: it is repeated, in seconds.
 _CANCEL_AGAIN_S = 0.1
+#: The result of a goal that was cancelled is waited for so long, in seconds.
+_CANCELLED_WITHIN_S = 10.0
 #: An action of ROS 2 has told of a goal that it accepts after so long, in seconds.
 ACCEPTED_S = 2.0
+#: Of the server's complaints so many different ones are shown.
+_MOST_COMPLAINTS = 20
 #: States of a goal, by version of ROS: `actionlib_msgs/GoalStatus`, `action_msgs/GoalStatus`.
 _SUCCEEDED = {1: 3, 2: 4}
 _CANCELLED = {1: (2, 8), 2: (5,)}
@@ -59,12 +65,20 @@ class ServiceFailedError(DriverError):
 
 @dataclass(eq=False)
 class SentGoal:
-    """A goal that was sent; `ended` has its state and its result."""
+    """A goal that was sent.
+
+    Attributes:
+        ended: Has its state and its result.
+        accepted: False when nothing said in time that the robot took it.
+        cancelling: Cancels it, and ends when its result has come.
+    """
 
     ident: str
     action: str
     kind: str
     ended: asyncio.Future[tuple[int, Json]]
+    accepted: bool = True
+    cancelling: asyncio.Task[None] | None = None
 
 
 Handler = Callable[[Mapping[str, Any]], None]
@@ -90,7 +104,7 @@ class Rosbridge:
         self._settings = settings
         self._context = context
         self._ros = settings.ros
-        self.shown = "the simulated robot" if settings.address == SIMULATED else settings.address
+        self.shown = shown(settings.address)
         self._url = url(settings.address)
         self._simulated = SimulatedProcess(
             "robot_simulators.rosbridge", tuple(simulated), context.folder
@@ -105,6 +119,8 @@ class Rosbridge:
             on_message=self._arrived,
             on_lost=self._lost,
         )
+        #: The server's address as the line found it last.
+        self._place = ""
         #: Loop time at which anything came from the robot last.
         self._heard = float("-inf")
         self._advertised: dict[str, str] = {}
@@ -116,11 +132,14 @@ class Rosbridge:
         self.goals: dict[str, SentGoal] = {}
         #: Of actions of ROS 2 that have told it: the goals that they have accepted.
         self._accepted: dict[str, frozenset[str]] = {}
+        #: Of the further connections; another one after each loss.
         self._session: aiohttp.ClientSession | None = None
         self._spare: aiohttp.ClientWebSocketResponse[bool] | None = None
         self._in_use: set[aiohttp.ClientWebSocketResponse[bool]] = set()
-        self._why = DeviceLostError(f"{self.shown} is not connected yet", "wait until it is there")
+        self._complaints: set[str] = set()
         self._background: set[asyncio.Task[Any]] = set()
+        #: Those that close connections: they are not broken off.
+        self._closing: set[asyncio.Task[None]] = set()
 
     # -- its life ------------------------------------------------------------------------------
 
@@ -146,10 +165,10 @@ class Rosbridge:
             self.subscribe(f"{action}/result", f"{base}ActionResult", self._actionlib_result)
             return
 
-        def told(message: Mapping[str, Any]) -> None:
+        def on_status(message: Mapping[str, Any]) -> None:
             self._accepted[action] = _goals_of(message)
 
-        self.subscribe(f"{action}/_action/status", "action_msgs/GoalStatusArray", told)
+        self.subscribe(f"{action}/_action/status", "action_msgs/GoalStatusArray", on_status)
 
     def start(self) -> None:
         """Begin to look for the robot."""
@@ -162,28 +181,31 @@ class Rosbridge:
         await asyncio.gather(*self._background, return_exceptions=True)
         self._forget(DeviceLostError("the robot's driver is closed"))
         await self.line.close()
-        await self._hang_up()
-        if self._session is not None:
-            await self._session.close()
-            self._session = None
+        self._hang_up()
+        await asyncio.gather(*self._closing, return_exceptions=True)
         await self._simulated.close()
 
     def later(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
-        """Do something that nobody waits for; a robot that is gone needs it no more."""
+        """Do something that nobody needs to wait for, and whose failure is no surprise. It is
+        broken off by `close` only: what it sends after a loss raises `DeviceLostError`.
+        """
         task = asyncio.create_task(work)
-        self.keep(task)
-        return task
-
-    def keep(self, task: asyncio.Task[Any]) -> None:
-        """A task that ends with the connection to the robot, and whose failure is no surprise."""
         self._background.add(task)
         task.add_done_callback(self._background.discard)
+        task.add_done_callback(_look_at)
+        return task
+
+    def _close_later(self, work: Coroutine[Any, Any, Any]) -> None:
+        task = asyncio.create_task(work)
+        self._closing.add(task)
+        task.add_done_callback(self._closing.discard)
         task.add_done_callback(_look_at)
 
     def need(self) -> None:
         """Raise `DeviceLostError` unless the robot is there and ready."""
+        self.line.need()
         if not self.line.ready:
-            raise DeviceLostError(self._why.what, self._why.remedy)
+            raise DeviceLostError(f"{self.shown} is not ready yet", "wait until it is")
 
     async def unless_lost(self, work: Coroutine[Any, Any, None]) -> None:
         """Wait for `work`. Raises `DeviceLostError` when the robot goes meanwhile."""
@@ -200,20 +222,16 @@ class Rosbridge:
 
     async def alive(self, within: float) -> None:
         """Return if the robot was heard just now, else when it has answered a ping: a velocity must
-        not lie in a robot that is frozen. Raises `DeviceLostError`.
+        not lie in a robot that is frozen. Raises `DriverError`.
         """
         if asyncio.get_running_loop().time() - self._heard > _JUST_NOW_S:
             await self.line.probe(within)
 
     async def _find(self) -> WebPlace:
-        address = await self.place()
-        secure, _, rest = address.partition("://")
+        self._place = self._url or f"ws://{await self._simulated.address()}/"
+        secure, _, rest = self._place.partition("://")
         host, slash, path = rest.partition("/")
         return WebPlace(host, slash + path, secure == "wss")
-
-    async def place(self) -> str:
-        """The server's address as ws:// or wss://; starts the simulated robot if it is that."""
-        return self._url or f"ws://{await self._simulated.address()}/"
 
     async def _get_ready(self) -> str:
         for topic, kind in self._advertised.items():
@@ -232,21 +250,20 @@ class Rosbridge:
                 }
             )
         try:
-            await self.read_so_far(_KNOWN_WITHIN_S)
+            await self.wait_until_processed(_KNOWN_WITHIN_S)
         except TimeoutError:
             raise DriverError(
                 f"{self.shown} answers, but not as rosbridge does",
                 "check its port; is rosbridge still starting?",
             ) from None
-        self._spare = await self._connection()
+        self._spare = await self._connect()
         if self._ros == 2 and self._settings.address != SIMULATED:
             await asyncio.sleep(DISCOVERY_S)
         return await self._robot_ready()
 
     def _lost(self, error: DeviceLostError) -> None:
-        self._why = error
         self._forget(error)
-        self.later(self._hang_up())
+        self._hang_up()
         self._robot_lost(error)
 
     def _forget(self, why: DeviceLostError) -> None:
@@ -257,11 +274,15 @@ class Rosbridge:
             if not future.done():
                 future.set_exception(DeviceLostError(why.what, why.remedy))
                 future.exception()  # perhaps nobody waits for it any more
+        self.goals.clear()
 
-    async def _hang_up(self) -> None:
-        spare, self._spare = self._spare, None
-        for opened in (*([spare] if spare is not None else []), *self._in_use):
-            await opened.close()
+    def _hang_up(self) -> None:
+        """End all further connections: on one that is still opening nothing is sent any more."""
+        session, self._session = self._session, None
+        opened = [*self._in_use, *([self._spare] if self._spare is not None else [])]
+        self._spare = None
+        if session is not None:
+            self._close_later(_close(session, opened))
 
     # -- messages --------------------------------------------------------------------------------
 
@@ -280,9 +301,15 @@ class Rosbridge:
                 self._answered(message)
             case "status":
                 if message.get("level") == "error":
-                    self._context.notice("warning", f"rosbridge says: {message.get('msg')!s:.200}")
+                    self._complained(f"{message.get('msg')!s:.200}")
             case operation:
                 raise ValueError(f"unknown operation {operation!r:.80}")
+
+    def _complained(self, words: str) -> None:
+        """A message that is refused comes ten times a second while a command drives."""
+        if words not in self._complaints and len(self._complaints) < _MOST_COMPLAINTS:
+            self._complaints.add(words)
+            self._context.notice("warning", f"rosbridge says: {words}")
 
     def _answered(self, message: Mapping[str, Any]) -> None:
         waiting = self._waiting.get(str(message.get("id")))
@@ -293,7 +320,7 @@ class Rosbridge:
         """Publish a message. Raises `DeviceLostError`."""
         await self.line.send({"op": "publish", "topic": topic, "msg": message})
 
-    async def read_so_far(self, within: float = 1.0) -> None:
+    async def wait_until_processed(self, within: float = 1.0) -> None:
         """Return when the server has carried out everything that was sent over the line.
 
         It carries out one operation after the other, so it is asked for a service that is not
@@ -310,71 +337,94 @@ class Rosbridge:
 
     # -- calls and goals -----------------------------------------------------------------------
 
-    async def _connection(self) -> aiohttp.ClientWebSocketResponse[bool]:
+    async def _connect(self) -> aiohttp.ClientWebSocketResponse[bool]:
+        """A further connection to the robot that is there now.
+
+        Raises:
+            DeviceLostError: The robot is not there, or was lost meanwhile.
+            DriverError: It takes no further connection.
+        """
+        self.line.need()
         if self._session is None:
-            self._session = aiohttp.ClientSession()
+            self._session = aiohttp.ClientSession(connector=resetting_connector())
+        session = self._session
         try:
-            return await self._session.ws_connect(
-                await self.place(),
-                max_msg_size=1 << 26,
-                timeout=aiohttp.ClientWSTimeout(ws_close=0.1),
-            )
-        except (aiohttp.ClientError, OSError) as error:
-            raise DeviceLostError(
-                f"{self.shown} takes no further connection: {error}", "look at rosbridge"
+            async with asyncio.timeout(_CONNECT_S):
+                opened = await session.ws_connect(
+                    self._place,
+                    max_msg_size=1 << 26,
+                    timeout=aiohttp.ClientWSTimeout(ws_close=0.1),
+                )
+        except (TimeoutError, aiohttp.ClientError, OSError, RuntimeError) as error:
+            raise await self._trouble(
+                session, f"takes no further connection: {_reason(error)}"
             ) from None
+        if self._session is not session:
+            self._close_later(opened.close())
+            raise await self._trouble(session, "was lost")
+        return opened
+
+    async def _trouble(self, session: aiohttp.ClientSession | None, what: str) -> DriverError:
+        """What happened to a connection of `session`: a loss of the robot, if that is lost."""
+        try:
+            await self.line.probe()
+        except DeviceLostError as error:
+            return error
+        if self._session is not session:
+            return DeviceLostError(f"{self.shown} was lost meanwhile", "try again")
+        return DriverError(f"{self.shown} {what}", "look at rosbridge and at the robot's own node")
 
     async def _ask(self, message: dict[str, Json], end: str, within: float) -> Mapping[str, Any]:
         """Send an operation over a connection of its own; returns the answer to it.
 
-        Raises TimeoutError, `DeviceLostError`.
+        Raises TimeoutError, `DriverError`.
         """
         opened, self._spare = self._spare, None
-        if opened is None or opened.closed:
-            opened = await self._connection()
-        self._in_use.add(opened)
-        answered = False
+        session, answered = self._session, False
         try:
             async with asyncio.timeout(within):
+                if opened is None or opened.closed:
+                    opened = await self._connect()
+                    session = self._session
+                self._in_use.add(opened)
                 await opened.send_str(msgspec.json.encode(message).decode())
-                while True:
-                    answer = await _read(opened)
-                    if answer is None:
-                        raise DeviceLostError(self._why.what, self._why.remedy)
+                while (answer := await _read(opened)) is not None:
                     if answer.get("op") == end and answer.get("id") == message["id"]:
                         answered = True
                         return answer
-        except (ConnectionError, RuntimeError) as error:
-            raise DeviceLostError(f"{self.shown} was lost: {error}", self._why.remedy) from error
+        except (ConnectionError, RuntimeError):
+            pass
         finally:
-            self._in_use.discard(opened)
-            self._put_back(opened, answered)
+            if opened is not None:
+                self._in_use.discard(opened)
+                self._put_back(opened, answered)
+        raise await self._trouble(session, "broke off the connection of a call")
 
     def _put_back(self, opened: aiohttp.ClientWebSocketResponse[bool], answered: bool) -> None:
         """Keep a connection for the next call; on one without an answer the server may go on for
         long, so another one is made.
         """
-        if answered and self._spare is None and self.line.ready:
+        if answered and not opened.closed and self._spare is None and self.line.ready:
             self._spare = opened
             return
-        self.later(opened.close())
+        self._close_later(opened.close())
         if self._spare is None and self.line.ready:
             self.later(self._refill())
 
     async def _refill(self) -> None:
-        fresh = await self._connection()
-        if self._spare is None and self.line.ready:
+        fresh = await self._connect()
+        if self._spare is None:
             self._spare = fresh
         else:
-            await fresh.close()
+            self._close_later(fresh.close())
 
     async def call(self, service: str, request: Json, within: float = 3.0) -> Any:
         """The answer of a service.
 
         Raises:
             ServiceFailedError: The server could not call it, in its words.
-            DriverError: It did not answer in time.
             DeviceLostError: The robot went away.
+            DriverError: It did not answer in time, or broke the call off.
         """
         message = {
             "op": "call_service",
@@ -394,7 +444,7 @@ class Rosbridge:
             )
         return answer.get("values")
 
-    async def pursue(self, action: str, kind: str, goal: Json, within: float) -> Json:
+    async def send_goal(self, action: str, kind: str, goal: Json, within: float) -> Json:
         """Send a goal and return its result when it has succeeded.
 
         Raises:
@@ -405,26 +455,25 @@ class Rosbridge:
         sent = SentGoal(f"woz-{uuid.uuid4().hex}", action, kind, ended)
         self.goals[sent.ident] = sent
         before = self._accepted.get(action, frozenset({"none was told of yet"}))
-        asking = self.later(self._send_goal(sent, goal, within))
+        asking = self.later(self._ask_goal(sent, goal, within))
         try:
             async with asyncio.timeout(within):
                 await asyncio.wait([ended], timeout=ACCEPTED_S)
                 if not ended.done() and self._accepted.get(action) == before:
                     # The server of ROS 2 never answers then.
+                    sent.accepted = False
                     raise DriverError(
                         f"{action} did not accept its goal", "does the robot know what it names?"
                     )
                 status, result = await asyncio.shield(ended)
         except TimeoutError:
-            self.later(self.cancel(sent))
             raise DriverError(f"{action} did not end within {within:g} s", _UNANSWERED) from None
-        except asyncio.CancelledError:
-            self.later(self.cancel(sent))
-            raise
         finally:
             if ended.done():
                 self.goals.pop(sent.ident, None)
                 asking.cancel()
+            else:
+                self._begin_to_cancel(sent)
         if status == _SUCCEEDED[self._ros]:
             return result
         if status in _CANCELLED[self._ros]:
@@ -432,11 +481,7 @@ class Rosbridge:
         how = _ENDED_BADLY[self._ros].get(status, f"ended in state {status}")
         raise DriverError(f"{action} was {how}: {result!s:.200}", "look at the robot's own node")
 
-    async def _send_goal(self, goal: SentGoal, content: Json, within: float) -> None:
-        if self._ros == 1:
-            ident = {"stamp": {"secs": 0, "nsecs": 0}, "id": goal.ident}
-            await self.publish(f"{goal.action}/goal", {"goal_id": ident, "goal": content})
-            return
+    async def _ask_goal(self, goal: SentGoal, content: Json, within: float) -> None:
         message = {
             "op": "send_action_goal",
             "id": goal.ident,
@@ -445,12 +490,19 @@ class Rosbridge:
             "args": content,
         }
         try:
+            if self._ros == 1:
+                ident = {"stamp": {"secs": 0, "nsecs": 0}, "id": goal.ident}
+                await self.publish(f"{goal.action}/goal", {"goal_id": ident, "goal": content})
+                return
             answer = await self._ask(message, "action_result", within + 5.0)
         except (DriverError, TimeoutError) as error:
+            with contextlib.suppress(DeviceLostError):
+                await self._publish_cancellation(goal)  # nobody would hear of its end
             if not goal.ended.done():
                 goal.ended.set_exception(
                     error if isinstance(error, DriverError) else DriverError("no answer")
                 )
+                goal.ended.exception()  # perhaps nobody waits for it any more
             return
         if not goal.ended.done():
             failed = answer.get("result") is not True
@@ -470,16 +522,35 @@ class Rosbridge:
             goal.ended.set_result((code if isinstance(code, int) else 0, text if bad else result))
 
     async def cancel(self, goal: SentGoal) -> None:
-        """End a goal; returns when its result has come, which says that it has ended."""
-        while not goal.ended.done():
-            if self._ros == 1:
-                await self.publish(f"{goal.action}/cancel", {"id": goal.ident})
-            else:
-                await self.line.send(
-                    {"op": "cancel_action_goal", "id": goal.ident, "action": goal.action}
-                )
-            await asyncio.wait([goal.ended], timeout=_CANCEL_AGAIN_S)
-        self.goals.pop(goal.ident, None)
+        """End a goal; returns when its result has come, which says that it has ended. Raises
+        `DriverError` when none comes.
+        """
+        await asyncio.shield(self._begin_to_cancel(goal))
+
+    def _begin_to_cancel(self, goal: SentGoal) -> asyncio.Task[None]:
+        if goal.cancelling is None:
+            goal.cancelling = self.later(self._cancel(goal))
+        return goal.cancelling
+
+    async def _cancel(self, goal: SentGoal) -> None:
+        try:
+            async with asyncio.timeout(_CANCELLED_WITHIN_S):
+                while not goal.ended.done():
+                    await self._publish_cancellation(goal)
+                    await asyncio.wait([goal.ended], timeout=_CANCEL_AGAIN_S)
+        except TimeoutError:
+            what = f"{goal.action} did not say within {_CANCELLED_WITHIN_S:g} s that it has ended"
+            if goal.accepted:  # otherwise its command has said enough
+                self._context.notice("warning", what, "look at the robot and at its own node")
+            raise DriverError(what, "look at the robot and at its own node") from None
+        finally:
+            self.goals.pop(goal.ident, None)
+
+    async def _publish_cancellation(self, goal: SentGoal) -> None:
+        if self._ros == 1:
+            await self.publish(f"{goal.action}/cancel", {"id": goal.ident})
+            return
+        await self.line.send({"op": "cancel_action_goal", "id": goal.ident, "action": goal.action})
 
     async def cancel_all(self, action: str) -> None:
         """End everything that an action is doing, whoever asked for it. Raises `DriverError`."""
@@ -497,6 +568,20 @@ def _goals_of(message: Mapping[str, Any]) -> frozenset[str]:
     if not isinstance(goals, list):
         raise ValueError("a status without goals")
     return frozenset(str(one.get("goal_info")) for one in goals if isinstance(one, dict))
+
+
+async def _close(
+    session: aiohttp.ClientSession, opened: Iterable[aiohttp.ClientWebSocketResponse[bool]]
+) -> None:
+    await asyncio.gather(*(one.close() for one in opened), return_exceptions=True)
+    await session.close()
+
+
+def _reason(error: BaseException) -> str:
+    """In words that do not repeat the address, which may have a password in it."""
+    if isinstance(error, aiohttp.WSServerHandshakeError):
+        return f"{error.status} {error.message}"
+    return str(error) or "it does not answer"
 
 
 def _look_at(task: asyncio.Task[Any]) -> None:

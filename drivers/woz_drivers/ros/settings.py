@@ -97,6 +97,11 @@ class RosSettings(Section):
                 yield from _name_misfit("drive.odometry", self.drive.odometry)
 
 
+def shown(address: str) -> str:
+    """What a wizard reads for an address: without its query, which may have a password in it."""
+    return "the simulated robot" if address == SIMULATED else address.partition("?")[0]
+
+
 def url(address: str) -> str:
     """Where rosbridge listens, as ws:// or wss://; empty for the simulated robot. Raises
     `RejectedError` for what is no address.

@@ -35,7 +35,7 @@ class VelocityDrive:
         self._stops = 0
         #: Whether its odometry says that it stands; None until it has said anything.
         self._still: bool | None = None
-        self._told = asyncio.Event()
+        self._message_came = asyncio.Event()
         robot.advertise(declared.topic, declared.type_)
         if declared.odometry:
             robot.subscribe(declared.odometry, "nav_msgs/Odometry", self._measured, PERIOD_S / 2)
@@ -94,7 +94,7 @@ class VelocityDrive:
         """Brake; return when the robot has been told, and says that it stands if it can."""
         self._stops += 1
         await self.zero()
-        await self._robot.read_so_far()
+        await self._robot.wait_until_processed()
         if self._declared.odometry:
             await self.stands(_HALT_S)
 
@@ -103,8 +103,8 @@ class VelocityDrive:
         async with asyncio.timeout(within):
             self._still = None
             while not self._still:
-                self._told.clear()
-                await self._told.wait()
+                self._message_came.clear()
+                await self._message_came.wait()
 
     def lost(self) -> None:
         """The robot is gone."""
@@ -120,7 +120,7 @@ class VelocityDrive:
         self._still = len(values) > 0 and all(
             isinstance(value, int | float) and abs(value) < _STILL for value in values
         )
-        self._told.set()
+        self._message_came.set()
 
     def _twist(self, x: float, y: float, turn: float) -> dict[str, Json]:
         zero: dict[str, Json] = {"x": 0.0, "y": 0.0, "z": 0.0}

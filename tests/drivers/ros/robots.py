@@ -134,12 +134,15 @@ class Played:
 
 
 @contextlib.asynccontextmanager
-async def played(of: RosSettings | None = None, pace: float = 10.0) -> AsyncIterator[Played]:
-    """A driver that is connected to a simulated robot."""
+async def played(
+    of: RosSettings | None = None, pace: float = 10.0, query: str = ""
+) -> AsyncIterator[Played]:
+    """A driver that is connected to a simulated robot; `query`: what its address ends with."""
     wanted = of or settings()
     async with simulator(wanted, pace) as robot:
         context = RecordingContext(Path())
-        driver = Ros("robot", replace(wanted, address=robot.address), context)
+        address = f"{robot.address}/{query}"
+        driver = Ros("robot", replace(wanted, address=address), context)
         it = Played(robot, driver, context)
         await driver.open()
         try:

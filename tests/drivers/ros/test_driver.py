@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.rosbridge import RosbridgeSimulator, SimulatedGoal
 from woz_drivers.ros import doctor, velocity_drive
 from woz_drivers.ros.driver import Ros
@@ -49,6 +51,7 @@ async def test_what_never_begins_is_reported(monkeypatch: pytest.MonkeyPatch) ->
         it.robot.interface["speech"].clear()
         with pytest.raises(DriverError, match="begun"):
             await it.play("say", text="Hello")
+        await until(lambda: it.sent("/tts") == [{"data": "Hello"}, {"data": ""}])
 
 
 async def test_a_time_may_be_counted_from_the_text() -> None:
@@ -128,6 +131,64 @@ async def test_a_goal_that_is_refused_is_known_soon(monkeypatch: pytest.MonkeyPa
             await it.play("play", move="wave")
         it.robot.refuse_goals = False
         await it.play("play", move="nod")
+
+
+async def test_a_goal_that_is_accepted_late_is_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.4)
+    async with played(settings(ros=2), pace=5.0) as it:
+        await it.play("play", move="wave")
+        it.robot.time = PacedTime(0.1)
+        it.robot.accepts_goals.clear()
+        with pytest.raises(DriverError, match="accept"):
+            await it.play("play", move="wave")
+        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+        it.robot.accepts_goals.set()
+        await until(lambda: bool(it.robot.goals))
+        [goal] = it.robot.goals.values()
+        await until(lambda: goal.status == "canceled")
+
+
+async def test_a_cancelled_goal_whose_end_is_never_told_is_given_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("woz_drivers.ros.rosbridge._CANCELLED_WITHIN_S", 0.5)
+    async with played(settings(ros=1)) as it:
+        it.robot.tells_results = False
+        task = it.begin("play", move="wave")
+        await until(lambda: bool(it.robot.goals))
+        task.cancel()
+        await it.driver.stop(Scope.ALL)
+        await it.driver.stop(Scope.ALL)
+        await until(lambda: bool(it.context.notices))
+        [(_, text, _)] = it.context.notices
+        assert "/gesture did not say" in text
+        repeated = len([1 for sent in it.sent("/gesture/cancel") if sent["id"]])
+        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+        assert len([1 for sent in it.sent("/gesture/cancel") if sent["id"]]) == repeated
+
+
+async def test_the_next_command_waits_until_the_last_one_was_ended() -> None:
+    bow = """
+  bow:
+    service: /bow
+    type: robot_msgs/Bow
+    stop: {service: /unbow, type: robot_msgs/Bow}
+"""
+    text = ROBOT.replace("\njoints:", bow + "joints:") + "\n  robot_msgs/Bow_Request: {}\n"
+    async with played(settings(text)) as it:
+        held = it.robot.busy["/bow"] = it.robot.busy["/unbow"] = asyncio.Event()
+        first = it.begin("bow")
+        await until(lambda: ("call_service", "/bow") in _services(it.robot))
+        first.cancel()
+        await asyncio.gather(first, return_exceptions=True)
+        second = it.begin("bow")
+        await until(lambda: ("call_service", "/unbow") in _services(it.robot))
+        await it.play("volume", level=1.0)
+        assert _services(it.robot).count(("call_service", "/bow")) == 1
+        held.set()
+        await second
+        bows = [name for _, name in _services(it.robot) if name in ("/bow", "/unbow")]
+        assert bows == ["/bow", "/unbow", "/bow"]
 
 
 async def test_a_service_answers_and_may_say_that_it_failed() -> None:
@@ -333,6 +394,20 @@ async def test_a_voice_that_goes_on_has_not_confirmed(monkeypatch: pytest.Monkey
         await asyncio.gather(task, return_exceptions=True)
 
 
+async def test_what_was_not_heard_to_begin_is_not_taken_for_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("woz_drivers.ros.driver._STOP_S", 0.5)
+    async with played() as it:
+        it.robot.interface["speech"].clear()  # it begins late
+        task = it.begin("say", text="Hello")
+        await until(lambda: bool(it.sent("/tts")))
+        report = await it.driver.stop(Scope.ALL)
+        assert report == StopReport(("driving", "play"), ("say",))
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+
+
 # -- loss and return -------------------------------------------------------------------------------
 
 
@@ -366,6 +441,65 @@ async def test_a_stop_while_it_is_gone_names_what_may_go_on() -> None:
             await it.play("gaze", yaw=1.0)
 
 
+async def test_what_it_said_before_a_loss_does_not_count() -> None:
+    async with played() as it:
+        it.robot.interface["speech"].clear()  # whoever made it speak, its end is not heard
+        it.robot.publish("/tts/speaking", {"data": True})
+        await it.driver.stop(Scope.DRIVE)
+        it.robot.drop()
+        await it.healthy(Health.LOST)
+        await it.healthy()
+        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+
+
+async def test_a_call_that_waits_for_its_connection_is_not_sent_after_a_loss() -> None:
+    async with played() as it:
+        it.robot.busy["/volume"] = asyncio.Event()
+        first = it.begin("volume", level=0.1)
+        await until(lambda: ("call_service", "/volume") in _services(it.robot))
+        it.robot.freeze()
+        second = it.begin("volume", level=1.0)
+        await it.healthy(Health.LOST)
+        for job in (first, second):
+            with pytest.raises(DeviceLostError):
+                async with asyncio.timeout(20):
+                    await job
+        it.robot.busy.clear()
+        it.robot.thaw()
+        await it.healthy()
+        await it.play("volume", level=0.2)
+        assert _percents(it.robot) == [10, 20]
+
+
+def _percents(robot: RosbridgeSimulator) -> list[int]:
+    """The volumes that it was asked for."""
+    return [it["args"]["percent"] for _, it in robot.calls if it.get("service") == "/volume"]
+
+
+async def test_a_server_that_takes_no_further_connection_is_not_lost() -> None:
+    async with played(query="?token=secret") as it:
+        it.robot.busy["/volume"] = asyncio.Event()
+        first = it.begin("volume", level=0.1)
+        await until(lambda: ("call_service", "/volume") in _services(it.robot))
+        it.robot.faults.refused["/"] = "too many"
+        with pytest.raises(DriverError, match="no further connection: 500") as caught:
+            await it.play("volume", level=1.0)
+        assert not isinstance(caught.value, DeviceLostError)
+        assert "secret" not in str(caught.value)
+        first.cancel()
+        await asyncio.gather(first, return_exceptions=True)
+        await it.play("gaze", yaw=1.0)
+
+
+async def test_a_password_in_the_address_is_not_shown() -> None:
+    async with played(query="?token=secret") as it:
+        it.robot.drop()
+        await it.healthy(Health.LOST)
+        await it.healthy()
+        findings = await doctor.examine(Probe("robot", it.driver.settings))
+        assert "secret" not in repr((it.context.healths, it.context.notices, findings))
+
+
 async def test_a_rosapi_that_hangs_keeps_no_stop_waiting() -> None:
     """With ROS 2 a connection waits for each service that is called on it."""
     async with played() as it:
@@ -384,7 +518,7 @@ async def test_a_frozen_robot_gets_no_more_velocities_and_a_zero_behind_them(
         await until(lambda: len(it.robot.velocities) > 2)
         it.robot.freeze()
         before = len(it.robot.velocities)
-        with pytest.raises(DeviceLostError):
+        with pytest.raises(DriverError, match="answer"):
             await task
         it.robot.thaw()
         await until(lambda: it.robot.velocities[-1][1:] == (0.0, 0.0))
@@ -431,8 +565,11 @@ async def test_nonsense_does_no_harm(nonsense: str) -> None:
 async def test_an_error_that_the_server_tells_is_shown() -> None:
     async with played() as it:
         for client in tuple(it.robot._clients):
-            client._outgoing.put_nowait('{"op": "status", "level": "error", "msg": "no topic"}')
-        await until(lambda: any("no topic" in text for _, text, _ in it.context.notices))
+            for words in (*("no topic",) * 3, "no type"):
+                status = {"op": "status", "level": "error", "msg": words}
+                client._outgoing.put_nowait(json.dumps(status))
+        await until(lambda: any("no type" in text for _, text, _ in it.context.notices))
+        assert len([1 for _, text, _ in it.context.notices if "no topic" in text]) == 1
 
 
 async def test_something_else_that_listens_there_is_not_taken_for_the_robot(
@@ -525,4 +662,18 @@ async def test_the_simulated_robot_of_a_file_is_started_and_ended(tmp_path: Path
     await driver.open()
     await until(lambda: context.healths[-1][0] is Health.CONNECTED, 30)
     await driver.perform(PlainJob("play", {"move": "wave", "speed": 1.0, "amplitude": 1.0}))
+    await driver.close()
+
+
+async def test_further_connections_do_not_start_the_simulated_robot_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    context = RecordingContext(tmp_path)
+    driver = Ros("robot", settings(), context)
+    await driver.open()
+    await until(lambda: context.healths[-1][0] is Health.CONNECTED, 30)
+    monkeypatch.setattr("woz_drivers.simulated_process._HOPELESS_S", -1.0)
+    calls = [driver.perform(PlainJob("volume", {"level": level / 10})) for level in range(4)]
+    await asyncio.gather(*calls)
+    assert Health.LOST not in [health for health, *_ in context.healths]
     await driver.close()

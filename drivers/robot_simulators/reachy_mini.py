@@ -97,6 +97,8 @@ class DaemonFaults:
         short: Gotos end at this share of their time, as on a busy machine.
         nan: Poses hold values that are no numbers.
         state: What it says of its own state.
+        held: Path to what its requests wait for, before they are carried out.
+        hangs_up: Path to how many of its requests are carried out, but not answered: it hangs up.
     """
 
     answers: dict[str, str] = field(default_factory=dict)
@@ -105,6 +107,8 @@ class DaemonFaults:
     short: float = 1.0
     nan: bool = False
     state: str = "running"
+    held: dict[str, asyncio.Event] = field(default_factory=dict)
+    hangs_up: dict[str, int] = field(default_factory=dict)
 
 
 class ReachyMiniSimulator(WebRobot):
@@ -537,11 +541,22 @@ class ReachyMiniSimulator(WebRobot):
         """Its JSON, kept among the calls."""
         body = await request.json() if request.can_read_body else {}
         self.calls.append((request.path, body))
+        await self._hold(request)
         return body if isinstance(body, dict) else {}
+
+    async def _hold(self, request: web.Request) -> None:
+        held = self.oddities.held.get(request.path)
+        if held is not None:
+            await held.wait()
+        if self.oddities.hangs_up.get(request.path, 0) > 0:
+            self.oddities.hangs_up[request.path] -= 1
+            assert request.transport is not None
+            request.transport.abort()
 
     def _answer(self, value: Callable[[], Any]) -> Callable[[web.Request], Any]:
         async def answer(request: web.Request) -> web.Response:
             self.calls.append((request.path, {}))
+            await self._hold(request)
             odd = self.oddities.answers.get(request.path)
             if odd is not None:
                 return web.Response(text=odd, content_type="application/json")

@@ -95,7 +95,6 @@ class DaemonLink:
             on_message=self._take,
             on_lost=self._lost,
         )
-        self._trouble = DeviceLostError("the robot is not connected", "wait until it is there")
         self.status = DaemonStatus()
         self._pose: dict[str, float] = {}
         #: Poses of the last moments with the loop time at which each came.
@@ -109,8 +108,9 @@ class DaemonLink:
 
     def need(self) -> None:
         """Raises `DeviceLostError` while it is not there."""
+        self._line.need()
         if not self.ready:
-            raise DeviceLostError(self._trouble.what, self._trouble.remedy)
+            raise DeviceLostError("the robot is only just connected", "wait until it is ready")
 
     @property
     def pose(self) -> Pose:
@@ -133,7 +133,6 @@ class DaemonLink:
         return WebPlace(joined(*self._settings.place), WEB_SOCKET)
 
     def _lost(self, error: DeviceLostError) -> None:
-        self._trouble = error
         self._gone.set()
         self._on_lost(error)
 
@@ -204,14 +203,14 @@ class DaemonLink:
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds / self._settings.pace):
                 await self._gone.wait()
-            raise DeviceLostError(self._trouble.what, self._trouble.remedy)
+            self._line.need()
 
     # -- what it is asked ------------------------------------------------------------------------
 
     async def ask(
         self, method: str, path: str, *, json: Any = None, data: Any = None, within: float = 2.0
     ) -> Any:
-        """The answer to a request below `/api`.
+        """The answer to a request below `/api`, which does no harm when it is carried out twice.
 
         The daemon hangs up after an error of its own, which the next request over that connection
         finds out: it is then made once more.
@@ -220,16 +219,13 @@ class DaemonLink:
             DeviceLostError: The daemon is not connected, or was lost meanwhile.
             DriverError: It refused, did not answer in time, or answered nonsense.
         """
-        for last in (False, True):
-            try:
-                return await self._line.request(
-                    method, f"/api/{path}", json=json, data=data, within=within
-                )
-            except DeviceLostError as lost:
-                broken = isinstance(lost.__cause__, aiohttp.ClientConnectionError | ConnectionError)
-                if last or not broken:
-                    raise
-        raise AssertionError
+        url = f"/api/{path}"
+        try:
+            return await self._line.request(method, url, json=json, data=data, within=within)
+        except DriverError as error:
+            if not _hung_up(error):
+                raise
+        return await self._line.request(method, url, json=json, data=data, within=within)
 
     async def setpoint(self, pose: Pose) -> None:
         """Send a pose to be taken now. Raises `DeviceLostError`."""
@@ -246,7 +242,18 @@ class DaemonLink:
         return await self._begun(f"move/play/{name}", None, LIST_S)
 
     async def _begun(self, path: str, body: Any, within: float = 2.0) -> str:
-        match await self.ask("POST", path, json=body, within=within):
+        """Begin a move. Where the daemon hung up nobody knows whether it has: every move is ended
+        before it is begun once more.
+        """
+        url = f"/api/{path}"
+        try:
+            answer = await self._line.request("POST", url, json=body, within=within)
+        except DriverError as error:
+            if not _hung_up(error):
+                raise
+            await self.end_running()
+            answer = await self._line.request("POST", url, json=body, within=within)
+        match answer:
             case {"uuid": str(uuid)}:
                 return uuid
         raise DriverError(f"the daemon began no move, but answered {path} otherwise", _REMEDY)
@@ -266,6 +273,11 @@ class DaemonLink:
         except AnswerError as error:
             if error.status < 500:
                 raise
+
+    async def end_running(self) -> None:
+        """End the moves that are under way now, whoever began them."""
+        for uuid in await self.running():
+            await self.end(uuid)
 
     async def end_any(self) -> None:
         """Have every move end at its next step, also one within another; without an answer."""
@@ -295,6 +307,14 @@ class DaemonLink:
             if isinstance(moves, list):
                 found[library] = sorted(str(move) for move in moves)
         return found
+
+
+def _hung_up(error: DriverError) -> bool:
+    """Whether a request found its connection closed, while the robot itself is there."""
+    cause = error.__cause__
+    return not isinstance(error, DeviceLostError) and isinstance(
+        cause, aiohttp.ClientConnectionError | ConnectionError
+    )
 
 
 def read_status(status: Mapping[str, Any]) -> DaemonStatus:

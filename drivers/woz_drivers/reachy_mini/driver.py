@@ -60,8 +60,8 @@ Sent = Mapping[str, Json]
 
 # -- what it can do --------------------------------------------------------------------------------
 
-_BODY, _HEAD, _VOICE, _CONTROL = "body", "head", "voice", "control"
-_ANGLE, _METRES, _STEP = Range(-180, 180, "deg"), Range(-100, 100, "m"), Range(-90, 90, "deg")
+_BODY, _VOICE, _CONTROL = "body", "voice", "control"
+_METRES = Range(-100, 100, "m")
 _SECONDS = Argument("seconds", "seconds", "0: as fast as it may", False, 0.0, Range(0, 60, "s"))
 
 _SOUND = (
@@ -201,6 +201,7 @@ class ReachyMini(Driver):
         self._wobbles = settings.wobble
         self._mode = MODES[0]
         self._demo: asyncio.Task[None] | None = None
+        self._leaving: asyncio.Future[None] | None = None
         #: Recorded moves by library; None: not asked for, or nobody answered.
         self._installed: Mapping[str, list[str]] | None = None
         self._asking: asyncio.Task[None] | None = None
@@ -309,7 +310,10 @@ class ReachyMini(Driver):
 
         It has no wheels: nothing carries it through the room.
         """
-        if scope is Scope.DRIVE or not self._link.ready:
+        if scope is Scope.DRIVE:
+            return None
+        self._body.hold()  # also a robot that comes back while the stop is pressed
+        if not self._link.ready:
             return None
         if self._demo is not None:
             self._demo.cancel()
@@ -336,12 +340,13 @@ class ReachyMini(Driver):
             stop.cancel()
 
     async def _stop_motion(self, ended: asyncio.Future[None]) -> None:
-        tracked, self._mode = self._mode == "tracking", MODES[0]
-        if tracked:
-            await self._senses.track(False)
+        if self._mode == "demo":
+            self._take_mode(MODES[0])
+        if self._senses.may_track:
+            await self._switch_tracking(False)
+        self._take_mode(MODES[0])
         await asyncio.shield(ended)
         await self._body.stand_still()
-        self.context.mode(self._mode)
 
     async def _stop_sound(self, ended: asyncio.Future[None]) -> None:
         """Now, and when no move is left that begins a sound of its own, as waking up does."""
@@ -392,11 +397,10 @@ class ReachyMini(Driver):
         if self._lost:
             # A daemon that was frozen goes on with what it did, where it would be by now.
             await self._link.end_any()
-            for uuid in await self._link.running():
-                await self._link.end(uuid)
+            await self._link.end_running()
             await self._sounds.stop()
         self._lost = False
-        await self._aim_sources()
+        await self._switch_wobbling_and_tracking()
         self._senses.begin()
         self.context.mode(self._mode)
         if self._link.status.silent and not self._told_silent:
@@ -407,7 +411,7 @@ class ReachyMini(Driver):
         self._asking = asyncio.create_task(self._ask(), name="reachy-mini questions")
         self._body.follow()
 
-    async def _aim_sources(self) -> None:
+    async def _switch_wobbling_and_tracking(self) -> None:
         """What moves the head beside its pose: lying down, the daemon switches all of it off."""
         await self._link.ask("POST", f"media/wobbling/{_able(self._wobbles)}")
         await self._senses.track(self._mode == "tracking")
@@ -569,50 +573,75 @@ class ReachyMini(Driver):
         mode, was = job.args["mode"], self._mode
         await self._end_demo()
         if "tracking" in (mode, was):
-            await self._senses.track(mode == "tracking")
+            await self._switch_tracking(mode == "tracking")
             self._body.forget()
         if mode == "demo":
             self._body.need_motors()
             self._demo = asyncio.create_task(self._show(), name="reachy-mini demo")
-        self._mode = mode
-        self.context.mode(mode)
+        self._take_mode(mode)
         return {"mode": mode, "was": was}
 
-    async def _show(self) -> None:
-        """Play every move and show every emotion, again and again."""
+    def _take_mode(self, mode: str) -> None:
+        self._mode = mode
+        self.context.mode(mode)
+        self._show_settings()
+
+    async def _switch_tracking(self, on: bool) -> None:
+        """Have the head follow faces or not; not, if this is cancelled or fails on the way."""
+        try:
+            await self._senses.track(on)
+        except (asyncio.CancelledError, DriverError):
+            self._leaving = asyncio.ensure_future(self._leave_tracking())
+            raise
+
+    async def _leave_tracking(self) -> None:
         with contextlib.suppress(DriverError):
+            await self._senses.track(False)
+            if self._mode == "tracking":
+                self._take_mode(MODES[0])
+
+    async def _show(self) -> None:
+        """Play every move and show every emotion, again and again, until one fails."""
+        try:
             while True:
                 for frames in (*MOVES.values(), *EMOTIONS.values()):
                     await self._body.gesture(frames, HOME, 1.0, 1.0)
                     await self._link.pause(_DEMO_PAUSE_S)
+        except DeviceLostError:
+            return  # which ends the mode, too
+        except DriverError as error:
+            self._demo = None
+            self._take_mode(MODES[0])
+            self.context.notice("warning", f"the demo has ended: {error.what}", error.remedy)
 
     async def _end_demo(self) -> None:
         demo, self._demo = self._demo, None
         if demo is not None:
             demo.cancel()
             await asyncio.gather(demo, return_exceptions=True)
-            self._mode = MODES[0]
-            self.context.mode(self._mode)
+            self._take_mode(MODES[0])
 
     async def _torque(self, job: Job) -> Sent:
         by_hand = job.args["by_hand"]
         mode = "gravity_compensation" if by_hand else "enabled"
         mode = mode if job.args["on"] else "disabled"
         self._body.forget()
-        await self._link.set_motors(mode)
-        self._body.follow()
+        try:
+            await self._link.set_motors(mode)
+        finally:
+            self._body.follow()
         return {"on": job.args["on"], "motors": mode}
 
     async def _wake_up(self, job: Job) -> Sent:
         await self._link.set_motors("enabled")
         await self._body.play("wake_up")
-        await self._aim_sources()
+        await self._switch_wobbling_and_tracking()
         return {}
 
     async def _go_to_sleep(self, job: Job) -> Sent:
         await self._body.play("goto_sleep")
         await self._link.set_motors("disabled")  # they are: only the newest status may not say so
-        await self._aim_sources()
+        await self._switch_wobbling_and_tracking()
         return {}
 
     async def _volume(self, job: Job) -> Sent:

@@ -19,6 +19,7 @@ from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_moves import PoseFrame
 from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, Pose, reachable
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.web_socket_line import AnswerError
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.motion.safety import LimitedJoint, Limits
@@ -36,7 +37,7 @@ _LOOK_S, _SELDOM_S = 0.015, 0.1
 _LATE_S = 3.0
 #: Setpoints of a body that are older count no more, in seconds; until a joint has met them it goes
 #: no faster than so, in degrees a second, and it has met them when it is so near, in degrees.
-_STALE_S, _MEETING, _MET = 0.5, 45.0, 1.0
+_STALE_S, _CATCH_UP_SPEED, _CAUGHT_UP_BY = 0.5, 45.0, 1.0
 #: A twitch of the antennas, as a blink: how far, in degrees, and how long, in seconds.
 _TWITCH, _TWITCH_S = 16.0, 0.35
 _MOTORS_OFF = "switch them on first: `torque: on`, or `wake_up`"
@@ -102,7 +103,7 @@ class ReachyBody:
     def _aiming(self) -> bool:
         return not self.following and self._streaming is not None and not self._streaming.done()
 
-    def _unknown(self) -> None:
+    def _forget_setpoints(self) -> None:
         """Something may have moved it otherwise than it was told to."""
         self._sent = self._held = None
         self._next = {}
@@ -208,7 +209,7 @@ class ReachyBody:
         seconds: float | None,
         pose: Pose | None,
     ) -> None:
-        """Have a move begin, and wait for its end; cancelled, it is ended by its uuid."""
+        """Have a move begin, and wait for its end; it is ended when it is cancelled or fails."""
         async with self._lane:
             while self._tidying:
                 await asyncio.wait(set(self._tidying))
@@ -226,12 +227,9 @@ class ReachyBody:
             uuid = await asyncio.shield(beginning)
             self._sent = self._held = pose
             await self._until_over(uuid, seconds)
-        except asyncio.CancelledError:
-            self._unknown()
+        except (asyncio.CancelledError, DriverError):
+            self._forget_setpoints()
             self._tidy(self._end_begun(beginning))
-            raise
-        except DriverError:
-            self._unknown()
             raise
         finally:
             self._moves -= 1
@@ -244,13 +242,18 @@ class ReachyBody:
         await self._link.pause(_SELDOM_S if seconds is None else seconds)
         while uuid in await self._link.running():
             if loop.time() > latest:
-                await self._link.end(uuid)
                 raise DriverError("the move did not end in time", "restart the robot's daemon")
             await self._link.pause(_SELDOM_S if seconds is None else _LOOK_S)
 
     async def _end_begun(self, beginning: asyncio.Future[str]) -> None:
+        """End a move that may run; where the daemon answers nothing, whatever runs."""
         with contextlib.suppress(DriverError):
-            await self._link.end(await beginning)
+            try:
+                await self._link.end(await beginning)
+            except (AnswerError, DeviceLostError):
+                return  # refused: nothing has begun; lost: all is ended when it is there again
+            except DriverError:
+                await self._link.end_running()
 
     def _tidy(self, work: Coroutine[Any, Any, None]) -> None:
         """Do in the background what the next command waits for."""
@@ -300,7 +303,13 @@ class ReachyBody:
             self._sent = sent
             await self._link.setpoint(sent)
             if all(one.landed for one in joints.values()):
-                await self._arrive()
+                try:
+                    await self._arrive()
+                except DeviceLostError:
+                    raise
+                except DriverError as error:
+                    text = f"nobody knows whether the robot looks where it is told to: {error.what}"
+                    self._context.notice("warning", text, error.remedy)
                 if self._held is goal or self._held is None:
                     break  # else it was to look elsewhere meanwhile
 
@@ -318,7 +327,7 @@ class ReachyBody:
                         "restart the daemon",
                     )
                 if self._held is goal:
-                    self._unknown()
+                    self._forget_setpoints()
             case _:
                 self._locked = False
 
@@ -343,7 +352,10 @@ class ReachyBody:
             goal = reachable(wanted, wanted)
             for name, one in joints.items():
                 one.step(goal[name], elapsed)
-                if one.limits.acceleration is None and abs(one.position - goal[name]) <= _MET:
+                if (
+                    one.limits.acceleration is None
+                    and abs(one.position - goal[name]) <= _CAUGHT_UP_BY
+                ):
                     one.limits = _quick(name)
             self._sent = self._held = {name: one.position for name, one in joints.items()}
             await self._link.setpoint(self._sent)
@@ -373,16 +385,20 @@ class ReachyBody:
 
     # -- standing still --------------------------------------------------------------------------
 
+    def hold(self) -> None:
+        """Nothing begins to move, and no body is followed, until `resume`."""
+        self._stopped = True
+
     async def end_moves(self) -> None:
         """End every move, whoever began it; returns when none runs any more."""
-        self._stopped = True
+        self.hold()
         if not self.following:
             await self._end_stream()
         await self._link.end_any()
         while (running := await self._link.running()) or self._moves or self._tidying:
             await asyncio.gather(*(self._link.end(uuid) for uuid in running))
             await asyncio.sleep(_LOOK_S)
-        self._unknown()
+        self._forget_setpoints()
 
     async def stand_still(self) -> None:
         """Return when the poses that come from now on say that nothing moves."""
@@ -396,10 +412,11 @@ class ReachyBody:
 
     def forget(self) -> None:
         """The robot was lost, or somebody else moved it: its own pose counts from now on."""
-        self._unknown()
+        self._forget_setpoints()
         self._posture = {}
         if self._streaming is not None:
             self._streaming.cancel()
+            self._streaming = None
 
     async def close(self) -> None:
         """End what goes on; the robot stays as it is."""
@@ -417,14 +434,8 @@ class ReachyBody:
 
     def _task(self, work: Callable[[], Coroutine[Any, Any, None]]) -> asyncio.Task[None]:
         async def guarded() -> None:
-            try:
+            with contextlib.suppress(DeviceLostError):  # the line says so, and is looked for
                 await work()
-            except DeviceLostError:
-                return  # the line says so
-            except DriverError as error:
-                self._context.notice(
-                    "warning", f"it may not look there: {error.what}", error.remedy
-                )
 
         return asyncio.get_running_loop().create_task(guarded(), name="reachy-mini setpoints")
 
@@ -444,7 +455,7 @@ async def _ticks(pace: float) -> AsyncIterator[float]:
 def _slow(name: str) -> Limits:
     """Of a joint on its way to a body that it has not met yet."""
     one = LIMITS[name]
-    return Limits(one.low, one.high, min(one.speed, _MEETING))
+    return Limits(one.low, one.high, min(one.speed, _CATCH_UP_SPEED))
 
 
 def _quick(name: str) -> Limits:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_pose import LIMITS, Pose
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
-from woz_tui.drivers.contract import SPEECH, DeviceLostError, DriverContext, DriverError
+from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
@@ -49,6 +49,10 @@ class ReachySenses:
         self._frame = 0
         #: Whether the head follows faces; None: the daemon does not look for any.
         self.tracks: bool | None = None
+        #: Held while the daemon is asked to follow faces or not.
+        self._switches = asyncio.Lock()
+        #: The newest of these requests, which comes last.
+        self._switching: asyncio.Future[None] | None = None
         self._polling: asyncio.Task[None] | None = None
         self._segment = 0
         #: When the segment under way began and speech was heard last; None: nobody speaks.
@@ -66,13 +70,32 @@ class ReachySenses:
     def begin(self) -> None:
         """Look and listen, again and again."""
         self._states.clear()
-        if self._polling is None or self._polling.done():
-            self._polling = asyncio.get_running_loop().create_task(
-                self._poll(), name="reachy-mini senses"
-            )
+        self._end_polling()
+        self._polling = asyncio.get_running_loop().create_task(
+            self._poll(), name="reachy-mini senses"
+        )
+
+    @property
+    def may_track(self) -> bool:
+        """Whether the head may follow faces: unless the daemon confirmed last that it does not."""
+        newest = self._switching
+        if newest is None or not newest.done() or newest.cancelled():
+            return True
+        return newest.exception() is not None or self.tracks is True
 
     async def track(self, on: bool) -> None:
-        """Have the head follow faces, or leave it alone. Raises `DriverError` without a camera."""
+        """Have the head follow faces, or leave it alone. Raises `DriverError` without a camera.
+
+        Cancelled, it is carried out all the same, before the next one: the daemon has the request.
+        """
+        self._switching = asyncio.ensure_future(self._switch(on))
+        await asyncio.shield(self._switching)
+
+    async def _switch(self, on: bool) -> None:
+        async with self._switches:
+            await self._switch_now(on)
+
+    async def _switch_now(self, on: bool) -> None:
         watches = on or self._settings.face
         if watches and not self._link.status.silent:
             weight = 1.0 if on else _WATCHES
@@ -99,6 +122,9 @@ class ReachySenses:
         self._end_polling()
         if self._polling is not None:
             await asyncio.gather(self._polling, return_exceptions=True)
+        if self._switching is not None:
+            await asyncio.wait({self._switching}, timeout=0.5)
+            self._switching.cancel()
         if self._began_us is not None:
             self._end_speech("the session ended")
 
@@ -112,8 +138,6 @@ class ReachySenses:
             for asks, sensor in ((self._hear, DIRECTION[0]), (self._see, FACE[0])):
                 try:
                     await asks()
-                except DeviceLostError:
-                    return
                 except DriverError as error:
                     self._state(sensor, "stale", error.what)
             await asyncio.sleep(1 / self._settings.rate)

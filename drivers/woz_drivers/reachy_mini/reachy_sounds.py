@@ -137,12 +137,12 @@ class ReachySounds:
         name = "" if status.silent else await self._deliver(wav)
         job.expects(wav.seconds)
         self.audible = True
+        beginning = asyncio.ensure_future(self._begin(name))
         try:
-            if name:
-                await self._link.ask("POST", "media/play_sound", json={"file": name})
+            await asyncio.shield(beginning)
             await self._link.pause(wav.seconds)
-        except asyncio.CancelledError:
-            self._tidy(self._silence())
+        except (asyncio.CancelledError, DriverError):
+            self._tidy(self._silence(beginning))
             raise
         finally:
             self.audible = False
@@ -159,7 +159,13 @@ class ReachySounds:
             self._sent.add(name)
         return name
 
-    async def _silence(self) -> None:
+    async def _begin(self, name: str) -> None:
+        if name:
+            await self._link.ask("POST", "media/play_sound", json={"file": name})
+
+    async def _silence(self, beginning: asyncio.Future[None]) -> None:
+        """End a sound that may have begun, not before the daemon has answered its beginning."""
+        await asyncio.gather(beginning, return_exceptions=True)
         with contextlib.suppress(DriverError):
             await self._link.ask("POST", "media/stop_sound", within=QUICK_S)
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import math
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -21,6 +23,7 @@ from woz_tui.drivers.contract import (
     Probe,
     Scope,
 )
+from woz_tui.motion.body_feeds import SETPOINTS, Setpoints
 from woz_tui.testing import RecordingContext, until
 
 
@@ -164,6 +167,168 @@ async def test_a_command_that_comes_late_moves_nothing_after_the_stop(it: Played
     await stop
     await asyncio.gather(moving, return_exceptions=True)
     await until(lambda: it.asked("move/stop") != [] and not it.asked_to_move)
+
+
+# -- requests that hang, or are not answered -------------------------------------------------------
+
+
+@pytest.mark.usefixtures("soon")
+async def test_every_stop_asks_for_no_tracking_until_that_is_confirmed(it: PlayedReachy) -> None:
+    await it.do("mode", mode="tracking")
+    it.robot.faults.refused["/api/media/tracking/enable"] = "the camera is busy"
+    report = await it.driver.stop(Scope.ALL)
+    assert report is not None and report.missing == ("motion",)
+    await it.driver.resume()
+    assert it.context.modes[-1] == "tracking"
+    it.robot.faults.refused.clear()
+    await it.driver.stop(Scope.ALL)
+    await until(lambda: it.robot.tracking < 0.5)
+    await until(lambda: it.context.modes[-1] == "normal")
+
+
+async def test_tracking_that_is_cancelled_on_the_way_is_off_after_the_stop(
+    it: PlayedReachy,
+) -> None:
+    held = it.robot.oddities.held["/api/media/tracking/enable"] = asyncio.Event()
+    asked = len(it.asked("media/tracking/enable"))
+    tracking = it.begin("mode", mode="tracking")
+    await until(lambda: len(it.asked("media/tracking/enable")) > asked)
+    stop = asyncio.ensure_future(it.driver.stop(Scope.ALL))
+    await asyncio.sleep(0)
+    tracking.cancel()
+    held.set()
+    report = await stop
+    assert report is not None and "motion" in report.confirmed
+    assert it.robot.tracking < 0.5
+
+
+async def test_tracking_that_is_cancelled_without_a_stop_is_off_too(it: PlayedReachy) -> None:
+    held = it.robot.oddities.held["/api/media/tracking/enable"] = asyncio.Event()
+    asked = len(it.asked("media/tracking/enable"))
+    tracking = it.begin("mode", mode="tracking")
+    await until(lambda: len(it.asked("media/tracking/enable")) > asked)
+    tracking.cancel()
+    held.set()
+    await until(lambda: len(it.asked("media/tracking/enable")) > asked + 1)
+    await until(lambda: it.robot.tracking < 0.5)
+    await it.do("gaze", yaw=10)
+
+
+async def test_a_move_that_cannot_be_asked_about_is_ended(it: PlayedReachy) -> None:
+    it.robot.data_sets["pollen-robotics/reachy-mini-dances-library"] = {"slow": 9000.0}
+    moving = it.begin("recorded", move="dances/slow")
+    await until(lambda: it.asked_to_move)
+    it.robot.faults.refused["/api/move/running"] = "the motor bus is on fire"
+    with pytest.raises(DriverError, match="on fire"):
+        await moving
+    await until(lambda: not it.asked_to_move)
+
+
+async def test_a_move_whose_beginning_is_not_answered_is_ended(it: PlayedReachy) -> None:
+    it.robot.oddities.hangs_up["/api/move/goto"] = 2
+    with pytest.raises(DriverError):
+        await it.do("pose", joints={"pan": 90}, seconds=400)
+    await until(lambda: not it.asked_to_move)
+    await it.do("home")
+
+
+async def test_a_move_is_begun_once_more_only_when_the_first_has_been_ended(
+    it: PlayedReachy,
+) -> None:
+    it.robot.oddities.hangs_up["/api/move/goto"] = 1
+    await it.do("pose", joints={"pan": 40}, seconds=40)
+    names = [name for name, _ in it.robot.calls if name in ("/api/move/goto", "/api/move/stop")]
+    assert names == ["/api/move/goto", "/api/move/stop", "/api/move/goto"]
+    assert not it.asked_to_move
+
+
+async def test_senses_go_on_after_requests_that_failed(it: PlayedReachy) -> None:
+    it.robot.oddities.hangs_up["/api/state/doa"] = 8
+    await until(lambda: ("direction", "stale") in [each[:2] for each in it.context.states])
+    await until(lambda: it.robot.oddities.hangs_up["/api/state/doa"] == 0)
+    it.robot.doa = (1.0, True)
+    await until(lambda: it.context.of("direction") != [])
+
+
+async def test_a_gaze_goes_on_when_it_is_not_known_whether_it_counts(it: PlayedReachy) -> None:
+    held = it.robot.oddities.held["/api/move/set_target"] = asyncio.Event()
+    it.robot.oddities.hangs_up["/api/move/set_target"] = 2
+    await it.do("gaze", yaw=10)
+    await until(lambda: it.asked("move/set_target") != [])
+    await it.do("gaze", yaw=30)
+    held.set()
+    await until(lambda: abs(it.robot.pose.head[5] - math.radians(30)) < 0.01)
+    await until(lambda: any("nobody knows" in text for _, text, _ in it.context.notices))
+
+
+async def test_a_sound_whose_beginning_hangs_is_silent_after_the_stop(it: PlayedReachy) -> None:
+    await it.driver.prepare_say([{"text": "A long story."}])
+    held = it.robot.oddities.held["/api/media/play_sound"] = asyncio.Event()
+    speaking = it.begin("say", text="A long story.")
+    await until(lambda: it.asked("media/play_sound") != [])
+    stop = asyncio.ensure_future(it.driver.stop(Scope.ALL))
+    await asyncio.sleep(0)
+    speaking.cancel()
+    polls = len(it.asked("state/doa"))
+    await until(lambda: stop.done() or len(it.asked("state/doa")) > polls + 5)
+    held.set()
+    report = await stop
+    assert report is not None and "sound" in report.confirmed
+    await until(lambda: it.robot.played != [])
+    assert it.robot.sound is None
+
+
+async def test_a_demo_that_fails_is_left_and_says_so(it: PlayedReachy) -> None:
+    await it.do("mode", mode="demo")
+    await until(lambda: it.asked_to_move)
+    it.robot.faults.refused["/api/move/goto"] = "the motor bus is on fire"
+    await until(lambda: it.context.modes[-1] == "normal")
+    assert any("on fire" in text for _, text, _ in it.context.notices)
+    assert it.health is Health.CONNECTED
+
+
+# -- a body that is followed -----------------------------------------------------------------------
+
+
+@contextlib.asynccontextmanager
+async def following(folder: Path) -> AsyncIterator[PlayedReachy]:
+    """A robot that follows a body, which says something all the time."""
+    async with reachy(folder, follows="body", twitches=0.0, libraries=False) as it:
+        feed = it.context.feed(SETPOINTS, of="body")
+
+        async def speaks() -> None:
+            while True:
+                feed.put(Setpoints(it.context.clock.now_us(), {"pan": 20.0, "tilt": 5.0}))
+                await asyncio.sleep(0.01)
+
+        body = asyncio.ensure_future(speaks())
+        await until(lambda: it.asked("set_full_target") != [])
+        yield it
+        body.cancel()
+
+
+async def test_a_stop_while_it_is_away_holds_when_it_is_back(folder: Path) -> None:
+    async with following(folder) as it:
+        await it.robot.close()
+        await it.lost()
+        await it.driver.stop(Scope.ALL)
+        it.robot.calls.clear()
+        await it.robot.start()
+        await it.connected()
+        polls = len(it.asked("state/doa"))
+        await until(lambda: len(it.asked("state/doa")) > polls + 3)
+        assert it.asked("set_full_target") == []
+        await it.driver.resume()
+        await until(lambda: it.asked("set_full_target") != [])
+
+
+async def test_motors_that_are_not_switched_leave_a_body_followed(folder: Path) -> None:
+    async with following(folder) as it:
+        it.robot.faults.refused["/api/motors/set_mode/disabled"] = "no"
+        with pytest.raises(DriverError):
+            await it.do("torque", on=False)
+        targets = len(it.asked("set_full_target"))
+        await until(lambda: len(it.asked("set_full_target")) > targets + 3)
 
 
 # -- nonsense --------------------------------------------------------------------------------------

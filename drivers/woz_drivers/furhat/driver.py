@@ -167,9 +167,9 @@ class Furhat(Driver):
         part = self._by_verb.get(job.verb)
         if part is None and not self._closed:
             raise RejectedError(f"a Furhat cannot {job.verb!r}")
-        if part is None or not self._link.ready:
-            trouble = self._link.trouble
-            raise DeviceLostError(trouble.what, trouble.remedy)
+        self._link.need()
+        if part is None:
+            raise DeviceLostError(f"{self._link.shown} was let go", "start the session again")
         try:
             return await part.perform(job)
         finally:

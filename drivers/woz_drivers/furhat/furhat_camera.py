@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from woz_drivers import picture_files
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import CameraData
@@ -38,7 +39,7 @@ class FurhatCamera(FurhatPart):
         super().__init__(link, settings, context)
         self._pictures = context.feed(PICTURE)
         self._watched = context.feed(WATCHED)
-        self._watching: asyncio.Task[None] | None = None
+        self._picture_task: asyncio.Task[None] | None = None
         self._trouble = ""
 
     @classmethod
@@ -51,9 +52,9 @@ class FurhatCamera(FurhatPart):
         jpeg = await self._take()
         t_us, moment = self._context.clock.now_us(), self._context.clock.wall()
         folder = self._place()
-        name = f"picture-{moment:%Y%m%d-%H%M%S}-{moment.microsecond // 1000:03d}.jpg"
-        await asyncio.to_thread(_keep, folder, name, jpeg)
-        shown = Path(self._settings.pictures or folder.name) / name
+        name = f"picture-{picture_files.stamp(moment)}"
+        path = await asyncio.to_thread(picture_files.keep, folder, name, ".jpg", jpeg)
+        shown = Path(self._settings.pictures or folder.name) / path.name
         return {"file": str(shown), "t": self._context.t(t_us)}
 
     def _place(self) -> Path:
@@ -64,20 +65,20 @@ class FurhatCamera(FurhatPart):
 
     async def connected(self) -> None:
         """Look whether somebody watches."""
-        self._watching = asyncio.create_task(self._watch(), name="furhat camera")
+        self._picture_task = asyncio.create_task(self._watch(), name="furhat camera")
 
     def lost(self) -> None:
         """No more pictures."""
-        if self._watching is not None:
-            self._watching.cancel()
-            self._watching = None
+        if self._picture_task is not None:
+            self._picture_task.cancel()
+            self._picture_task = None
 
     async def close(self) -> None:
         """Ask for nothing more."""
-        watching, self._watching = self._watching, None
-        if watching is not None:
-            watching.cancel()
-            await asyncio.wait([watching])
+        task, self._picture_task = self._picture_task, None
+        if task is not None:
+            task.cancel()
+            await asyncio.wait([task])
 
     async def _take(self) -> bytes:
         """A JPEG picture. Raises `DriverError`."""
@@ -133,17 +134,3 @@ def decoded(jpeg: bytes) -> tuple[int, int, bytes]:
             return picture.width, picture.height, picture.tobytes()
     except (OSError, ValueError, Image.DecompressionBombError) as error:
         raise DriverError(f"the camera's picture is broken: {error}", "try again") from None
-
-
-def _keep(folder: Path, name: str, jpeg: bytes) -> None:
-    """Write it; for a thread. Raises `DriverError`."""
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        path = folder / name
-        path.touch(mode=0o600, exist_ok=False)  # a person may be on it
-        path.write_bytes(jpeg)
-    except OSError as error:
-        why = error.strerror or str(error)
-        raise DriverError(
-            f"the picture could not be kept in {folder}: {why}", "check the disk"
-        ) from None

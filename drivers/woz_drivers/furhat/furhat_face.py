@@ -289,6 +289,7 @@ class FurhatFace(FurhatPart):
                 break
             await asyncio.sleep(min(STEP_S, seconds * (1.0 - share)))
             if stops != self._stops:
+                self._link.need()  # it was a stop, or the robot was lost
                 return
         for name in names if layer is not self._played else ():
             if layer.get(name) == 0.0:

@@ -105,8 +105,6 @@ class FurhatLink:
             "robot_simulators.furhat", ("--pace", f"{settings.pace:g}"), context.folder
         )
         self.shown = settings.address or SIMULATED
-        #: Why nothing can be done while it is not there.
-        self.trouble = DeviceLostError(f"{self.shown} is not connected", "wait until it is there")
         self._line = WebSocketLine(
             context,
             self.shown,
@@ -120,6 +118,12 @@ class FurhatLink:
     def ready(self) -> bool:
         """Whether the robot is connected and took the settings."""
         return self._line.ready
+
+    def need(self) -> None:
+        """Raise `DeviceLostError` with the present reason unless the robot is `ready`."""
+        if not self.ready:
+            self._line.need()
+            raise DeviceLostError(f"{self.shown} is being made ready", "try again in a moment")
 
     def start(self) -> None:
         """Begin to look for the robot."""
@@ -244,7 +248,6 @@ class FurhatLink:
             )
 
     def _lost(self, error: DeviceLostError) -> None:
-        self.trouble = DeviceLostError(error.what, error.remedy)
         exchanges, self._exchanges = self._exchanges, {}
         for exchange in exchanges.values():
             exchange.fail(DeviceLostError(error.what, error.remedy))

@@ -10,6 +10,7 @@ import asyncio
 import base64
 import contextlib
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from woz_drivers import pcm_audio, wav
@@ -25,6 +26,7 @@ from woz_drivers.furhat.realtime_events import (
 )
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.simulated.argument_values import file, number, text
+from woz_drivers.speech.synthesis import read_wav
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -304,11 +306,7 @@ def _judge(ended: SpeakEnded) -> None:
 
 def _read(path: str, volume: float) -> wav.Wav:
     """A WAV file as 16-bit samples of one channel. Raises `RejectedError`; for a thread."""
-    try:
-        with open(path, "rb") as opened:  # noqa: PTH123 - a path as text
-            sound = wav.parse(opened.read())
-    except (OSError, wav.NotWavError) as error:
-        raise RejectedError(f"{path} cannot be played: {error}", "save it as WAV") from None
+    sound = read_wav(Path(path))
     samples = pcm_audio.decode(sound.data, sound.format, sound.channels)
     mono = pcm_audio.one_channel(samples, 0) * volume
     return wav.Wav("S16_LE", sound.rate, 1, pcm_audio.encode(mono, "S16_LE"))

@@ -26,10 +26,9 @@ class Access(RobotEvent, frozen=True, kw_only=True, tag="response.auth"):
 
 
 class SpeakStarted(RobotEvent, frozen=True, tag="response.speak.start"):
-    """It begins to speak; `gen_time`: milliseconds that the voice took."""
+    """It begins to speak."""
 
     text: str | None = None
-    gen_time: float | None = None
 
 
 class SpeakWord(RobotEvent, frozen=True, kw_only=True, tag="response.speak.word"):
@@ -48,10 +47,7 @@ class SpeakEnded(RobotEvent, frozen=True, tag="response.speak.end"):
 
 
 class SpeakBuffer(RobotEvent, frozen=True, tag="response.speak.audio.buffer"):
-    """How much of the sound that is sent to it has been played."""
-
-    played: float | None = None
-    received: float | None = None
+    """A piece of the sound that is sent to it has been played."""
 
 
 class GestureStarted(RobotEvent, frozen=True, tag="response.gesture.start"):

@@ -11,6 +11,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from woz_drivers import picture_files
 from woz_drivers.naoqi_robot import camera_files
 from woz_drivers.naoqi_robot.background import Background, apart
 from woz_drivers.naoqi_robot.memory import item, number, within
@@ -77,7 +78,7 @@ class CameraPart(NaoqiPart):
         taken, t_us, moment = await self._capture()
         picture = Picture(t_us, taken.width, taken.height, taken.rgb)
         folder = self._place()
-        name = f"picture-{camera_files.stamp(moment)}"
+        name = f"picture-{picture_files.stamp(moment)}"
         path = await apart(lambda: camera_files.keep(folder, name, picture))
         self._pictures.put(picture)
         return {

@@ -15,11 +15,11 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from woz_drivers.naoqi_robot.camera_files import stamp
 from woz_drivers.naoqi_robot.memory import stamped, within
 from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, Unsubscribe, binary
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import CleanUpCalls, NaoqiPart, RobotCalls
+from woz_drivers.picture_files import stamp
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json
 

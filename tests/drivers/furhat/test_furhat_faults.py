@@ -35,9 +35,10 @@ async def test_what_goes_on_ends_with_the_connection_and_comes_back_by_itself(it
     await it.do("face", face="adult - Isabel")
     saying = it.begin("say", text=LONG)
     playing = it.begin("play", move="Roll")
+    posing = it.begin("pose", joints={"JAW_OPEN": 0.1}, seconds=60.0)
     await until(lambda: bool(it.robot.speaking and it.robot.gesturing))
     it.robot.drop()
-    for job in (saying, playing):
+    for job in (saying, playing, posing):
         with pytest.raises(DeviceLostError):
             await job
     await it.is_there()

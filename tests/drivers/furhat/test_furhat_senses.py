@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import json
+import os
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from woz_drivers.furhat import furhat_hearing
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
 
 from tests.drivers.furhat.acted import SOMEBODY, Acted, acted, looks_often
+from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 from woz_tui.testing import until
@@ -213,6 +216,24 @@ async def test_an_utterance_that_the_robots_loss_cuts_off_has_an_end(it: Acted) 
 async def test_a_picture_is_kept_as_it_came(it: Acted, tmp_path: Path) -> None:
     kept = await it.do("picture")
     assert (tmp_path / str(kept["file"])).read_bytes().startswith(b"\xff\xd8")
+    assert len(pictures(tmp_path)) == 1
+
+
+def pictures(folder: Path) -> list[Path]:
+    return list(folder.rglob("*picture-*"))
+
+
+async def test_a_full_disk_is_told_and_leaves_no_part_of_a_picture(
+    it: Acted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(DriverError, match="could not be kept") as told:
+        await it.do("picture")
+    assert "free some space" in told.value.remedy
+    assert not pictures(tmp_path)
 
 
 async def test_pictures_are_shown_while_somebody_watches(it: Acted) -> None:

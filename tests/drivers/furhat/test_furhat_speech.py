@@ -145,6 +145,9 @@ async def test_what_is_no_sound_is_refused(it: Acted, tmp_path: Path) -> None:
     for name in ("note.wav", "nothing.wav"):
         with pytest.raises(RejectedError):
             await it.do("sound", file=name)
+    with pytest.raises(RejectedError, match="cannot be played") as refused:
+        await it.do("sound", file="note.wav")
+    assert "ffmpeg" in refused.value.remedy
     assert not it.robot.requests("request.speak.audio.start")
 
 

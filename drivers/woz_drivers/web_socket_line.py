@@ -210,7 +210,7 @@ class WebSocketLine:
             if self._socket is None:
                 raise DeviceLostError(self._trouble.what, self._trouble.remedy) from error
             raise DriverError(
-                f"{self._shown} did not answer {path}: {_reason(error)}", "try again"
+                f"{self._shown} did not answer {path}: {failure_reason(error)}", "try again"
             ) from error
         if answer.status >= 400:
             words = body.decode("utf-8", "replace").strip()[:200]
@@ -305,7 +305,7 @@ class WebSocketLine:
             ) from None
         except (aiohttp.ClientError, OSError) as error:
             raise DeviceLostError(
-                f"{self._shown} cannot be reached: {_reason(error)}",
+                f"{self._shown} cannot be reached: {failure_reason(error)}",
                 "check its address, that it is switched on and that its software runs",
             ) from None
 
@@ -411,7 +411,7 @@ def _resetting_socket(place: aiohttp.AddrInfoType) -> socket.socket:
     return made
 
 
-def _reason(error: BaseException) -> str:
+def failure_reason(error: BaseException) -> str:
     """Why a connection failed, in the system's words without the library's."""
     cause = getattr(error, "os_error", error)
     number = getattr(cause, "errno", None)

@@ -23,6 +23,7 @@ from woz_drivers.furhat.realtime_events import (
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.simulated.argument_values import did_you_mean
 from woz_drivers.simulated_process import SimulatedProcess
+from woz_drivers.web_socket_line import failure_reason
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: Seconds for the connection, and for each question.
@@ -55,7 +56,7 @@ async def _robot(name: str, settings: FurhatSettings, place: str) -> list[Findin
                 socket = await session.ws_connect(url, max_msg_size=1 << 24)
             return await _visit(name, settings, socket)
     except (aiohttp.ClientError, TimeoutError, OSError, ValueError) as error:
-        why = str(error) or "it does not answer"
+        why = failure_reason(error)
         remedy = "check its address, its power and the network; is the Realtime API switched on?"
         return [Finding("error", name, f"{url}: {why}", remedy)]
 

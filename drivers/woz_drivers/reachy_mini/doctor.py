@@ -14,6 +14,7 @@ from woz_drivers.reachy_mini.daemon_link import read_status
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
 from woz_drivers.speech.doctor import synthesiser_finding
+from woz_drivers.web_socket_line import failure_reason
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Probe
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.
@@ -54,7 +55,7 @@ async def _visit(name: str, base: str) -> list[Finding]:
             running = await _asked(session, "move/running")
     except (aiohttp.ClientError, OSError, TimeoutError, ValueError) as error:
         raise DeviceLostError(
-            f"does not answer: {str(error) or type(error).__name__}",
+            f"does not answer: {failure_reason(error)}",
             "is the robot switched on, and its daemon started? docs/how-to/reachy-mini.md",
         ) from error
     kind = "a simulation" if status.simulated else "a robot"

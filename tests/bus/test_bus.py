@@ -313,18 +313,36 @@ def test_a_driver_that_is_lost_while_others_confirm_is_not_reached() -> None:
     assert (told.confirmed, told.missing, told.unreached) == (["base"], ["head"], ["head"])
 
 
-def test_a_driver_that_is_found_while_others_confirm_was_not_reached() -> None:
+@pytest.mark.parametrize("after", [0.2, 5.0], ids=["while others confirm", "later"])
+def test_a_driver_that_is_found_is_stopped_as_long_as_the_stop_holds(after: float) -> None:
     async def scenario(rig: Rig) -> None:
         rig.base.stop_takes = 0.4
         rig.hub.publish(m.DriverLost(driver="head"))
         rig.bus.stop("key")
-        await asyncio.sleep(0.2)
+        await asyncio.sleep(after)
+        rig.hub.publish(m.DriverConnected(driver="head"))
+        await asyncio.sleep(2)
+
+    rig = in_rig(scenario)
+    first, second = rig.of(m.StopConfirmed)
+    assert isinstance(first, m.StopConfirmed) and isinstance(second, m.StopConfirmed)
+    assert (first.confirmed, first.unreached) == (["base"], ["head"])
+    assert (second.confirmed, second.unreached) == (["head", "base"], [])
+    assert rig.head.calls == [("stop", "all")] * 2
+
+
+def test_a_driver_that_is_found_after_the_release_is_left_alone() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.hub.publish(m.DriverLost(driver="head"))
+        rig.bus.stop("key")
+        await asyncio.sleep(1)
+        rig.bus.release("key")
         rig.hub.publish(m.DriverConnected(driver="head"))
         await asyncio.sleep(1)
 
-    (told,) = in_rig(scenario).of(m.StopConfirmed)
-    assert isinstance(told, m.StopConfirmed)
-    assert (told.confirmed, told.unreached) == (["base"], ["head"])
+    rig = in_rig(scenario)
+    assert len(rig.of(m.StopConfirmed)) == 1
+    assert rig.head.calls == [("stop", "all")]
 
 
 def test_a_driver_whose_stop_finds_its_hardware_gone_is_not_reached() -> None:

@@ -78,6 +78,8 @@ class Bus:
         self._unstopped = unstopped
         self._lanes: dict[tuple[str, str], Lane] = {}
         self._stopping: asyncio.Task[None] | None = None
+        #: Drivers that did not confirm the last stop of everything.
+        self._unconfirmed: set[str] = set()
         self._asides: set[asyncio.Task[None]] = set()
         self._connected: set[str] = set()
         #: Those of which a part may be connected: they say which.
@@ -186,10 +188,19 @@ class Bus:
             case DriverConnected(driver=driver):
                 self._connected.add(driver)
                 self._faulted.discard(driver)
+                if driver in self._unconfirmed:
+                    asyncio.get_running_loop().call_soon(self._stop_again, driver)
             case DriverFaulted(driver=driver):
                 self._faulted.add(driver)
             case DriverLost(driver=driver) | DriverConnecting(driver=driver):
                 self.disconnected(driver)
+
+    def _stop_again(self, driver: str) -> None:
+        """A driver is back that had not confirmed the stop: it is stopped now, if it still has to
+        be.
+        """
+        if self.latched and driver in self._unconfirmed:
+            self.stop(f"return of {driver}")
 
     def disconnected(self, driver: str) -> None:
         """From here on no stop reaches it, whatever its `stop` returns."""
@@ -284,6 +295,8 @@ class Bus:
             else:
                 missing.append(name)
                 wait.cancel()
+        if jobs:
+            self._unconfirmed = set(missing)
         self._hub.publish(
             StopConfirmed(
                 confirmed=confirmed,
@@ -294,6 +307,9 @@ class Bus:
                 unreached=unreached,
             )
         )
+        found_meanwhile = [name for name in absent if name in self._connected]
+        if jobs and found_meanwhile:
+            loop.call_soon(self._stop_again, found_meanwhile[0])  # when this one is over
 
     async def _still(self, name: str, stop: StopTask, jobs: bool) -> bool:
         await asyncio.wait([stop])

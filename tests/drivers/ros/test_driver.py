@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.rosbridge import RosbridgeSimulator, SimulatedGoal
+from woz_drivers.ros import __main__ as draft_program
 from woz_drivers.ros import doctor, velocity_drive
 from woz_drivers.ros.driver import Ros
 
@@ -681,3 +682,13 @@ async def test_further_connections_do_not_start_the_simulated_robot_anew(
     await asyncio.gather(*calls)
     assert Health.LOST not in [health for health, *_ in context.healths]
     await driver.close()
+
+
+def test_a_draft_of_a_robot_that_nobody_knows_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["ros", "robot.invalid:9090"])  # RFC 2606: no such host
+    assert draft_program.main() == 1
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("no host is called robot.invalid; ")

@@ -141,3 +141,18 @@ def test_the_file_of_a_robot_comes_along(tmp_path: Path) -> None:
     assert made(tmp_path / "c.yaml", "--robot", "eyepi") == 1  # its moves are in another folder
     assert [*own.parent.iterdir()] == [own]
     assert not (tmp_path / "c.yaml").exists()
+
+
+@pytest.mark.parametrize("robot", ["nao", "pepper"])
+def test_a_robot_of_a_type_knows_the_gestures_of_the_template(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], robot: str
+) -> None:
+    path = tmp_path / "e.yaml"
+    assert made(path, "--yes", "--robot", robot) == 0
+    assert f"{tmp_path / 'robots' / robot}.yaml" in capsys.readouterr().out
+    experiment = read(path)
+    assert experiment.warnings == ()
+    played = {
+        call.args["move"] for a in experiment.actions for call in a.calls if "move" in call.args
+    }
+    assert played >= {"Hey_1", "Yes_1"}

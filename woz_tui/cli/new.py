@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import sys
 import tempfile
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,7 +59,9 @@ class _TemplateFile(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, slots=True)
 class Abilities:
-    """What the robot can do: its gestures by name, and whether it senses who is there."""
+    """What the robot can do: the templates' gestures that it has, and whether it senses who is
+    there.
+    """
 
     moves: frozenset[str]
     senses: bool
@@ -144,6 +147,8 @@ def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
     print(f"{path}: written. {verdict(experiment, len(experiment.warnings))}.")
     for warning in experiment.warnings:
         print(f"  {warning}")
+    if len(experiment.files) > 1:
+        print(f"  The robot, with its address: {experiment.files[1]}")
     if not abilities.moves:
         print("  This robot has no gestures that the template knows; add `play: ...` yourself.")
     print("Next:")
@@ -210,21 +215,46 @@ def _abilities(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) 
 
     Raises `ExperimentError` if there is no such robot, or if it cannot speak.
     """
-    trial = f"title: T\nrobot: {robot}\npanels:\n  - title: P\n    actions:\n"
+    experiment = _trial(robot, folder, catalogue, ["say: a"])
+    sensors = {name for spec in experiment.drivers for name in spec.sensors}
+    moves = sorted({line.move for line in _every_line() if line.move})
+    plays = [f"play: {move}" for move in moves]
+    try:
+        problems = [*_trial(robot, folder, catalogue, plays).warnings]
+    except ExperimentError as error:
+        problems = error.problems
+    refused = {
+        moves[int(at[1])] for problem in problems if (at := _TRIED.search(problem.path)) is not None
+    }
+    return Abilities(frozenset(moves) - refused, {"presence", "gaze", "distance"} <= sensors)
+
+
+#: In the path of a problem which action of a trial it is about.
+_TRIED = re.compile(r"actions\[(\d+)\]")
+
+
+def _every_line() -> Iterator[Line]:
+    yield from _FILE.always
+    for template in TEMPLATES.values():
+        for lines in template.phases.values():
+            yield from lines
+
+
+def _trial(
+    robot: str, folder: Path, catalogue: Mapping[str, type[Driver]], steps: Iterable[str]
+) -> Experiment:
+    """An experiment of these actions, as it would be found beside the new file."""
+    head = f"title: T\nrobot: {robot}\npanels:\n  - title: P\n    actions:\n"
+    actions = [f"      - {{label: A{number}, {step}}}\n" for number, step in enumerate(steps)]
     with tempfile.NamedTemporaryFile(
         "w", suffix=".yaml", prefix=".woz-new-", dir=folder, delete=False
     ) as file:
-        file.write(f"{trial}      - {{label: A, say: a}}\n")
+        file.write(head + "".join(actions))
     try:
-        experiment = load(Path(file.name), catalogue)
+        return load(Path(file.name), catalogue)
     finally:
         with suppress(OSError):
             Path(file.name).unlink()
-    verbs = {verb.name: verb for spec in experiment.drivers for verb in spec.verbs}
-    play = verbs["play"].arguments if "play" in verbs else ()
-    moves = next((argument.choices for argument in play if argument.choices), ())
-    sensors = {name for spec in experiment.drivers for name in spec.sensors}
-    return Abilities(frozenset(moves), {"presence", "gaze", "distance"} <= sensors)
 
 
 # -- the file --------------------------------------------------------------------------------------
@@ -283,22 +313,23 @@ training:                     # `woz train`: a visitor is simulated, you answer
 def _robot(
     answer: str, folder: Path, catalogue: Mapping[str, type[Driver]], undo: ExitStack
 ) -> str:
-    """The value of `robot:`, with a hint where the robot's address goes. The file of a robot that
-    comes with woz-tui is copied to the folder `robots` beside the experiment, if it is not there;
-    `undo` takes it away again.
+    """The value of `robot:`. The file of a robot that comes with woz-tui, which says what it calls
+    the gestures, is copied to the folder `robots` beside the experiment, if it is not there; `undo`
+    takes it away again. A robot without one stands in the experiment, with a hint where its address
+    goes.
     """
     if answer == SIMULATED:
         return answer
-    if answer not in catalogue or not catalogue[answer].facts.robot:
-        file = robot_files(folder).get(answer)
-        if file is None:
-            return json.dumps(answer)
+    file = robot_files(folder).get(answer)
+    if file is not None:
         own = folder / ROBOTS / file.name
         if not own.exists():
             own.parent.mkdir(exist_ok=True)
             undo.callback(own.unlink)
             shutil.copy(file, own)
         return json.dumps(f"{ROBOTS}/{file.name}")
+    if answer not in catalogue or not catalogue[answer].facts.robot:
+        return json.dumps(answer)
     example = catalogue[answer].facts.example
     settings = f"type: {answer}{f', {example}' if example else ''}"
     comment = "\n# instead of simulated: your robot's address" if SIMULATED in example else ""

@@ -506,6 +506,7 @@ class ReachyMiniSimulator(WebRobot):
 
     async def _upload(self, request: web.Request) -> web.Response:
         self.calls.append((request.path, {}))
+        await self._hold(request)
         part = await (await request.multipart()).next()
         name = getattr(part, "filename", None)
         content = await part.read() if part is not None and name else b""  # type: ignore[union-attr]

@@ -278,6 +278,20 @@ async def test_a_sound_whose_beginning_hangs_is_silent_after_the_stop(it: Played
     assert it.robot.sound is None
 
 
+async def test_a_sound_whose_beginning_is_not_answered_is_silent(it: PlayedReachy) -> None:
+    it.robot.oddities.hangs_up["/api/media/play_sound"] = 2
+    with pytest.raises(DriverError):
+        await it.do("say", text="A long story.")
+    await until(lambda: it.robot.played != [] and it.robot.sound is None)
+    await it.do("say", text="Hello.")
+
+
+async def test_a_sound_is_sent_once_more_when_the_daemon_hangs_up(it: PlayedReachy) -> None:
+    it.robot.oddities.hangs_up["/api/media/sounds/upload"] = 1
+    assert (await it.do("say", text="Hello."))["heard"] is True
+    assert len(it.robot.played) == 1
+
+
 async def test_a_demo_that_fails_is_left_and_says_so(it: PlayedReachy) -> None:
     await it.do("mode", mode="demo")
     await until(lambda: it.asked_to_move)

@@ -143,3 +143,14 @@ def test_a_robot_that_speaks_by_itself_lists_no_voices(
     said = capsys.readouterr().err
     assert f"{robot}: this robot does not list its voices" in said
     assert "espeak" not in said
+
+
+def test_a_robot_file_speaks_without_an_experiment(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text("name: mine\ndrivers: {head: {type: furhat}}\n")
+    assert cli.main(["voices", str(path)]) == 1
+    assert "head: this robot does not list its voices" in capsys.readouterr().err
+    assert cli.main(["voices", str(path), "--robot", "nao"]) == 1
+    assert "--robot is for experiments" in capsys.readouterr().err

@@ -15,6 +15,7 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_robot
 from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.config.loading import load
+from woz_tui.config.robots import is_robot_file, load_robot
 from woz_tui.drivers import plugins
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Driver, DriverError, Scope, Verb
@@ -67,7 +68,10 @@ class _TriedJob:
 def add_speakers(parser: ArgumentParser) -> None:
     """Declare who speaks."""
     parser.add_argument(
-        "experiment", type=Path, nargs="?", help="experiment file (default: this machine's voice)"
+        "experiment",
+        type=Path,
+        nargs="?",
+        help="experiment or robot file (default: this machine's voice)",
     )
     add_robot(parser)
     parser.add_argument(
@@ -113,10 +117,17 @@ def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> lis
         raise ValueError("--robot needs an experiment file: woz say TEXT FILE --robot NAME")
     if arguments.set:
         raise ValueError("--set is for this machine's voice; change the file instead")
-    experiment = load(arguments.experiment, catalogue, robot=arguments.robot)
+    file: Path = arguments.experiment
+    if is_robot_file(file) and arguments.robot:
+        raise ValueError(f"{file} is a robot file, and --robot is for experiments")
+    drivers = (
+        load_robot(file, catalogue)
+        if is_robot_file(file)
+        else load(file, catalogue, robot=arguments.robot).drivers
+    )
     return [
-        Speaker(spec.name, catalogue[spec.type], spec.settings, verb, experiment.path.parent)
-        for spec in experiment.drivers
+        Speaker(spec.name, catalogue[spec.type], spec.settings, verb, file.absolute().parent)
+        for spec in drivers
         for verb in spec.verbs
         if verb.name == SAY
     ]

@@ -414,6 +414,8 @@ def _resetting_socket(place: aiohttp.AddrInfoType) -> socket.socket:
 def failure_reason(error: BaseException) -> str:
     """Why a connection failed, in the system's words without the library's."""
     cause = getattr(error, "os_error", error)
+    if isinstance(cause, socket.gaierror):
+        return "no host is called so"
     number = getattr(cause, "errno", None)
     return os.strerror(number) if number else str(cause) or type(cause).__name__
 

@@ -266,3 +266,10 @@ async def test_a_slow_answer_to_a_probe_costs_no_connection(robot: Parrot, desk:
     robot.thaw()
     await desk.line.probe()
     assert desk.lost == []
+
+
+async def test_a_name_that_no_host_has_is_told_as_such() -> None:
+    desk = Desk("no-such-robot.invalid:80")
+    desk.line.start()
+    await until(lambda: any("no host" in health[1] for health in desk.context.healths))
+    await desk.line.close()

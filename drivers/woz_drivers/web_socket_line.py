@@ -299,8 +299,9 @@ class WebSocketLine:
                 f"{self._shown} does not answer", "switch it on; check its address and the network"
             ) from None
         except aiohttp.WSServerHandshakeError as error:
+            shown = url.partition("?")[0]  # what follows may hold a token
             raise DeviceLostError(
-                f"{self._shown} answers, but offers no {url}: {error.status} {error.message}",
+                f"{self._shown} answers, but offers no {shown}: {error.status} {error.message}",
                 "check the address and port: is this the robot, and does its software run?",
             ) from None
         except (aiohttp.ClientError, OSError) as error:

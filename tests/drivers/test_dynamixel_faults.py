@@ -134,10 +134,11 @@ async def test_one_dead_servo_slows_nobody(tmp_path: Path) -> None:
         sent = await it.do("pose", joints={"pan": 30.0, "tilt": 10.0}, seconds=0.4)
         assert sent["joints"] == {"pan": 30.0}
         assert "answer" in str(sent["left_out"])
-        assert it.driver.loop.ticks > before
-        # It is probed now and then, not at each tick, and nothing else is sent to it.
+        # It is probed now and then, not at each tick, and nothing else is sent to it. On a busy
+        # machine a tick may take a third of the time from one probe to the next.
+        await until(lambda: it.driver.loop.ticks >= before + 10)
         probes = it.bus.heard(PING) - pings
-        assert probes * 5 < it.driver.loop.ticks - before
+        assert probes * 2 < it.driver.loop.ticks - before
         await until(lambda: it.bus.instructions_for(12) - reads == it.bus.heard(PING) - pings)
 
         with pytest.raises(DriverError, match="answer"):

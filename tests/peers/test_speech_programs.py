@@ -6,7 +6,6 @@ The word errors that this prints are figures of these sentences and models, not 
 from __future__ import annotations
 
 import re
-import shutil
 import sys
 from collections.abc import AsyncIterator, Sequence
 from pathlib import Path
@@ -121,7 +120,6 @@ async def test_what_piper_says_is_understood(
     assert all(0 < (heard.confidence or 0) <= 1 for heard in transcripts)
 
 
-@pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
 async def test_what_espeak_says_is_understood(
     transcriber: ResidentProgram, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -204,7 +204,7 @@ def _drivers(state: ConsoleState, glyphs: Glyphs, room: int) -> Row:
     that is not enough, what troubles a driver is a sign alone, and whoever is not well comes first.
     """
     drivers = [*state.drivers.values()]
-    row = _told(state, glyphs, [(driver, driver.name) for driver in drivers])
+    row = _drivers_row(state, glyphs, [(driver, driver.name) for driver in drivers])
     if length(row) <= room:
         return row
     robots = Counter(driver.name.partition(".")[0] for driver in drivers)
@@ -213,18 +213,18 @@ def _drivers(state: ConsoleState, glyphs: Glyphs, room: int) -> Row:
         for driver in drivers
         for robot in (driver.name.partition(".")[0],)
     ]
-    row = _told(state, glyphs, short)
+    row = _drivers_row(state, glyphs, short)
     if length(row) <= room:
         return row
     first = sorted(short, key=lambda each: _wellness(state, each[0]))
-    return _told(state, glyphs, first, brief=True)
+    return _drivers_row(state, glyphs, first, brief=True)
 
 
 def _wellness(state: ConsoleState, driver: DriverView) -> tuple[bool, bool]:
     return driver.health == "connected", not driver_trouble(state, driver.name)
 
 
-def _told(
+def _drivers_row(
     state: ConsoleState,
     glyphs: Glyphs,
     named: Iterable[tuple[DriverView, str]],

@@ -195,8 +195,8 @@ class AddressedPerson:
         """Who it is, of those who are there."""
         tracks = {one.id: one for one in there}
         if self.id not in tracks:
-            self.by_hand, self.id = False, _wanted(tracks.values(), None)
-        wanted = self.id if self.by_hand else _wanted(tracks.values(), self.id)
+            self.by_hand, self.id = False, _nearest_who_looks(tracks.values(), None)
+        wanted = self.id if self.by_hand else _nearest_who_looks(tracks.values(), self.id)
         if wanted == self.id:
             self._other = None
         elif wanted != self._other:
@@ -206,7 +206,7 @@ class AddressedPerson:
         return None if self.id is None else tracks[self.id]
 
 
-def _wanted(tracks: Iterable[FaceTrack], now: int | None) -> int | None:
+def _nearest_who_looks(tracks: Iterable[FaceTrack], now: int | None) -> int | None:
     there = [*tracks]
     looking = [one for one in there if one.looks]
     if not looking and now is not None:

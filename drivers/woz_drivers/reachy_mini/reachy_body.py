@@ -338,7 +338,7 @@ class ReachyBody:
         async for elapsed in _ticks(self._settings.pace):
             held = self._link.status.motors == "enabled"
             self._tell_body(held)
-            wanted = self._wanted()
+            wanted = self._followed_pose()
             if wanted is None or self._stopped or self._moves or not held:
                 joints = {}
                 continue
@@ -360,7 +360,7 @@ class ReachyBody:
             self._sent = self._held = {name: one.position for name, one in joints.items()}
             await self._link.setpoint(self._sent)
 
-    def _wanted(self) -> dict[str, float] | None:
+    def _followed_pose(self) -> dict[str, float] | None:
         """The body's newest pose with what an emotion adds; None if it says nothing."""
         newest = self._setpoints.latest().value if self._setpoints is not None else None
         if not isinstance(newest, Setpoints):

@@ -60,6 +60,8 @@ class EyesPart(NaoqiPart):
         #: Shown last by command, undimmed; None: whatever the robot shows by itself.
         self._shown: EyeColor | None = None
         self._level = 1.0
+        #: Held while a colour is on its way: the one of before a loss never covers a newer one.
+        self._changing = asyncio.Lock()
         self._loop: asyncio.Task[None] | None = None
         self._animated = False
 
@@ -124,7 +126,9 @@ class EyesPart(NaoqiPart):
         if self._settings.eyes and self._shown is None:
             self._shown = EyeColor.of(color_of({"color": self._settings.eyes}, "color"))
             seconds = COMES_S
-        if self._shown is not None:
+        async with self._changing:
+            if self._shown is None:
+                return
             try:
                 await self._fade(self._shown, seconds)
             except DeviceLostError:
@@ -178,8 +182,9 @@ class EyesPart(NaoqiPart):
     async def show(self, shown: EyeColor, seconds: float) -> None:
         """A steady colour; returns when the fade is over."""
         self._end_loop()
-        await self._fade(shown, seconds)
-        self._shown = shown  # not before: what failed must not come after a loss
+        async with self._changing:
+            await self._fade(shown, seconds)
+            self._shown = shown  # not before: what failed must not come after a loss
 
     async def _animation(self, job: Job) -> dict[str, Json]:
         kind = word(job.args, "kind", KINDS)

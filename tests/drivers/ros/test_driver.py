@@ -124,9 +124,9 @@ async def test_a_goal_that_nobody_takes_holds_up_nothing(ros: int) -> None:
 
 async def test_a_goal_that_is_refused_is_known_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """The server of ROS 2 never says it: its action does not count the goal among its own."""
-    monkeypatch.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.4)
     async with played(settings(ros=2), pace=5.0) as it:
         await it.play("play", move="wave")
+        monkeypatch.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.4)
         it.robot.refuse_goals = True
         with pytest.raises(DriverError, match="accept"):
             await it.play("play", move="wave")
@@ -135,9 +135,9 @@ async def test_a_goal_that_is_refused_is_known_soon(monkeypatch: pytest.MonkeyPa
 
 
 async def test_a_goal_that_is_accepted_late_is_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.4)
     async with played(settings(ros=2), pace=5.0) as it:
         await it.play("play", move="wave")
+        monkeypatch.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.4)
         it.robot.time = PacedTime(0.1)
         it.robot.accepts_goals.clear()
         with pytest.raises(DriverError, match="accept"):

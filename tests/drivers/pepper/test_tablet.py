@@ -42,13 +42,15 @@ async def it(folder: Path, robot: StandIn) -> AsyncIterator[Wired[TabletPart]]:
 
 
 async def _shows(robot: StandIn, what: str, fetched: int = 0) -> dict[str, Any]:
-    """Wait until the tablet shows this kind of thing and what it fetched last had that size."""
+    """Wait until the tablet shows this kind of thing and has fetched that many bytes for it."""
 
     async def there() -> Any:
         state = await robot.get("tablet")
         loads = await robot.get("tablet.fetched")
-        last = loads[-1]["size"] if loads else 0
-        return state if state["shows"] == what and (not fetched or last == fetched) else None
+        # A film that is shown no more may be fetched to its end even so, and be the last.
+        begun = [index for index, load in enumerate(loads) if load["url"] == state["url"]]
+        sizes = {load["size"] for load in loads[begun[-1] :]} if begun else set()
+        return state if state["shows"] == what and (not fetched or fetched in sizes) else None
 
     found: dict[str, Any] = await robot.until(there)
     return found

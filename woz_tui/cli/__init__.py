@@ -22,6 +22,7 @@ COMMANDS = {
     "train": "train a wizard: a simulated visitor gives cues, answers are scored",
     "host": "start only the robot process",
     "attach": "join a running session",
+    "access": "give access from other machines: new, list, revoke",
     "replay": "replay a session on the screen or on the robot",
     "coding": "list codes that were set in replays, and the agreement of two coders",
     "compare": "compare two sessions, or a session and its re-run",

@@ -1,10 +1,12 @@
-"""Numbers on the command line, as types of argparse."""
+"""Numbers and addresses on the command line, as types of argparse."""
 
 from __future__ import annotations
 
 import contextlib
 from argparse import ArgumentTypeError
 from collections.abc import Callable
+
+from woz_tui.remote.listen_address import ListenAddress
 
 
 def number(
@@ -27,3 +29,12 @@ def number(
 
 #: A time of at most a day.
 seconds = number(0.0, 86_400.0, "s")
+
+
+def listen_address(text: str) -> str:
+    """An address at which other machines can join."""
+    try:
+        ListenAddress.read(text)
+    except ValueError as error:
+        raise ArgumentTypeError(str(error)) from None
+    return text

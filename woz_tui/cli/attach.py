@@ -16,6 +16,14 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "name", nargs="?", default="", help="session code or socket (default: the only one)"
     )
+    parser.add_argument(
+        "--access",
+        type=Path,
+        default=None,
+        metavar="FILE",
+        help="join a session on another machine with this access file (see `woz access`); the name"
+        " is then the machine's HOST:PORT",
+    )
     parser.add_argument("--watch", action="store_true", help="watch only")
     parser.add_argument(
         "--take-over",
@@ -41,9 +49,16 @@ def run(arguments: Namespace) -> int:
 
 
 def _attach(arguments: Namespace) -> int:
+    if arguments.access is not None:
+        from woz_tui.cli.remote_start import remote_session  # noqa: PLC0415 - few come from afar
+
+        with remote_session(arguments.access, arguments.name) as socket:
+            return 1 if socket is None else _open(arguments, socket)
     socket = find_socket(arguments)
-    if socket is None:
-        return 1
+    return 1 if socket is None else _open(arguments, socket)
+
+
+def _open(arguments: Namespace, socket: Path) -> int:
     if arguments.questionnaire is not None:
         return console_start.open_questionnaire(socket, arguments.questionnaire, arguments.theme)[1]
     left, code = console_start.open_console(

@@ -96,6 +96,7 @@ def run(arguments: Namespace) -> int:
                 rerun=rerun,
                 training=training,
                 robot=arguments.robot,
+                listen=arguments.listen,
             )
         )
 

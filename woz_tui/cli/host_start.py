@@ -123,6 +123,7 @@ def host_arguments(
     name: str,
     codes: dict[str, str],
     robot: str = "",
+    listen: str = "",
 ) -> list[str]:
     """The command line of `woz host` for one session; empty codes are left out."""
     arguments = [str(experiment), "--recordings", str(recordings)]
@@ -130,7 +131,7 @@ def host_arguments(
         arguments += ["--spill", str(spill)]
     if name:
         arguments += ["--name", name]
-    for option, value in {"robot": robot, **codes}.items():
+    for option, value in {"robot": robot, "listen": listen, **codes}.items():
         if value:
             arguments += [f"--{option}", value]
     return arguments

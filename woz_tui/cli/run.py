@@ -76,4 +76,5 @@ def _host_command(arguments: Namespace, experiment: Path, robot: str) -> list[st
         name=arguments.name,
         codes={code: str(getattr(arguments, code) or "") for code in _CODES},
         robot=robot,
+        listen=arguments.listen,
     )

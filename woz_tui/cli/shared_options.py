@@ -7,6 +7,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from woz_tui.cli.argument_types import listen_address
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 
 
@@ -30,6 +31,14 @@ def add_session(parser: ArgumentParser) -> None:
         help="second folder for the log, used if the first one fails",
     )
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
+    parser.add_argument(
+        "--listen",
+        type=listen_address,
+        default="",
+        metavar="ADDRESS",
+        help="let other machines join, for example at 0.0.0.0:8765; who may, is given by `woz"
+        " access` and the experiment's session: access",
+    )
 
 
 def add_robot(parser: ArgumentParser) -> None:

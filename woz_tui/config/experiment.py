@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.study import Study
@@ -260,6 +260,10 @@ class ArrowKeySteps:
     turn: Annotated[float, Range(1, 360, "°"), Doc("angle of the base for one step")] = 10.0
 
 
+#: What somebody may be who joins from another machine.
+AccessRole = Literal["wizard", "program", "watcher", "participant"]
+
+
 @dataclass(frozen=True, slots=True)
 class SessionSettings:
     """How a session is run."""
@@ -280,6 +284,11 @@ class SessionSettings:
     dead_man: Annotated[
         float, Seconds(1.0, 60.0), Doc("driving stops after this time without the console")
     ] = 3.0
+    #: Name of an access file -> as what its owner may join from another machine.
+    access: Annotated[
+        Mapping[str, AccessRole],
+        Doc("roles of those who may join from another machine, by the name of their access file"),
+    ] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -376,9 +376,10 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
 
 def _attached(message: m.ConsoleAttached, shown: EventContext) -> EventLine:
     what = f"{message.role} {message.name}".rstrip()
+    what = f"{message.via} joined as {what}" if message.via else f"{what} attached"
     if message.sees == "all" and shown.keeps:
-        return EventLine("info", f"{what} attached", "it sees what is hidden from you")
-    return EventLine("info", f"{what} attached", message.console)
+        return EventLine("info", what, "it sees what is hidden from you")
+    return EventLine("info", what, "from another machine" if message.via else message.console)
 
 
 SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {

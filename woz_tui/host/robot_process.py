@@ -40,6 +40,7 @@ from woz_tui.system.clock import RealClock
 
 if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
     from woz_tui.drivers.contract import Driver
+    from woz_tui.host.remote_access import RemoteAccess
     from woz_tui.host.rerun_session import RerunOptions, RerunSession
     from woz_tui.host.training_session import TrainingOptions, TrainingSession
     from woz_tui.replay.rerun_plan import RerunPlan
@@ -68,7 +69,7 @@ class HostOptions:
     first one fails. `announce` writes one JSON line with socket and log to standard output.
     `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
     commands are run again. `training`: a wizard is trained, and nothing moves. `robot`: the one
-    that plays instead of the file's own.
+    that plays instead of the file's own. `listen`: where other machines can join; empty: nowhere.
     """
 
     experiment: Path
@@ -81,6 +82,7 @@ class HostOptions:
     rerun: RerunOptions | None = None
     training: TrainingOptions | None = None
     robot: str = ""
+    listen: str = ""
 
 
 def run(options: HostOptions) -> int:
@@ -171,18 +173,17 @@ async def _serve(
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
     reason = "crashed"
+    remote: RemoteAccess | None = None
     try:
         await session.open()
         if training is None:
             await _assign_proposed(session)
         host.listen(listener)
+        if options.listen:
+            remote = _let_in(options.listen, host)
         if options.announce:
             _announce(path, recorder)
-        ask_for_short_turns()
-        gc.collect()
-        gc.freeze()
-        gc.set_threshold(*GC_THRESHOLDS)
-        sys.setswitchinterval(SWITCH_S)
+        _give_keys_priority()
         if rerun is not None:
             rerun.begin_when_ready()
         reason = await host.serve()
@@ -196,6 +197,8 @@ async def _serve(
         finally:  # whatever that came to: the robot rests and the log is finished
             await session.close(reason)
             _name_log(recorder.path, participants)
+            if remote is not None:
+                await remote.close()
             await host.close()
             _leave_within(EXIT_LIMIT_S)
     return 0
@@ -220,6 +223,31 @@ def _begin_files(
             defer=functools.partial(asyncio.get_running_loop().call_later, SYNC_AFTER_S),
         )
     return identity, path, listener, recorder
+
+
+def _give_keys_priority() -> None:
+    """Tune the scheduler and the interpreter so that nothing delays a key's way to the robot."""
+    ask_for_short_turns()
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(*GC_THRESHOLDS)
+    sys.setswitchinterval(SWITCH_S)
+
+
+def _let_in(address: str, host: SessionServer) -> RemoteAccess:
+    """Let other machines join at `address`, as whom the experiment says."""
+    from woz_tui.host.remote_access import RemoteAccess  # noqa: PLC0415 - few sessions are open
+
+    hub, session = host.session.hub, host.session
+    remote = RemoteAccess(host.path, address, hub.publish)
+    remote.start(session.experiment.session.access)
+
+    def adopt(message: m.AnyMessage) -> None:
+        if isinstance(message, m.ExperimentReloaded):
+            remote.adopt(session.experiment.session.access)
+
+    hub.listen(adopt)
+    return remote
 
 
 async def _assign_proposed(session: Session) -> None:

@@ -39,6 +39,8 @@ PULSE_S = 1.0
 #: Dead-man periods of silence after which a wizard's connection is given up altogether.
 SILENT_PERIODS = 5
 ROLES = ("wizard", "watcher", "program", PARTICIPANT)
+#: Longest name of an access file that is told, in characters.
+LONGEST_VIA = 40
 STREAMS = ("everything", "actions", "nothing")
 
 log = logging.getLogger(__name__)
@@ -227,6 +229,7 @@ class SessionServer:
                 role=client.role,
                 name=hello.name if sees_all else "",
                 sees="all" if sees_all else "",
+                via=hello.via[:LONGEST_VIA],
             )
         )
         client.send(self._welcome(client))
@@ -264,7 +267,8 @@ class SessionServer:
             self._demote(present, client)
         client.role, client.silent = "wizard", False
         client.beat_us = self.session.hub.now()
-        self.session.hub.publish(m.ConsoleAttached(console=client.name, role="wizard"))
+        via = client.hello.via[:LONGEST_VIA] if client.hello is not None else ""
+        self.session.hub.publish(m.ConsoleAttached(console=client.name, role="wizard", via=via))
         self._update_watch()
         client.send(Reply(ref=request.ref, ok=True))
 

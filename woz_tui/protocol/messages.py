@@ -572,13 +572,15 @@ class ExperimentReloaded(Message, frozen=True, kw_only=True, tag="experiment.rel
 
 class ConsoleAttached(Message, frozen=True, kw_only=True, tag="console.attached"):
     """A console or program connected. `role`: wizard, watcher, program or participant; `name`: how
-    it calls itself. `sees` is `all` for a program that gets what is kept from the wizard.
+    it calls itself. `sees` is `all` for a program that gets what is kept from the wizard. `via`:
+    the name of the access file with which it came from another machine.
     """
 
     console: str
     role: str
     name: str = ""
     sees: str = ""
+    via: str = ""
 
 
 class ConsoleLost(Message, frozen=True, kw_only=True, tag="console.lost"):

@@ -47,7 +47,8 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     A wizard must send a `beat` at least every second; when three seconds pass without one, driving
     stops. `stream`: everything, actions (no samples) or nothing. While a wizard is attached a
     second one becomes a watcher, unless it says `take_over`: then the first one does. `sees`: a
-    program sees `all`, also what is kept from the wizard, unless it says `wizard`.
+    program sees `all`, also what is kept from the wizard, unless it says `wizard`. `via`: set for
+    clients from other machines, by the process that has examined their certificate.
     """
 
     role: str
@@ -56,6 +57,7 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     stream: str = "everything"
     take_over: bool = False
     sees: Literal["", "all", "wizard"] = ""
+    via: str = ""
 
 
 class AskAction(Request, frozen=True, kw_only=True, tag="action"):

@@ -1,0 +1,154 @@
+"""Two machines and the network between them, which can be cut, frozen and slowed down."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tests.host.rig import WAIT_S, Peer, Served, served
+from woz_tui.config.experiment import AccessRole, SessionSettings
+from woz_tui.remote.access_server import AccessServer
+from woz_tui.remote.certificates import AccessFile, Authority
+from woz_tui.remote.listen_address import ListenAddress
+from woz_tui.remote.remote_session import RemoteSession, RemoteSessionError
+from woz_tui.system.clock import RealClock
+
+S = 1_000_000
+
+
+class BootClock(RealClock):
+    """All machines are as far as the test says."""
+
+    def __init__(self) -> None:
+        self.boot = 100 * S
+
+    def boot_us(self) -> int:
+        return self.boot
+
+
+@dataclass
+class Cable:
+    """Carries bytes to `port` and back. While `frozen`, they wait; `delay` seconds each way."""
+
+    port: int
+    delay: float = 0.0
+    flowing: asyncio.Event = field(default_factory=asyncio.Event)
+    _ends: set[asyncio.StreamWriter] = field(default_factory=set)
+    _server: asyncio.Server | None = None
+    _tasks: set[asyncio.Task[None]] = field(default_factory=set)
+    own_port: int = 0
+    #: How often something has come that waits.
+    held: int = 0
+
+    async def lay(self) -> None:
+        self.flowing.set()
+        self._server = await asyncio.start_server(self._join, "127.0.0.1", self.own_port)
+        self.own_port = self._server.sockets[0].getsockname()[1]
+
+    async def cut(self) -> None:
+        """Nothing comes through, and who is connected notices."""
+        if self._server is not None:
+            self._server.close()
+        for end in tuple(self._ends):
+            end.transport.abort()
+        for task in tuple(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    async def _join(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        try:
+            others = await asyncio.open_connection("127.0.0.1", self.port)
+        except OSError:
+            writer.transport.abort()
+            return
+        self._ends |= {writer, others[1]}
+        for source, target in ((reader, others[1]), (others[0], writer)):
+            task = asyncio.ensure_future(self._carry(source, target))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    async def _carry(self, source: asyncio.StreamReader, target: asyncio.StreamWriter) -> None:
+        with contextlib.suppress(OSError):
+            while data := await source.read(1 << 16):
+                self.held += not self.flowing.is_set()
+                await self.flowing.wait()
+                if self.delay:
+                    await asyncio.sleep(self.delay)
+                target.write(data)
+                await target.drain()
+            target.write_eof() if target.can_write_eof() else target.close()
+
+
+@dataclass
+class Machines:
+    """A robot's computer with a session, and the folder of another machine."""
+
+    robot: Served
+    server: AccessServer
+    authority: Authority
+    cable: Cable
+    folder: Path
+    clock: BootClock
+
+    @property
+    def address(self) -> str:
+        """Where the other machine finds the robot."""
+        return f"127.0.0.1:{self.cable.own_port}"
+
+    def access(self, name: str, role: AccessRole | None, days: int = 30) -> AccessFile:
+        """A file for this name, which has that role."""
+        file = self.folder / f"{name}.access"
+        self.authority.new(name, days, "", file)
+        self.server.adopt({**self.server.roles, **({name: role} if role else {})})
+        return AccessFile.read(file)
+
+    @contextlib.asynccontextmanager
+    async def joined(self, access: AccessFile) -> AsyncIterator[RemoteSession]:
+        """The session, usable on the other machine."""
+        remote = RemoteSession(access, self.address, self.clock)
+        running = asyncio.create_task(remote.run())
+        try:
+            yield remote
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+    async def refusal(self, access: AccessFile) -> str:
+        """Why somebody with this file does not get in."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(WAIT_S):
+                remote = RemoteSession(access, self.address, self.clock)
+                try:
+                    await remote.connect_once()
+                except RemoteSessionError as error:
+                    return str(error)
+        return ""
+
+
+async def connected(remote: RemoteSession) -> Peer:
+    """A program on the other machine, as soon as the session can be used there."""
+    async with asyncio.timeout(WAIT_S):
+        return Peer(*await asyncio.open_unix_connection(await remote.usable(), limit=1 << 22))
+
+
+@contextlib.asynccontextmanager
+async def machines(tmp_path: Path, clock: BootClock | None = None) -> AsyncIterator[Machines]:
+    """Both, until the block ends."""
+    clock = clock or BootClock()
+    async with served(
+        tmp_path, SessionSettings(), path=tmp_path / "S07.sock", clock=clock
+    ) as robot:
+        authority = Authority(tmp_path / "access")
+        authority.new("first", 30, "", tmp_path / "first.access")
+        server = AccessServer(robot.path, authority, clock)
+        port = int((await server.listen(ListenAddress("127.0.0.1", 0))).rpartition(":")[2])
+        cable = Cable(port)
+        await cable.lay()
+        try:
+            yield Machines(robot, server, authority, cable, tmp_path, clock)
+        finally:
+            await cable.cut()
+            await server.close()

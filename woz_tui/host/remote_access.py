@@ -1,0 +1,126 @@
+"""Other machines may join the session: starts the process that lets them in, and keeps it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import logging
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from woz_tui.protocol.messages import Notice
+
+#: Pauses before it is started again, in seconds: doubled up to the longest.
+_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.5, 8.0
+#: How long it may take to end, in seconds.
+_END_S = 2.0
+
+log = logging.getLogger(__name__)
+
+
+class RemoteAccess:
+    """The process that listens for other machines.
+
+    Args:
+        socket: The session's.
+        address: Where it listens.
+        publish: Takes what the wizard is to know.
+    """
+
+    def __init__(self, socket: Path, address: str, publish: Callable[[Notice], object]) -> None:
+        self._socket = socket
+        self._address = address
+        self._publish = publish
+        self._roles: Mapping[str, str] = {}
+        self._process: asyncio.subprocess.Process | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._listening = ""
+
+    def start(self, roles: Mapping[str, str]) -> None:
+        """Begin; `roles`: name -> role."""
+        self._roles = roles
+        self._task = asyncio.get_running_loop().create_task(self._keep())
+
+    def adopt(self, roles: Mapping[str, str]) -> None:
+        """The experiment says so from now on."""
+        if self._roles != roles:
+            self._roles = roles
+            self._send_roles()
+
+    async def close(self) -> None:
+        """Let nobody in any more."""
+        task, self._task = self._task, None
+        if task is not None:
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+        if self._process is not None:
+            await _end(self._process)
+
+    def kill(self) -> None:
+        """End the process without a word, as a crash does; it is started again."""
+        if self._process is not None:
+            self._process.kill()
+
+    async def _keep(self) -> None:
+        pause = _FIRST_PAUSE_S
+        while True:
+            self._listening = ""
+            with contextlib.suppress(OSError):
+                await self._once()
+            if self._listening:
+                pause = _FIRST_PAUSE_S
+                self._tell("warning", "Access from other machines has ended; it is started again")
+            await asyncio.sleep(pause)
+            pause = min(2 * pause, _LONGEST_PAUSE_S)
+
+    async def _once(self) -> None:
+        self._process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-P", "-m", "woz_tui.remote.access_server"),
+            *("--session", str(self._socket), "--listen", self._address),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+        )
+        try:
+            self._send_roles()
+            assert self._process.stdout is not None
+            while line := await self._process.stdout.readline():
+                self._take(line)
+        finally:
+            await _end(self._process)
+
+    def _send_roles(self) -> None:
+        if self._process is not None and self._process.stdin is not None:
+            with contextlib.suppress(OSError, RuntimeError):
+                self._process.stdin.write(json.dumps({"roles": {**self._roles}}).encode() + b"\n")
+
+    def _take(self, line: bytes) -> None:
+        try:
+            told: dict[str, str] = json.loads(line)
+        except ValueError:
+            log.warning("the process for other machines wrote %r", line[:200])
+            return
+        if listening := told.get("listening"):
+            self._listening = listening
+            self._tell("info", f"Other machines can join at {listening}")
+        elif refused := told.get("refused"):
+            self._tell("warning", f"Somebody from another machine was not let in: {refused}")
+        elif trouble := told.get("trouble"):
+            self._tell("error", f"Other machines cannot join at {self._address}: {trouble}")
+
+    def _tell(self, level: str, text: str) -> None:
+        self._publish(Notice(level=level, text=text))
+
+
+async def _end(process: asyncio.subprocess.Process) -> None:
+    if process.returncode is not None:
+        return
+    if process.stdin is not None:
+        process.stdin.close()
+    try:
+        async with asyncio.timeout(_END_S):
+            await process.wait()
+    except TimeoutError:
+        process.kill()
+        await process.wait()

@@ -1,0 +1,44 @@
+"""The address at which other machines can join, as it is typed."""
+
+from __future__ import annotations
+
+import ipaddress
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class ListenAddress:
+    """Where to listen. `plain`: without TLS, which is for this machine alone."""
+
+    host: str
+    port: int
+    plain: bool = False
+
+    @classmethod
+    def read(cls, text: str) -> ListenAddress:
+        """From `HOST:PORT`, `[IPv6]:PORT`, `:PORT` (everywhere) or `ws://127.0.0.1:PORT`.
+
+        Raises `ValueError` with a sentence.
+        """
+        scheme, _, rest = text.rpartition("://")
+        host, colon, port = rest.rpartition(":")
+        host = host.removeprefix("[").removesuffix("]")
+        if scheme not in ("", "ws", "wss") or not (colon and port.isascii() and port.isdigit()):
+            raise ValueError(
+                f"{text!r} is no address; for example 0.0.0.0:8765 or robot.local:8765"
+            )
+        if int(port) > 0xFFFF:
+            raise ValueError(f"{text!r}: ports go up to {0xFFFF}")
+        if scheme == "ws" and not _is_loopback(host):
+            raise ValueError(
+                f"{text!r} would let the whole network in without certificates: without `ws://`"
+                " the connection is encrypted, and each name has its certificate"
+            )
+        return cls(host, int(port), scheme == "ws")
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"

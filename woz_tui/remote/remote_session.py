@@ -1,0 +1,341 @@
+"""A session on another machine, as if it ran on this one: a socket here, its lines go there.
+
+`woz attach --access FILE` starts it; while it runs, every program of this machine that can use a
+local session can use that one. Requests are stamped with the time of the robot's computer, which is
+asked again and again: the robot process refuses what was under way for too long, whatever the
+network did with it. When the network is gone so is the socket, until the network is back.
+
+It ends with standard input. Standard output has one JSON object a line: `socket` when the session
+can be used, `trouble` (a sentence) when it cannot.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import signal
+import socket
+import ssl
+import sys
+from argparse import ArgumentParser
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+import msgspec
+
+from woz_tui.host import session_sockets
+from woz_tui.protocol import codec
+from woz_tui.remote.certificates import SERVER_NAME, AccessError, AccessFile
+from woz_tui.remote.parent_lines import announce, standard_input
+from woz_tui.system.clock import Clock, RealClock, boot_id
+
+#: Connecting may take so long, and an answer of the other clock, in seconds.
+_CONNECT_S, _ANSWER_S = 5.0, 3.0
+#: The other clock is asked so often at first, later so often, in seconds.
+_ASK_FIRST_S, _ASK_S, _ASK_FIRST = 0.1, 1.0, 5
+#: How many answers count: the one that came soonest is the best.
+_ANSWERS = 20
+_RETRY_S = 1.0
+#: Seconds from one ping to the next; one that is not answered in half of it ends the connection.
+_HEARTBEAT_S = 2.0
+_READ = 1 << 16
+_LONGEST_LINE = 16 * codec.MAX_LINE
+
+
+@dataclass(frozen=True, slots=True)
+class ClockOffset:
+    """What the other machine's clock has more than this one's, and how far that may be off, in
+    microseconds.
+    """
+
+    offset_us: int
+    uncertainty_us: int
+
+    @classmethod
+    def measured(cls, sent_us: int, other_us: int, received_us: int) -> ClockOffset:
+        """From one question: when it was sent, what the other said, when that was here."""
+        half = (received_us - sent_us) // 2
+        return cls(other_us - sent_us - half, half + 1)
+
+    def there(self, here_us: int) -> int:
+        """The other's time at a time of ours: the earliest it can have been, so that nothing that
+        was under way for long is taken for fresh.
+        """
+        return here_us + self.offset_us - self.uncertainty_us
+
+
+class ClockComparison:
+    """The best of the last answers of the other clock."""
+
+    def __init__(self) -> None:
+        self._answers: deque[ClockOffset] = deque(maxlen=_ANSWERS)
+
+    def add(self, answer: ClockOffset) -> None:
+        """One more answer."""
+        self._answers.append(answer)
+
+    @property
+    def best(self) -> ClockOffset:
+        """The one that is known best. Raises ValueError before the first."""
+        return min(self._answers, key=lambda each: each.uncertainty_us)
+
+
+class LineTranslator:
+    """Gives lines the time of the machine that they go to."""
+
+    def __init__(self, clocks: ClockComparison, clock: Clock) -> None:
+        self._clocks = clocks
+        self._clock = clock
+
+    def request(self, line: bytes) -> bytes:
+        """One to the robot, with `sent_us` in its time; a line that is none goes as it is."""
+        with contextlib.suppress(codec.WireError):
+            request = codec.decode_unknown(line)
+            sent = request.get("sent_us") or self._clock.boot_us()
+            if isinstance(sent, int):
+                request["sent_us"] = max(1, self._clocks.best.there(sent))
+            return msgspec.json.encode(request)
+        return line
+
+    @staticmethod
+    def answer(line: bytes) -> bytes:
+        """One from the robot. By the `boot_id` of the welcome a client knows that it may stamp its
+        requests with the time of this machine.
+        """
+        if not line.startswith(b'{"kind":"welcome"'):
+            return line
+        welcome = codec.decode_unknown(line)
+        return msgspec.json.encode({**welcome, "boot_id": boot_id()})
+
+
+class RemoteSessionError(Exception):
+    """The session cannot be used at the moment; the text says why. `final`: nor later."""
+
+    def __init__(self, text: str, *, final: bool = False) -> None:
+        super().__init__(text)
+        self.final = final
+
+
+class RemoteSession:
+    """Keeps the local socket for as long as the other machine can be reached.
+
+    Args:
+        access: What lets us in.
+        address: `host:port` of the robot's computer.
+        clock: Ours.
+    """
+
+    def __init__(self, access: AccessFile, address: str, clock: Clock | None = None) -> None:
+        self._address = address
+        self._context = access.context()
+        self._clock = clock or RealClock()
+        self._clocks = ClockComparison()
+        self._lines = LineTranslator(self._clocks, self._clock)
+        self._client: aiohttp.ClientSession | None = None
+        self._open: set[asyncio.Task[None]] = set()
+        self._path: Path | None = None
+        self._usable = asyncio.Event()
+
+    async def usable(self) -> Path:
+        """The local socket, as soon as the session can be joined there."""
+        await self._usable.wait()
+        assert self._path is not None
+        return self._path
+
+    async def run(self) -> None:
+        """Serve until cancelled. Raises `RemoteSessionError` that is final."""
+        while True:
+            try:
+                await self.connect_once()
+            except RemoteSessionError as error:
+                if error.final:
+                    raise
+                announce(trouble=str(error))
+            await asyncio.sleep(_RETRY_S)
+
+    async def connect_once(self) -> None:
+        """Serve until the other machine is lost; raises `RemoteSessionError`, with why."""
+        async with aiohttp.ClientSession() as client:
+            self._client = client
+            clock = await self._dial("/clock")
+            try:
+                async with asyncio.timeout(_ANSWER_S):
+                    hello = await clock.receive_json()
+                    for _ in range(_ASK_FIRST):
+                        await self._ask(clock)
+                        await asyncio.sleep(_ASK_FIRST_S)
+                with self._listener(hello["session"]) as listener:
+                    server = asyncio.create_task(self._accept(listener))
+                    self._usable.set()
+                    announce(socket=str(self._path), name=hello["name"], role=hello["role"])
+                    try:
+                        await self._keep_asking(clock)
+                    finally:
+                        self._usable.clear()
+                        server.cancel()
+            except (TimeoutError, TypeError, KeyError, ValueError, aiohttp.ClientError) as error:
+                why = "it does not answer" if isinstance(error, TimeoutError) else "it was cut off"
+                raise RemoteSessionError(f"the line to {self._address} is lost: {why}") from None
+            finally:
+                for task in self._open:
+                    task.cancel()
+                await asyncio.gather(*self._open, return_exceptions=True)
+
+    async def _keep_asking(self, clock: aiohttp.ClientWebSocketResponse[bool]) -> None:
+        while True:
+            async with asyncio.timeout(_ANSWER_S):
+                await self._ask(clock)
+            await asyncio.sleep(_ASK_S)
+
+    async def _ask(self, clock: aiohttp.ClientWebSocketResponse[bool]) -> None:
+        sent = self._clock.boot_us()
+        await clock.send_str(str(sent))
+        while (answer := await clock.receive_json())["asked"] != str(sent):
+            pass
+        self._clocks.add(ClockOffset.measured(sent, answer["boot_us"], self._clock.boot_us()))
+
+    async def _dial(self, path: str) -> aiohttp.ClientWebSocketResponse[bool]:
+        assert self._client is not None
+        try:
+            async with asyncio.timeout(_CONNECT_S):
+                return await self._client.ws_connect(
+                    f"wss://{self._address}{path}",
+                    ssl=self._context,
+                    server_hostname=SERVER_NAME,
+                    heartbeat=_HEARTBEAT_S,
+                    max_msg_size=_LONGEST_LINE,
+                    timeout=aiohttp.ClientWSTimeout(ws_close=0.2),
+                )
+        except TimeoutError:
+            raise RemoteSessionError(
+                f"{self._address} does not answer; is the address right, and the network there?"
+            ) from None
+        except aiohttp.WSServerHandshakeError as error:
+            raise RemoteSessionError(await self._refusal(path, error), final=True) from None
+        except aiohttp.ClientConnectorCertificateError as error:
+            raise RemoteSessionError(
+                f"{self._address} is not the robot that this access file is for"
+                f" ({error.certificate_error})",
+                final=True,
+            ) from None
+        except (aiohttp.ClientError, ssl.SSLError, OSError) as error:
+            cause = getattr(error, "os_error", error)
+            reason = getattr(cause, "strerror", None) or str(cause)
+            raise RemoteSessionError(f"{self._address} cannot be reached: {reason}") from None
+
+    async def _refusal(self, path: str, error: aiohttp.WSServerHandshakeError) -> str:
+        """Why we are not let in, in the other's words."""
+        assert self._client is not None
+        with contextlib.suppress(aiohttp.ClientError, TimeoutError, OSError):
+            async with self._client.get(
+                f"https://{self._address}{path}",
+                ssl=self._context,
+                server_hostname=SERVER_NAME,
+                timeout=aiohttp.ClientTimeout(total=_ANSWER_S),
+            ) as answer:
+                return f"{self._address} lets us not in: {(await answer.text())[:300]}"
+        return f"{self._address} lets us not in: {error.status} {error.message}"
+
+    # -- the local socket ----------------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def _listener(self, session: str) -> Any:
+        host = self._address.rpartition(":")[0].strip("[]")
+        word = "".join(sign if sign.isalnum() or sign in "-." else "-" for sign in host)
+        self._path = session_sockets.socket_path(f"{session}@{word}")
+        try:
+            listener = session_sockets.bind(self._path)
+        except OSError as error:
+            raise RemoteSessionError(str(error), final=True) from None
+        own = session_sockets.inode(self._path)
+        try:
+            yield listener
+        finally:
+            listener.close()
+            if session_sockets.inode(self._path) == own:
+                self._path.unlink(missing_ok=True)
+
+    async def _accept(self, listener: socket.socket) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            connection, _ = await loop.sock_accept(listener)
+            if session_sockets.peer_uid(connection) != os.getuid():
+                connection.close()
+                continue
+            task = loop.create_task(self._relay(connection))
+            self._open.add(task)
+            task.add_done_callback(self._open.discard)
+
+    async def _relay(self, connection: socket.socket) -> None:
+        reader, writer = await asyncio.open_connection(sock=connection, limit=_LONGEST_LINE)
+        try:
+            with contextlib.suppress(RemoteSessionError):
+                other = await self._dial("/session")
+                ways = [
+                    asyncio.create_task(self._outward(reader, other)),
+                    asyncio.create_task(self._inward(other, writer)),
+                ]
+                try:
+                    await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+                finally:
+                    for way in ways:
+                        way.cancel()
+                    await asyncio.gather(*ways, return_exceptions=True)
+                    await other.close()
+        finally:
+            writer.close()
+
+    async def _outward(
+        self, reader: asyncio.StreamReader, other: aiohttp.ClientWebSocketResponse[bool]
+    ) -> None:
+        while line := await reader.readline():
+            await other.send_str(self._lines.request(line.rstrip(b"\n")).decode("utf-8", "replace"))
+
+    async def _inward(
+        self, other: aiohttp.ClientWebSocketResponse[bool], writer: asyncio.StreamWriter
+    ) -> None:
+        async for message in other:
+            if message.type is not aiohttp.WSMsgType.TEXT:
+                return
+            for line in message.data.encode().split(b"\n"):
+                if not line:
+                    continue
+                writer.write(self._lines.answer(line) + b"\n")
+            await writer.drain()
+
+
+async def _until_abandoned(session: RemoteSession) -> int:
+    work = asyncio.create_task(session.run())
+    ended = asyncio.create_task((await standard_input()).read())
+    await asyncio.wait({work, ended}, return_when=asyncio.FIRST_COMPLETED)
+    if not work.done():
+        work.cancel()
+        await asyncio.gather(work, return_exceptions=True)
+        return 0
+    announce(trouble=str(work.exception()), final=True)
+    return 1
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Serve until standard input ends."""
+    parser = ArgumentParser()
+    parser.add_argument("--access", type=Path, required=True)
+    parser.add_argument("--address", required=True)
+    options = parser.parse_args(arguments)
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)  # who has started it decides
+    try:
+        session = RemoteSession(AccessFile.read(options.access), options.address)
+        return asyncio.run(_until_abandoned(session))
+    except (AccessError, OSError) as error:
+        announce(trouble=str(error), final=True)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -33,6 +33,7 @@ ROOMS = [
     "woz_tui.analysis",
     "woz_tui.export",
     "woz_tui.session",
+    "woz_tui.remote",
     "woz_tui.replay",
     "woz_tui.training",
     "woz_tui.host",

@@ -67,6 +67,7 @@ arguments; each robot's page has them, too. These are there with every robot:
 """
 #: What no experiment of ours says, by path.
 EXAMPLES: dict[str, Any] = {
+    "session.access": {"anna": "wizard", "display": "watcher"},
     "robots": {"left": "eyepi.robot.yaml", "right": "eyepi.robot.yaml"},
     "robot.name": "Sophie",
     "session.stale_after": "2 s",

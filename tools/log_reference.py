@@ -182,6 +182,7 @@ FIELDS: dict[str, tuple[str, str]] = {
         "the measured value, or a questionnaire's answer on its scale; null if there was none",
     ),
     "values": ("", "by name: see the line's description"),
+    "via": ("", "name of the access file with which it came from another machine"),
     "variables": ("", "what may stand in braces in an utterance"),
     "verb": ("", "what to do: `say`, `play`, `pose` ..."),
     "verbs": ("", "driver -> the verbs it offers"),

@@ -229,7 +229,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     ),
     *BEGINNING,
     *COURSE,
-    m.ConsoleAttached(console="con2", role="program", name="stimulus", sees="all"),
+    m.ConsoleAttached(console="con2", role="program", name="stimulus", sees="all", via="lab"),
     m.Command(
         command="c00013",
         verb="say",
@@ -290,7 +290,7 @@ _PANELS = [
 
 REQUESTS: tuple[r.AnyRequest, ...] = (
     r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True),
-    r.Hello(ref=2, role="program", name="stimulus", sees="all"),
+    r.Hello(ref=2, role="program", name="stimulus", sees="all", via="lab"),
     r.Beat(ref=2),
     r.Beat(ref=3, line_ok=False),
     r.AskAction(ref=4, sent_us=5_400_000_000, action="Hello", source="key", key="h", age_us=2300),

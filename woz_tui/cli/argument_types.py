@@ -32,9 +32,10 @@ seconds = number(0.0, 86_400.0, "s")
 
 
 def listen_address(text: str) -> str:
-    """An address at which other machines can join."""
+    """An address at which other machines can join; empty: none."""
     try:
-        ListenAddress.read(text)
+        if text:
+            ListenAddress.read(text)
     except ValueError as error:
         raise ArgumentTypeError(str(error)) from None
     return text

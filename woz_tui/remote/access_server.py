@@ -58,11 +58,11 @@ _TELL_AGAIN_S = 30.0
 log = logging.getLogger(__name__)
 
 
-class RefusedError(Exception):
+class StrangerError(Exception):
     """This client is not let in; the text says why."""
 
 
-class RateLimit:
+class RequestRate:
     """So many requests a second, and some more at once after a pause."""
 
     def __init__(self, clock: Clock) -> None:
@@ -87,7 +87,7 @@ class RequestFilter:
         self._name = name
         self._role = role
         self._clock = clock
-        self._rate = RateLimit(clock)
+        self._rate = RequestRate(clock)
 
     def passed(self, line: bytes) -> tuple[bytes, Reply | None]:
         """What goes on to the session instead of `line`, and an answer that is given here."""
@@ -167,27 +167,29 @@ class AccessServer:
     # -- who comes in ------------------------------------------------------------------------
 
     def _visitor(self, request: web.Request) -> tuple[str, str]:
-        """Name and role. Raises `RefusedError`."""
+        """Name and role. Raises `StrangerError`."""
         transport = request.transport
         certificate = transport.get_extra_info("peercert") if transport is not None else None
         name = LOCAL
         if request.secure and not certificate:
-            raise RefusedError("no certificate: `woz access new NAME` makes one on the robot")
+            raise StrangerError("no certificate: `woz access new NAME` makes one on the robot")
         if certificate:
             subject = dict(pair for group in certificate["subject"] for pair in group)
             name = subject["commonName"]
             try:
                 if self._authority.name_of(certificate["serialNumber"]) != name:
-                    raise RefusedError(f"the certificate of {name} was revoked")
+                    raise StrangerError(f"the certificate of {name} was revoked")
             except AccessError as error:
-                raise RefusedError(str(error)) from error
+                raise StrangerError(str(error)) from error
         role = self.roles.get(name, "")
         if not role:
-            raise RefusedError(f"{name} has no role: write `{name}: watcher` under session: access")
+            raise StrangerError(
+                f"{name} has no role: write `{name}: watcher` under session: access"
+            )
         if request.headers.get("Origin"):
-            raise RefusedError("a web page cannot connect")
+            raise StrangerError("a web page cannot connect")
         if self._open[name] >= MOST_OF_ONE or self._open.total() >= MOST:
-            raise RefusedError(f"{name} has too many connections")
+            raise StrangerError(f"{name} has too many connections")
         return name, role
 
     def _tell_refused(self, who: str, why: str) -> None:
@@ -204,7 +206,7 @@ class AccessServer:
     async def _websocket(self, request: web.Request) -> tuple[web.WebSocketResponse, str, str]:
         try:
             name, role = self._visitor(request)
-        except RefusedError as error:
+        except StrangerError as error:
             self._tell_refused(str(request.remote), str(error))
             raise web.HTTPForbidden(text=str(error)) from None
         socket = web.WebSocketResponse(

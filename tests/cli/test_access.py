@@ -1,0 +1,49 @@
+"""`woz access`: a file for a name, the list, and taking access away."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from woz_tui import cli
+from woz_tui.remote.certificates import AccessFile
+
+
+@pytest.fixture(autouse=True)
+def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.chdir(tmp_path)
+
+
+def test_a_name_gets_a_file_stands_in_the_list_and_loses_its_access(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["access", "list"]) == 0
+    assert "woz access new" in capsys.readouterr().out
+    assert cli.main(["access", "new", "anna", "--address", "robot.local:8765"]) == 0
+    assert "{anna: watcher}" in capsys.readouterr().out
+    assert AccessFile.read(tmp_path / "anna.access").address == "robot.local:8765"
+    cli.main(["access", "list"])
+    assert "anna" in capsys.readouterr().out
+    assert cli.main(["access", "revoke", "anna"]) == 0
+    cli.main(["access", "list"])
+    assert "revoked" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["new", "a b"], "is no name"),
+        (["new", "there"], "exists"),
+        (["revoke", "nobody"], "no access"),
+    ],
+)
+def test_what_cannot_be_done_is_told_and_changes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], told: str
+) -> None:
+    (tmp_path / "there.access").write_text("mine")
+    assert cli.main(["access", *words]) == 1
+    assert told in capsys.readouterr().err
+    assert (tmp_path / "there.access").read_text() == "mine"
+    assert not (tmp_path / "config" / "woz" / "access" / "names.json").exists()

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import tempfile
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import pytest
 
 from tests.host.rig import WAIT_S, Peer, Served, served
 from woz_tui.config.experiment import AccessRole, SessionSettings
@@ -137,7 +140,14 @@ async def connected(remote: RemoteSession) -> Peer:
 @contextlib.asynccontextmanager
 async def machines(tmp_path: Path, clock: BootClock | None = None) -> AsyncIterator[Machines]:
     """Both, until the block ends."""
-    clock = clock or BootClock()
+    with tempfile.TemporaryDirectory() as run, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_RUNTIME_DIR", run)  # a short path, and of this test alone
+        async with _machines(tmp_path, clock or BootClock()) as made:
+            yield made
+
+
+@contextlib.asynccontextmanager
+async def _machines(tmp_path: Path, clock: BootClock) -> AsyncIterator[Machines]:
     async with served(
         tmp_path, SessionSettings(), path=tmp_path / "S07.sock", clock=clock
     ) as robot:

@@ -252,11 +252,13 @@ async def start(
     on_output: Callable[[bytes], None] | None = None,
     text: str | None = None,
     keeps_reading: bool = False,
+    stdin: int | None = None,
     humble: bool = False,
 ) -> Child:
     """Run a command in `folder`; `text` goes to its stdin. The caller must await `end()`.
 
-    One that `keeps_reading` gets its input with `write`. A `humble` one gets the processor only
+    One that `keeps_reading` gets its input with `write`, or from the caller's descriptor `stdin`. A
+    `humble` one gets the processor only
     when the robot does not need it.
 
     Raises `ProgramMissing`, or `DriverError` if the system refuses to start it.
@@ -270,7 +272,9 @@ async def start(
             *(_humbly() if humble else ()),
             path,
             *words[1:],
-            stdin=asyncio.subprocess.PIPE if keeps_reading or text is not None else nothing,
+            stdin=asyncio.subprocess.PIPE
+            if keeps_reading or text is not None
+            else stdin or nothing,
             stdout=nothing if on_output is None else asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
             cwd=folder,

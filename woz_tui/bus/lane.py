@@ -197,7 +197,7 @@ class Lane:
             return
         if pending.verb.stream or when_busy == "replace":
             self._make_way(pending)
-        elif when_busy == "refuse" and (self.busy or self._waiting):
+        elif (when_busy == "refuse" or not pending.verb.waits) and (self.busy or self._waiting):
             pending.refuse("busy", f"{self.driver_name} is busy")
             return
         elif len(self._waiting) >= self._room_for(pending):

@@ -96,7 +96,14 @@ def _repeated_options(arguments: Namespace) -> str:
     return f"{' --watch' * arguments.watch}{' --take-over' * arguments.take_over}"
 
 
-def _find(name: str, options: str) -> Path | None:
+def find_session(name: str, command: str) -> Path | None:
+    """The socket of the session `name`, or of the only one; None after printing why there is none.
+    `command` is what is proposed to be typed with a name.
+    """
+    return _find(name, "", command)
+
+
+def _find(name: str, options: str, command: str = "woz attach") -> Path | None:
     if name:
         socket = Path(name) if "/" in name else session_sockets.socket_path(name)
         if session_sockets.answers(socket):
@@ -107,7 +114,7 @@ def _find(name: str, options: str) -> Path | None:
         return running[0]
     if running:
         names = "\n".join(
-            f"  woz attach {path.stem}{options}   # for {session_sockets.age_s(path) // 60:.0f} min"
+            f"  {command} {path.stem}{options}   # for {session_sockets.age_s(path) // 60:.0f} min"
             for path in running
         )
         print(f"woz: which session?\n{names}", file=sys.stderr)

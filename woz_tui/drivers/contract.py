@@ -82,8 +82,10 @@ class Verb:
     `arguments[0]` is the main one: `say: "Hello"` gives it directly. Commands in one `lane` run
     one after the other, those in different lanes together. `stream`: only the latest setpoint
     counts, so it goes into a slot and not into the queue. `drives`: it moves the robot through
-    the room and must end when nobody watches. `limit_s`: how long it may take at most. `brief`:
-    it is done at once, so that a burst of it may wait in its lane without anybody noticing.
+    the room, or lets somebody talk through it, and must end when nobody watches. `limit_s`: how
+    long it may take at most. `brief`: it is done at once, so that a burst of it may wait in its
+    lane without anybody noticing.
+    `waits`: it may be queued; else it is refused while its lane is busy.
     """
 
     name: str
@@ -94,6 +96,7 @@ class Verb:
     drives: bool = False
     limit_s: float = 30.0
     brief: bool = False
+    waits: bool = True
 
 
 class Job(Protocol):

@@ -15,6 +15,7 @@ from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding
 from woz_tui.host.client_connection import ClientConnection
 from woz_tui.host.picture_service import PictureService
+from woz_tui.host.sound_service import SoundService
 from woz_tui.protocol.messages import Json, Notice
 from woz_tui.protocol.requests import (
     AnyRequest,
@@ -40,7 +41,9 @@ from woz_tui.protocol.requests import (
     AskReload,
     AskScript,
     AskSet,
+    AskSound,
     AskTakeOver,
+    AskTalk,
     AskTraining,
     AskTrial,
     AskVerb,
@@ -57,7 +60,7 @@ from woz_tui.session.variables import MissingValueError, filled_call
 log = logging.getLogger(__name__)
 
 #: What somebody who only watches may ask for (stop and taking over: see `server`).
-WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture, AskTakeOver)
+WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver)
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: What takes its time, because it reads files or asks devices.
@@ -82,6 +85,7 @@ class RequestHandlers:
         self._load = load
         self._read = read or (lambda data: load())
         self._pictures = PictureService(session)
+        self._sound = SoundService(session)
         self._tasks: set[asyncio.Task[None]] = set()
         self._slow: dict[tuple[ClientConnection, type[Slow]], list[Slow]] = {}
         self._reading = asyncio.Lock()  # what was read last is what counts
@@ -102,10 +106,21 @@ class RequestHandlers:
             client.refuse(request.ref, "this console can only answer questionnaires")
         elif isinstance(request, AskPicture):
             self._pictures.answer(client, request)
+        elif isinstance(request, AskSound | AskTalk):
+            self._answer_sound(client, request)
         elif isinstance(request, Slow):
             self._answer_in_background(client, request)
         else:
             client.send(self._answer_at_once(client, request))
+
+    def _answer_sound(self, client: ClientConnection, request: AskSound | AskTalk) -> None:
+        try:
+            if isinstance(request, AskSound):
+                self._sound.answer_listener(client, request)
+            else:
+                client.send(self._sound.answer_talker(client, request))
+        except RequestError as error:
+            client.send(_refused(client, request, error))
 
     def _only_watches(self, client: ClientConnection, request: AnyRequest) -> None:
         if self._session.bus.unwatched:

@@ -12,6 +12,7 @@ import msgspec
 
 from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
 from woz_tui.protocol.envelope import Answer, Json
+from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
 
@@ -296,6 +297,32 @@ class AskPicture(Request, frozen=True, kw_only=True, tag="picture"):
     rate: float = 5.0
 
 
+class AskSound(Request, frozen=True, kw_only=True, tag="sound"):
+    """The newest sound of the microphone of `driver` (empty: of the first one), after frame `after`
+    of it; the answer is a `live_sound.SoundHeard`. From the first to the last of them the log says
+    that somebody listens.
+    """
+
+    driver: str = ""
+    after: int = 0
+
+
+class AskTalk(Request, frozen=True, kw_only=True, tag="talk"):
+    """Somebody's voice for the loudspeaker of `driver` (empty: of the first that takes one): `data`
+    in base64, S16_LE, one channel, at `rate` frames a second. It is heard while `talk` is played.
+
+    `age_us`: how long ago the first sample came to the sender; `lost_s`: what the sender has
+    dropped so far, in seconds. The reply's `data` has `driver`, the `rate` that it takes, and `on`:
+    whether it is heard. An empty `data` only asks for that.
+    """
+
+    driver: str = ""
+    rate: int = 0
+    data: str = ""
+    age_us: int = 0
+    lost_s: float = 0.0
+
+
 AnyRequest = (
     Hello
     | AskAction
@@ -326,6 +353,8 @@ AnyRequest = (
     | AskTraining
     | AskReplay
     | AskPicture
+    | AskSound
+    | AskTalk
     | Beat
 )
 
@@ -453,4 +482,4 @@ PANEL_SETTINGS = tuple(
 
 
 #: Lines from the host that are not messages of the session.
-AnyAnswer = Reply | Welcome | Pulse | PanelsChanged | Replaying | PictureShown
+AnyAnswer = Reply | Welcome | Pulse | PanelsChanged | Replaying | PictureShown | SoundHeard

@@ -61,6 +61,8 @@ _TEXTS: tuple[tuple[type[m.RestrictedMessage], tuple[str, ...]], ...] = (
     (m.Notice, ("text", "remedy")),
     (m.RestrictedMessage, ("text",)),
 )
+#: What the ear finds out.
+_HEARD = ("transcript", "loudness", "presence", "identity")
 #: What a participant's terminal gets of the stream.
 _FOR_PARTICIPANT = (
     *(m.SessionStart, m.SessionChanged, m.SessionEnd, m.ConditionsAssigned),
@@ -128,6 +130,12 @@ class Redactor:
     def blind(self) -> bool:
         """Whether the condition is kept."""
         return bool(self._labels)
+
+    def may_hear(self, *, words_tell: bool) -> bool:
+        """Whether live sound tells nothing that is kept. `words_tell`: what the robot says depends
+        on the condition.
+        """
+        return not self.perception.keeps(*_HEARD) and not (self.blind and words_tell)
 
     def adopt(self, study: s.StudySettings) -> None:
         """From here on this is kept."""

@@ -35,6 +35,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.drivers.sound_feeds import SoundOffer
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.speech_endpoint import SpeechEnd
 
@@ -80,6 +81,7 @@ class Microphone(PassiveDriver):
             if program is not None
             else None
         )
+        self._live = SoundOffer(context, settings.rate)
         self._segments = SpeechSegments(
             name, settings.rate, context, settings.segments, self._transcriber
         )
@@ -197,6 +199,8 @@ class Microphone(PassiveDriver):
             )
         self._blocks_heard += 1
         samples = settings.samples(block)
+        if self._live.wanted:
+            self._live.add(pcm_audio.encode(samples, "S16_LE"))
         level = self._speaking.judge(samples)
         self.context.sensor(SENSOR, self._speaking.state, self._reason(level))
         self._cut(samples, level)

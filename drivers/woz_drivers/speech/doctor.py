@@ -25,9 +25,18 @@ async def examine(probe: Probe) -> list[Finding]:
             await synthesiser_finding(probe, settings),
             await _player(probe, settings),
             *_recordings(probe, settings),
+            *_talk(probe, settings),
         ]
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
+
+
+def _talk(probe: Probe, settings: SpeechSettings) -> list[Finding]:
+    """The programs of a live voice."""
+    if settings.talk is None:
+        return []
+    words = settings.talk.through_words(), settings.talk.play_words(settings.device)
+    return [_program_finding(probe, each[0]) for each in words if each]
 
 
 def _program_finding(probe: Probe, program: str) -> Finding:

@@ -11,7 +11,8 @@ from typing import Any
 
 from woz_drivers import child_process, command_lines
 from woz_drivers.child_process import Child
-from woz_drivers.speech import doctor
+from woz_drivers.speech import doctor, live_talk
+from woz_drivers.speech.live_talk import LiveTalk
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings
 from woz_drivers.speech.synthesis import (
     PreparedUtterance,
@@ -98,6 +99,9 @@ class Speech(Driver):
         self._resident_trouble: DriverError | None = None
         #: What could not be prepared, as `prepare_say` has it.
         self._unprepared: list[Mapping[str, Json]] = []
+        self._talk: LiveTalk | None = None
+        if settings.talk is not None:
+            self._talk = LiveTalk(settings.talk, settings.device, context, lambda: self._volume)
         self._jobs: set[asyncio.Task[Any]] = set()
         self._audible: set[Child] = set()
         self._missing: DriverError | None = None
@@ -109,7 +113,8 @@ class Speech(Driver):
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """Speech, sound files, volume; a program that speaks by itself plays no files."""
         made: SpeechSettings = settings
-        return (_SAY, _VOLUME) if made.speak else (_SAY, _SOUND, _VOLUME)
+        plays = (_SAY, _VOLUME) if made.speak else (_SAY, _SOUND, _VOLUME)
+        return (*plays, *live_talk.VERBS) if made.talk is not None else plays
 
     @classmethod
     def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:
@@ -122,10 +127,13 @@ class Speech(Driver):
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """How many utterances are ready, and how the program is that makes them."""
+        """How many utterances are ready, how the program is that makes them, whether somebody
+        talks.
+        """
+        talk = (live_talk.TALK,) if settings.talk is not None else ()
         if settings.speak:
-            return ()
-        return (PREPARED, SYNTHESISER) if settings.resident_voice else (PREPARED,)
+            return talk
+        return (PREPARED, *((SYNTHESISER,) if settings.resident_voice else ()), *talk)
 
     @classmethod
     async def voices(cls, probe: Probe) -> list[VoiceFound]:
@@ -142,6 +150,8 @@ class Speech(Driver):
         self.context.health(Health.CONNECTING, "looking for the speech programs")
         self._task = asyncio.create_task(self._watch_programs())
         self._voice.start()
+        if self._talk is not None:
+            self._talk.start()
 
     async def prepare_say(self, utterances: list[Mapping[str, Json]]) -> None:
         """Synthesise what will be said, so that it is heard at once later. Troubles become one
@@ -190,6 +200,8 @@ class Speech(Driver):
         """Speak, play or set the volume; returns when the sound has ended."""
         if job.verb == "volume":
             return self._set_volume(job.args.get("level"))
+        if self._talk is not None and job.verb == "end_talk":
+            return self._talk.end()
         if self._missing is not None:
             raise DeviceLostError(self._missing.what, self._missing.remedy)
         with self._counted():
@@ -200,10 +212,16 @@ class Speech(Driver):
                     return await self._say(job, spoken_text(str(job.args["text"])))
                 case "sound":
                     return await self._play_file(job, str(job.args["file"]))
+                case "talk" if self._talk is not None:
+                    return await self._talk.talk(job, self._audible)
         raise RejectedError(f"{self.name} cannot {job.verb}")
 
     async def stop(self, scope: Scope) -> None:
-        """Fall silent: every program that makes or plays sound for a job is killed."""
+        """Fall silent: every program that makes or plays sound for a job is killed. Nobody talks
+        through the robot while no wizard watches.
+        """
+        if self._talk is not None:
+            await self._talk.stop()
         if scope is Scope.ALL:
             await self._silence()
 
@@ -214,6 +232,8 @@ class Speech(Driver):
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
         await self._silence()
+        if self._talk is not None:
+            await self._talk.close()
         await self._voice.close()
 
     async def _silence(self) -> None:

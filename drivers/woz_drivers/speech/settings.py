@@ -23,6 +23,9 @@ PITCHES = Range(0, 99)
 #: The voice that nobody chose; a program that stays loaded takes its own then.
 _USUAL_VOICE = "en"
 
+#: How much of a live voice aplay holds, in microseconds.
+_TALK_BUFFER_US = "100000"
+
 #: What one utterance may change of the voice.
 VOICE_ARGUMENTS = (
     Argument("voice", "text", "another voice"),
@@ -114,6 +117,40 @@ class SynthesisSettings(Section):
 
 
 @dataclass(frozen=True, slots=True)
+class TalkSettings:
+    """How somebody talks through the loudspeaker live, with `woz talk`."""
+
+    through: Annotated[
+        Command,
+        Doc("program that changes the voice: raw S16_LE, one channel, from stdin to stdout"),
+    ] = ""
+    play: Annotated[
+        Command, Doc("program that plays raw S16_LE from stdin at {rate} Hz; default: aplay")
+    ] = ""
+    rate: Annotated[int, Range(8_000, 48_000, "Hz"), Doc("frames a second of the voice")] = 16_000
+    longest: Annotated[
+        float, Seconds(1, 3600), Doc("it ends by itself after this time without `end_talk`")
+    ] = 600.0
+    keep: Annotated[
+        bool, Doc("keep what is heard as WAV files beside the log; mind your ethics approval")
+    ] = False
+
+    def through_words(self) -> tuple[str, ...]:
+        """The program that changes the voice, or (). Raises `DriverError`."""
+        return resident_words(self.through, "talk.through")
+
+    def play_words(self, device: str) -> tuple[str, ...]:
+        """The program that plays it. Raises `DriverError`."""
+        values = {"rate": str(self.rate), "device": device}
+        if self.play:
+            words = _checked(self.play, ("rate", "device"), "talk.play")
+            return command_lines.fill(words, values)
+        card = ("-D", device) if device else ()
+        shape = ("-t", "raw", "-f", "S16_LE", "-c", "1", "-r", values["rate"])
+        return ("aplay", "-q", *card, *shape, "-B", _TALK_BUFFER_US)
+
+
+@dataclass(frozen=True, slots=True)
 class SpeechSettings(SynthesisSettings):
     """How text becomes sound, and how sound is played."""
 
@@ -127,6 +164,9 @@ class SpeechSettings(SynthesisSettings):
     margin: Annotated[
         float, Seconds(0.1, 2.0), Doc("a player may take this much longer than the sound")
     ] = 1.5
+    talk: Annotated[
+        TalkSettings | None, Doc("somebody can talk through it live: verbs `talk` and `end_talk`")
+    ] = None
 
     def problems(self) -> list[tuple[str, str]]:
         """What is wrong between settings: pairs of a setting's name and a sentence."""
@@ -136,6 +176,11 @@ class SpeechSettings(SynthesisSettings):
         ]
         if self.speak and (self.synthesise or self.resident_voice or self.play):
             found.append(("speak", "speak replaces the programs that make and play sound"))
+        if (talk := self.talk) is not None:
+            found += command_problems(
+                ("talk.through", talk.through_words),
+                ("talk.play", lambda: talk.play_words(self.device)),
+            )
         return found
 
     def play_words(self) -> tuple[str, ...]:

@@ -17,9 +17,9 @@ from woz_drivers.naoqi_robot.microphones import (
     SERVICE,
     MicrophonesPart,
     SoundBlock,
-    SoundFile,
     block,
 )
+from woz_drivers.sound_file import SoundFile
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired

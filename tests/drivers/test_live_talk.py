@@ -1,0 +1,391 @@
+"""Somebody talks through the loudspeaker: what is heard, what changes it, and what ends it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import sys
+import wave
+from collections.abc import AsyncIterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from woz_drivers.child_process import guard
+from woz_drivers.speech.driver import Speech
+from woz_drivers.speech.settings import SpeechSettings, TalkSettings
+
+from tests.drivers.heard import Heard, Ordered, until
+from tests.drivers.speech_desk import SCRIPT
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Probe, RejectedError, Scope
+from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, SoundWindow, VoiceState
+from woz_tui.protocol.messages import DriverConnected, Json, Notice, SensorChanged
+from woz_tui.system.clock import ManualClock, RealClock
+
+RATE = 16_000
+#: 20 ms of a voice, and what the changing program makes of it.
+WORD, CHANGED = b"\1\2" * 320, b"\3\4" * 320
+#: Reads pieces of 640 bytes and gives back others.
+CHANGE = """
+import sys
+while len(sys.stdin.buffer.read(640)) == 640:
+    sys.stdout.buffer.write(bytes([3, 4]) * 320)
+    sys.stdout.buffer.flush()
+"""
+#: Gives each piece back when the next one has come: it holds a word inside. Silence comes first.
+HOLD = """
+import sys
+held = bytes(640)
+while piece := sys.stdin.buffer.read(640):
+    sys.stdout.buffer.write(held)
+    sys.stdout.buffer.flush()
+    held = piece
+"""
+
+
+class Booth:
+    """A loudspeaker whose player writes what it gets into a file, and somebody who talks."""
+
+    def __init__(self, folder: Path, clock: RealClock | ManualClock, **talk: Any) -> None:
+        self.out = folder / "heard"
+        play = talk.pop("play", ("sh", "-c", f"exec cat >> {self.out}"))
+        voice = (*SCRIPT, "synthesise", str(folder / "journal"), "--wav", "{wav}")
+        settings = SpeechSettings(
+            synthesise=voice, play=("true", "{wav}"), talk=TalkSettings(play=play, **talk)
+        )
+        assert settings.problems() == []
+        self.clock = clock
+        self.heard = Heard(folder, clock)
+        self.driver = Speech("it", settings, self.heard.context)
+        self.window = SoundWindow(self.heard.context.feed(VOICE), RATE)
+        self.talking: asyncio.Task[Mapping[str, Json]] | None = None
+
+    async def open(self) -> None:
+        await self.driver.open()
+        await self.heard.first(DriverConnected)
+        await self.heard.state("talk", "off")
+
+    @property
+    def on(self) -> bool:
+        state = self.heard.context.feed(VOICE_STATE).latest().value
+        assert isinstance(state, VoiceState)
+        return state.on
+
+    @property
+    def said(self) -> bytes:
+        """What the player has got."""
+        return self.out.read_bytes() if self.out.exists() else b""
+
+    def say(self, pcm: bytes = WORD, lost_s: float = 0.0) -> None:
+        self.window.add(pcm, self.clock.now_us(), "con7", lost_s)
+
+    async def begin(self) -> asyncio.Task[Mapping[str, Json]]:
+        """`talk` is played, and the loudspeaker is open."""
+        self.talking = asyncio.ensure_future(self.driver.perform(Ordered("talk")))
+        await until(lambda: self.on or (self.talking is not None and self.talking.done()))
+        return self.talking
+
+    async def end(self) -> Mapping[str, Json]:
+        await self.driver.perform(Ordered("end_talk"))
+        assert self.talking is not None
+        return await self.talking
+
+    async def until_said(self, pcm: bytes) -> None:
+        await until(lambda: self.said == pcm)
+
+
+@pytest.fixture
+async def booths(tmp_path: Path) -> AsyncIterator[Any]:
+    before = {one.pid for one in psutil.Process().children()}
+    made: list[Booth] = []
+
+    async def opened(clock: RealClock | ManualClock | None = None, **talk: Any) -> Booth:
+        booth = Booth(tmp_path, clock or RealClock(), **talk)
+        made.append(booth)
+        await booth.open()
+        return booth
+
+    yield opened
+    for booth in made:
+        await booth.driver.close()
+        if booth.talking is not None:
+            await asyncio.wait([booth.talking])
+    below = [one for one in psutil.Process().children() if one.pid not in {guard.pid, *before}]
+    assert [one for one in below if one.status() != "zombie"] == []
+
+
+def python(program: str) -> tuple[str, ...]:
+    return (sys.executable, "-S", "-c", program)
+
+
+async def test_what_is_said_while_it_is_on_is_heard_and_nothing_else(booths: Any) -> None:
+    booth = await booths()
+    booth.say(b"\7\7" * 320)
+    talking = await booth.begin()
+    booth.say()
+    await booth.until_said(WORD)
+    booth.say(lost_s=0.25)
+    await booth.until_said(2 * WORD)
+    sent = await booth.end()
+    assert talking.done()
+    assert (sent["played"], sent["dropped"], sent["by"]) == (0.04, 0.25, "con7")
+    assert "file" not in sent
+    assert not booth.on
+    booth.say()
+    assert booth.said == 2 * WORD
+    assert not booth.heard.context.media.exists(), "nothing is kept unless the file says so"
+
+
+async def test_the_log_has_how_it_ended(booths: Any) -> None:
+    booth = await booths()
+    await booth.begin()
+    booth.say()
+    await booth.until_said(WORD)
+    await booth.end()
+    states = [one for one in booth.heard.all(SensorChanged) if one.sensor == "talk"]
+    assert [one.state for one in states] == ["off", "on", "off"]
+    assert "0.0 s dropped by con7" in states[-1].why
+
+
+@pytest.mark.parametrize("scope", list(Scope))
+async def test_a_stop_silences_at_once_and_it_needs_the_key_again(
+    booths: Any, scope: Scope
+) -> None:
+    booth = await booths(play=("sleep", "1000"))
+    talking = await booth.begin()
+    booth.say()
+    talking.cancel()  # as the bus does
+    await booth.driver.stop(scope)
+    await until(talking.done)
+    assert talking.cancelled()
+    assert not booth.on
+    await booth.driver.resume()
+    booth.say()
+    assert not booth.on
+    why = [one for one in booth.heard.all(SensorChanged) if one.sensor == "talk"][-1].why
+    assert "stopped" in why
+
+
+async def test_a_player_that_takes_nothing_costs_sound_and_no_time(booths: Any) -> None:
+    booth = await booths(play=("sleep", "1000"))
+    await booth.begin()
+    booth.say(WORD * 100)
+    sent = await booth.end()
+    assert sent["played"] == pytest.approx(0.1, abs=0.03)
+    assert sent["dropped"] == pytest.approx(1.9, abs=0.03)
+
+
+async def test_a_player_that_ends_is_told(booths: Any) -> None:
+    booth = await booths(play=("sh", "-c", "echo no such card >&2; exit 3"))
+    talking = await booth.begin()
+    with pytest.raises(DriverError, match="no such card"):
+        await talking
+    assert not booth.on
+
+
+async def test_a_player_that_is_missing_is_told(booths: Any) -> None:
+    booth = await booths(play=("no-such-player",))
+    with pytest.raises(DriverError, match="no-such-player"):
+        await (await booth.begin())
+
+
+async def test_nobody_who_sends_is_told(booths: Any) -> None:
+    clock = ManualClock()
+    booth = await booths(clock)
+    await booth.begin()
+    clock.advance(1.1)
+    moved = await booth.heard.state("talk", "silent")
+    assert "woz talk" in moved.why
+    booth.say()
+    await booth.heard.state("talk", "on")
+    await booth.end()
+
+
+async def test_it_ends_by_itself(booths: Any) -> None:
+    clock = ManualClock()
+    booth = await booths(clock, longest=30.0)
+    talking = await booth.begin()
+    clock.advance(29.0)
+    await booth.heard.state("talk", "silent")
+    clock.advance(2.0)
+    assert (await talking)["seconds"] == 31.0
+
+
+async def test_nobody_talks(booths: Any) -> None:
+    booth = await booths()
+    with pytest.raises(RejectedError, match="nobody talks"):
+        await booth.driver.perform(Ordered("end_talk"))
+
+
+async def test_a_volume_counts(booths: Any) -> None:
+    booth = await booths()
+    await booth.driver.perform(Ordered("volume", {"level": 0.5}))
+    await booth.begin()
+    booth.say((1000).to_bytes(2, "little") * 320)
+    await booth.until_said((500).to_bytes(2, "little") * 320)
+    await booth.end()
+
+
+# -- a program that changes the voice ----------------------------------------------------------
+
+
+async def test_a_program_changes_the_voice(booths: Any) -> None:
+    booth = await booths(through=python(CHANGE))
+    await booth.begin()
+    booth.say()
+    await booth.until_said(CHANGED)
+    await booth.end()
+
+
+async def test_a_program_that_dies_is_started_again_and_nobody_is_heard_unchanged(
+    booths: Any,
+) -> None:
+    booth = await booths(through=python(CHANGE))
+    await booth.begin()
+    booth.say()
+    await booth.until_said(CHANGED)
+    below = psutil.Process().children(recursive=True)
+    (program,) = [one for one in below if one.is_running() and CHANGE in one.cmdline()]
+    program.kill()
+    await booth.heard.state("talk", "stale")
+    booth.say()
+    await booth.heard.state("talk", "on")
+    booth.say()
+    await until(lambda: len(booth.said) == 2 * len(CHANGED))
+    assert booth.said == 2 * CHANGED
+    assert (await booth.end())["dropped"] == 0.02
+
+
+async def test_without_its_program_nobody_can_talk(tmp_path: Path) -> None:
+    booth = Booth(tmp_path, RealClock(), through=("no-such-changer",))
+    await booth.driver.open()
+    try:
+        await booth.heard.state("talk", "stale")
+        with pytest.raises(DeviceLostError, match="no-such-changer"):
+            await booth.driver.perform(Ordered("talk"))
+    finally:
+        await booth.driver.close()
+
+
+async def test_a_program_that_gives_nothing_back_is_started_again(booths: Any) -> None:
+    clock = ManualClock()
+    booth = await booths(clock, through=("sleep", "1000"))
+    talking = await booth.begin()
+    booth.say()
+
+    def passes() -> bool:
+        clock.advance(0.5)
+        return talking.done()
+
+    await until(passes)
+    with pytest.raises(DriverError, match="sleep gave no sound"):
+        await talking
+    await booth.heard.state("talk", "off")
+    await booth.begin()
+    await booth.end()
+
+
+async def test_what_a_program_holds_is_not_heard_after_a_stop(booths: Any) -> None:
+    booth = await booths(through=python(HOLD))
+    talking = await booth.begin()
+    booth.say()
+    await booth.until_said(bytes(640))
+    talking.cancel()
+    await booth.driver.stop(Scope.ALL)
+    await until(talking.done)
+    await booth.heard.until(lambda: booth.heard.states("talk")[-1] == "off")
+    await booth.begin()
+    booth.say(CHANGED)
+    booth.say(CHANGED)
+    await until(lambda: CHANGED in booth.said)
+    assert WORD not in booth.said
+    await booth.end()
+
+
+async def test_what_a_program_holds_is_not_heard_the_next_time(booths: Any) -> None:
+    booth = await booths(through=python(HOLD))
+    await booth.begin()
+    booth.say()
+    await booth.until_said(bytes(640))
+    await booth.end()
+    await booth.begin()
+    booth.say(CHANGED)
+    booth.say(CHANGED)
+    await until(lambda: CHANGED in booth.said)
+    assert WORD not in booth.said
+    await booth.end()
+
+
+# -- kept --------------------------------------------------------------------------------------
+
+
+async def test_what_is_heard_is_kept_where_the_file_says_so(booths: Any) -> None:
+    booth = await booths(keep=True, through=python(CHANGE))
+    await booth.begin()
+    booth.say()
+    await booth.until_said(CHANGED)
+    sent = await booth.end()
+    path = booth.heard.context.media.parent / str(sent["file"])
+    assert path.stat().st_mode & 0o777 == 0o600
+
+    def whole() -> bool:
+        with contextlib.suppress(OSError, EOFError, wave.Error), wave.open(str(path)) as file:
+            return file.getframerate() == RATE and file.readframes(1 << 20) == CHANGED
+        return False
+
+    await until(whole)
+
+
+async def test_a_disk_that_takes_nothing_is_told_and_the_voice_is_heard(
+    booths: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = os.open
+
+    def full(name: Any, flags: int, mode: int = 0o777, **more: Any) -> int:
+        place = "/dev/full" if str(name).endswith(".wav") else name
+        return real(place, flags & ~os.O_EXCL if place != name else flags, mode, **more)
+
+    monkeypatch.setattr(os, "open", full)
+    booth = await booths(keep=True)
+    await booth.begin()
+    booth.say()
+    notice = await booth.heard.first(Notice)
+    assert (notice.level, "not kept" in notice.text) == ("error", True)
+    await booth.until_said(WORD)
+    booth.say()
+    await booth.until_said(2 * WORD)
+    await booth.end()
+
+
+# -- settings ----------------------------------------------------------------------------------
+
+
+def test_it_is_offered_only_where_the_file_says_so() -> None:
+    names = {verb.name for verb in Speech.verbs(SpeechSettings())}
+    assert not names & {"talk", "end_talk"}
+    offered = {verb.name: verb for verb in Speech.verbs(SpeechSettings(talk=TalkSettings()))}
+    assert offered["talk"].drives, "it ends when nobody watches"
+    assert not offered["talk"].waits, "a second press is no voice that is on later"
+
+
+def test_what_cannot_be_is_told() -> None:
+    def paths(**talk: Any) -> list[str]:
+        return [path for path, _ in SpeechSettings(talk=TalkSettings(**talk)).problems()]
+
+    assert paths() == []
+    assert paths(through='sox "') == ["talk.through"]
+    assert paths(play="pacat --rate={hz}") == ["talk.play"]
+
+
+async def test_woz_doctor_looks_for_its_programs(tmp_path: Path) -> None:
+    settings = SpeechSettings(
+        play=("true", "{wav}"), talk=TalkSettings(through="no-such-changer", play="no-such-player")
+    )
+    found = await Speech.examine(Probe("voice", settings, tmp_path))
+    wrong = [one.text for one in found if one.level == "error"]
+    assert [name for name in ("no-such-changer", "no-such-player") if name in " ".join(wrong)] == [
+        "no-such-changer",
+        "no-such-player",
+    ]

@@ -1,0 +1,149 @@
+"""`woz listen`: the robot's microphone on standard output, for `ssh robot woz listen | aplay`.
+
+Each piece is asked for when the one before has been taken, so a listener that is slow loses sound
+and does not hear it late.
+"""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import fcntl
+import os
+import select
+import struct
+import sys
+import termios
+import time
+from argparse import ArgumentParser, Namespace
+
+from woz_tui.cli.attach import find_session
+from woz_tui.cli.sound_client import SoundClient, SoundEndError, StatusLine, add_sound
+from woz_tui.protocol.live_sound import SoundHeard
+from woz_tui.protocol.requests import AskSound
+
+#: So much sound may wait in the pipe behind us, in seconds: the kernel makes a page of it at least.
+_WAITING_S = 0.1
+#: What is written at once: a pipe that has room takes it whole.
+_PIECE = 4096
+_WIDTH = 2
+#: The length that a WAV file has whose end nobody knows.
+_ENDLESS = 0x7FFFFF00
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    add_sound(parser, "microphone")
+    parser.add_argument(
+        "--format",
+        choices=("wav", "raw"),
+        default="wav",
+        help="wav, or the bare samples: S16_LE, one channel (default: wav)",
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Write the sound until the session, the listener or the wizard ends it."""
+    if sys.stdout is None or sys.stdout.isatty():
+        print(
+            "woz listen: sound is written to standard output: woz listen | aplay", file=sys.stderr
+        )
+        return 2
+    path = find_session(arguments.name, "woz listen")
+    if path is None:
+        return 1
+    try:
+        _Listener(SoundClient(path, "watcher", "woz listen"), arguments).run()
+    except BrokenPipeError:  # nobody listens any more
+        with contextlib.suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    except SoundEndError as end:
+        print(f"woz listen: {end}", file=sys.stderr)
+        if end.remedy:
+            print(f"  {end.remedy}", file=sys.stderr)
+        return end.code
+    return 0
+
+
+class _Listener:
+    def __init__(self, client: SoundClient, arguments: Namespace) -> None:
+        self._client = client
+        self._on = arguments.on
+        self._wav = arguments.format == "wav"
+        self._status = StatusLine("woz listen")
+        self._out = sys.stdout.fileno()
+        self._rate = 0
+        self._lost = 0
+        #: The longest delay since the last line about it, in seconds.
+        self._longest = 0.0
+        self._poll = select.poll()
+        self._poll.register(client.socket, select.POLLIN)
+        self._poll.register(self._out, 0)  # its other end has been closed
+
+    def run(self) -> None:
+        """Ask, write, and so on."""
+        end = 0
+        while True:
+            after = end
+            self._client.ask(lambda ref: AskSound(ref=ref, driver=self._on, after=after))  # noqa: B023
+            heard = self._wait()
+            arrived = time.monotonic()
+            if not heard.data:
+                self._status.show("no sound", f"no sound: {heard.why}")
+                continue
+            if not self._rate:
+                self._begin(heard)
+            end = heard.end
+            self._lost += heard.lost
+            self._write(base64.b64decode(heard.data))
+            self._report(heard, time.monotonic() - arrived)
+
+    def _wait(self) -> SoundHeard:
+        while True:
+            for descriptor, events in self._poll.poll(1000):
+                if descriptor == self._out and events:
+                    raise BrokenPipeError
+                self._client.receive()
+            answer = self._client.answer()
+            if isinstance(answer, SoundHeard):
+                return answer
+            self._status.late(self._client)
+
+    def _begin(self, heard: SoundHeard) -> None:
+        self._rate = heard.rate
+        with contextlib.suppress(OSError):  # it is no pipe
+            fcntl.fcntl(self._out, fcntl.F_SETPIPE_SZ, round(_WAITING_S * heard.rate) * _WIDTH)
+        if self._wav:
+            self._write(header(heard.rate))
+
+    def _write(self, data: bytes) -> None:
+        for start in range(0, len(data), _PIECE):
+            piece = data[start : start + _PIECE]
+            while not select.select([], [self._out], [], 1.0)[1]:
+                self._status.show("not taken", "nobody takes the sound: it is dropped")
+            while piece:
+                piece = piece[os.write(self._out, piece) :]
+
+    def _report(self, heard: SoundHeard, took_s: float) -> None:
+        waiting = bytearray(4)
+        with contextlib.suppress(OSError):  # it is no pipe
+            fcntl.ioctl(self._out, termios.FIONREAD, waiting)
+        waits_s = struct.unpack("i", waiting)[0] / (_WIDTH * self._rate)
+        delay_s = heard.age_us / 1_000_000 + took_s + waits_s
+        self._longest = max(self._longest, delay_s)
+        lost_s = self._lost / self._rate
+        about = f"sound {lost_s:.0f}"  # a second more of it is a thing to be told at once
+        self._status.show(
+            about,
+            f"{heard.driver}, {self._rate} Hz: delay {1000 * delay_s:.0f} ms, at most"
+            f" {1000 * self._longest:.0f} ms; {lost_s:.2f} s dropped so far",
+        )
+
+
+def header(rate: int) -> bytes:
+    """Of a WAV file without an end: S16_LE, one channel."""
+    shape = struct.pack("<HHIIHH", 1, 1, rate, rate * _WIDTH, _WIDTH, 8 * _WIDTH)
+    return (
+        b"RIFF" + struct.pack("<I", _ENDLESS + 36) + b"WAVEfmt " + struct.pack("<I", len(shape))
+        + shape + b"data" + struct.pack("<I", _ENDLESS)
+    )  # fmt: skip

@@ -1,0 +1,130 @@
+"""What `woz listen` and `woz talk` have in common: the session's socket, and lines on standard
+error that a person reads beside the sound.
+"""
+
+from __future__ import annotations
+
+import socket
+import sys
+import time
+from argparse import ArgumentParser
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from woz_tui.protocol import codec
+from woz_tui.protocol.requests import AnyRequest, Hello, Reply, Welcome
+
+#: How often the line with the delay comes again where nothing else changes, in seconds.
+REPORT_S = 10.0
+#: A robot process that has not answered for so long is told of, in seconds.
+LATE_S = 2.0
+
+
+class SoundEndError(Exception):
+    """There is no sound any more; the text says why, `remedy` what helps. `code`: of the exit."""
+
+    def __init__(self, why: str, remedy: str = "", code: int = 1) -> None:
+        super().__init__(why)
+        self.remedy = remedy
+        self.code = code
+
+
+class SoundClient:
+    """A client of the session's socket that asks one thing at a time.
+
+    Raises `SoundEndError` where the robot process refuses or leaves.
+    """
+
+    def __init__(self, path: Path, role: str, name: str) -> None:
+        self._ref = 0
+        self._rest = bytearray()
+        self._answers: deque[Any] = deque()
+        self.asked_at: float | None = None
+        try:
+            self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            self.socket.connect(str(path))
+        except OSError as error:
+            raise SoundEndError(f"the session cannot be reached: {error.strerror}") from error
+        # As the wizard sees it: a sound can tell what is kept from a wizard.
+        sees = "wizard" if role == "program" else ""
+        self._send(Hello(role=role, name=name, stream="nothing", sees=sees))  # type: ignore[arg-type]
+        answer = None
+        while not isinstance(answer, Welcome):
+            self.receive()
+            while self._answers and not isinstance(answer, Welcome):
+                answer = self._answers.popleft()
+                self._check(answer)
+
+    def ask(self, request: Callable[[int], AnyRequest]) -> None:
+        """Send `request(ref)`; its answer comes by `answer`."""
+        self._ref += 1
+        self.asked_at = time.monotonic()
+        self._send(request(self._ref))
+
+    def answer(self) -> Any:
+        """The answer to what was asked last; None: it is not there yet."""
+        while self._answers:
+            answer = self._answers.popleft()
+            self._check(answer)
+            if getattr(answer, "ref", 0) == self._ref:
+                self.asked_at = None
+                return answer
+        return None
+
+    def receive(self) -> None:
+        """Read what has come; blocks if nothing has."""
+        try:
+            data = self.socket.recv(1 << 16)
+        except OSError:
+            data = b""
+        if not data:
+            raise SoundEndError("the session has ended", code=0)
+        self._rest += data
+        *lines, rest = bytes(self._rest).split(b"\n")
+        self._rest = bytearray(rest)
+        self._answers.extend(codec.decode_incoming(line) for line in lines if line)
+
+    def _check(self, answer: Any) -> None:
+        if isinstance(answer, Reply) and not answer.ok:
+            raise SoundEndError(answer.reason, answer.hint)
+
+    def _send(self, request: AnyRequest) -> None:
+        try:
+            self.socket.sendall(codec.encode(request))
+        except OSError as error:
+            raise SoundEndError("the session has ended", code=0) from error
+
+
+class StatusLine:
+    """What a person reads on standard error: at once when it is about another thing, and again
+    after a while.
+    """
+
+    def __init__(self, who: str) -> None:
+        self._who = who
+        self._about = ""
+        self._due = 0.0
+
+    def show(self, about: str, text: str) -> None:
+        """`text` is about `about`: `sound`, `no sound` ..."""
+        now = time.monotonic()
+        if about == self._about and now < self._due:
+            return
+        self._about, self._due = about, now + REPORT_S
+        print(f"{self._who}: {text}", file=sys.stderr, flush=True)
+
+    def late(self, client: SoundClient) -> None:
+        """Say so if the robot process stands still."""
+        if client.asked_at is not None and time.monotonic() - client.asked_at > LATE_S:
+            seconds = time.monotonic() - client.asked_at
+            self.show("late", f"the robot process has not answered for {seconds:.0f} s")
+
+
+def add_sound(parser: ArgumentParser, what: str) -> None:
+    """Declare which session, and which of its drivers."""
+    parser.add_argument(
+        "name", nargs="?", default="", help="session code or socket (default: the only one)"
+    )
+    parser.add_argument("--on", default="", metavar="DRIVER", help=f"whose {what} (default: first)")

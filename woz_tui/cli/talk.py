@@ -1,0 +1,243 @@
+"""`woz talk`: a voice from standard input through the robot, while the wizard's key has it on.
+
+    arecord -f S16_LE -r 16000 -c 1 | ssh robot woz talk
+
+What waits while the robot process is busy is dropped but for the newest fraction of a second.
+"""
+
+from __future__ import annotations
+
+import base64
+import os
+import select
+import stat
+import struct
+import sys
+import time
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
+from woz_tui.cli.attach import find_session
+from woz_tui.cli.sound_client import SoundClient, SoundEndError, StatusLine, add_sound
+from woz_tui.protocol.requests import AskTalk, Reply
+
+#: What is sent at once, and the most that waits, in seconds.
+_PIECE_S, _WAITING_S = 0.02, 0.2
+_WIDTH = 2
+#: Over so many seconds the rate is measured at which a voice comes, and this share is odd.
+_MEASURED_S, _ODD = 5.0, 0.15
+_READ = 1 << 16
+#: A WAV file's header is not longer than this.
+_HEADER = 1 << 16
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    add_sound(parser, "loudspeaker")
+    parser.add_argument(
+        "--rate",
+        type=int,
+        default=0,
+        metavar="HZ",
+        help="of bare samples, S16_LE, one channel (default: what the robot file asks for; a WAV"
+        " file says it itself)",
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Send the voice until it ends, or the session does."""
+    if sys.stdin is None or sys.stdin.isatty():
+        print(
+            "woz talk: the voice is read from standard input:"
+            " arecord -f S16_LE -r 16000 -c 1 | woz talk",
+            file=sys.stderr,
+        )
+        return 2
+    path = find_session(arguments.name, "woz talk")
+    if path is None:
+        return 1
+    try:
+        _Talker(SoundClient(path, "program", "woz talk"), arguments).run()
+    except SoundEndError as end:
+        print(f"woz talk: {end}", file=sys.stderr)
+        if end.remedy:
+            print(f"  {end.remedy}", file=sys.stderr)
+        return end.code
+    return 0
+
+
+class _Talker:
+    def __init__(self, client: SoundClient, arguments: Namespace) -> None:
+        self._client = client
+        self._on = arguments.on
+        self._rate: int = arguments.rate
+        self._status = StatusLine("woz talk")
+        self._in = sys.stdin.fileno()
+        self._is_file = stat.S_ISREG(os.fstat(self._in).st_mode)
+        self._ended = False
+        #: What has been read and not been sent, and when the last of it came.
+        self._voice = bytearray()
+        self._came = self._began = time.monotonic()
+        self._read_bytes = self._dropped_bytes = 0
+
+    def run(self) -> None:
+        """Read and send, whichever can be done."""
+        head = self._head()
+        wanted: dict[str, Any] = self._introduce()
+        self._rate = self._checked(head, wanted["rate"])
+        self._began = self._came = time.monotonic()
+        self._take(bytes(head))
+        while self._voice or not self._ended or self._client.asked_at is not None:
+            self._wait()
+            answer = self._client.answer()
+            if isinstance(answer, Reply):
+                self._report(answer.data)
+            enough = len(self._voice) >= self._bytes(_PIECE_S) or (self._ended and self._voice)
+            if enough and self._client.asked_at is None:
+                self._send()
+
+    # -- in ----------------------------------------------------------------------------------
+
+    def _head(self) -> bytearray:
+        """What comes first: enough to know whether it is a WAV file."""
+        head = bytearray()
+        while len(head) < 12 or (is_wav(head) and sound_begins(head) is None):
+            data = os.read(self._in, _READ)
+            if not data:
+                raise SoundEndError("nothing came on standard input")
+            head += data
+            if len(head) > _HEADER + _READ:
+                raise SoundEndError("the WAV file's sound does not begin", "send bare samples")
+        return head
+
+    def _introduce(self) -> Any:
+        self._client.ask(lambda ref: AskTalk(ref=ref, driver=self._on))
+        answer = None
+        while answer is None:
+            self._client.receive()
+            answer = self._client.answer()
+        return answer.data
+
+    def _checked(self, head: bytearray, wanted: int) -> int:
+        """The rate of what comes; the header is taken off. Raises `SoundEndError`."""
+        remedy = f"record with: arecord -f S16_LE -c 1 -r {wanted}"
+        if not is_wav(head):
+            if self._rate and self._rate != wanted:
+                raise SoundEndError(f"the robot takes {wanted} Hz, not {self._rate} Hz", remedy)
+            return wanted
+        begins = sound_begins(head)
+        tag, channels, rate, bits = wav_shape(head)
+        if tag not in (1, 0xFFFE) or (channels, rate, bits) != (1, wanted, 16):
+            raise SoundEndError(
+                f"the robot takes one channel of 16 bits at {wanted} Hz, not {channels} of {bits}"
+                f" bits at {rate} Hz",
+                remedy,
+            )
+        del head[:begins]
+        return rate
+
+    def _bytes(self, seconds: float) -> int:
+        return round(seconds * self._rate) * _WIDTH
+
+    def _wait(self) -> None:
+        """Until something can be read, at most a moment."""
+        # A file is read at the speed at which it was spoken.
+        ahead_s = self._read_bytes / (_WIDTH * self._rate) - (time.monotonic() - self._began)
+        full = len(self._voice) >= self._bytes(_PIECE_S)
+        held = self._is_file and (ahead_s > 0 or full)
+        reads = [self._client.socket, *([] if self._ended or held else [self._in])]
+        ready = select.select(reads, [], [], _PIECE_S / 2 if held else 1.0)[0]
+        if self._client.socket in ready:
+            self._client.receive()
+        if self._in in ready:
+            size = self._bytes(_PIECE_S) if self._is_file else _READ
+            data = os.read(self._in, size)
+            self._ended = not data
+            self._take(data)
+        self._status.late(self._client)
+
+    def _take(self, data: bytes) -> None:
+        """Keep what is new, and of what waits only the newest."""
+        if not data:
+            return
+        self._came = time.monotonic()
+        self._read_bytes += len(data)
+        self._voice += data
+        most = self._bytes(_WAITING_S)
+        if not self._is_file and len(self._voice) > most:
+            over = -(-(len(self._voice) - most) // _WIDTH) * _WIDTH
+            del self._voice[:over]
+            self._dropped_bytes += over
+
+    # -- out ---------------------------------------------------------------------------------
+
+    def _send(self) -> None:
+        whole = len(self._voice) // _WIDTH * _WIDTH
+        if not whole:  # half a sample is the end of it
+            self._voice.clear()
+            return
+        data, self._voice = bytes(self._voice[:whole]), self._voice[whole:]
+        lasted_s = whole / (_WIDTH * self._rate)
+        age_s = time.monotonic() - self._came + (0 if self._is_file else lasted_s)
+        self._client.ask(
+            lambda ref: AskTalk(
+                ref=ref,
+                driver=self._on,
+                rate=self._rate,
+                data=base64.b64encode(data).decode(),
+                age_us=round(age_s * 1_000_000),
+                lost_s=round(self._dropped_s, 3),
+            )
+        )
+
+    @property
+    def _dropped_s(self) -> float:
+        return self._dropped_bytes / (_WIDTH * self._rate)
+
+    def _report(self, data: Any) -> None:
+        on = isinstance(data, dict) and bool(data.get("on"))
+        text = "on: the robot says it" if on else "off: a key that plays `talk` switches it on"
+        self._status.show(f"on {on}", f"{text}; {self._dropped_s:.2f} s dropped here so far")
+        lasted_s = time.monotonic() - self._began
+        if self._is_file or lasted_s < _MEASURED_S or self._ended:
+            return
+        measured = self._read_bytes / _WIDTH / lasted_s
+        if abs(measured / self._rate - 1) > _ODD:
+            self._status.show(
+                "rate",
+                f"the voice comes at {measured:.0f} Hz instead of {self._rate} Hz: was it recorded"
+                f" with `arecord -f S16_LE -c 1 -r {self._rate}`?",
+            )
+
+
+# -- WAV ---------------------------------------------------------------------------------------
+
+
+def is_wav(head: bytes | bytearray) -> bool:
+    """Whether a WAV file begins like this."""
+    return head[:4] == b"RIFF" and head[8:12] == b"WAVE"
+
+
+def _chunk(head: bytes | bytearray, wanted: bytes) -> int | None:
+    """Where the body of this chunk begins; None: not in what has come."""
+    at = 12
+    while at + 8 <= len(head):
+        name, size = struct.unpack_from("<4sI", head, at)
+        if name == wanted:
+            return at + 8
+        at += 8 + size + size % 2
+    return None
+
+
+def sound_begins(head: bytes | bytearray) -> int | None:
+    """The byte at which a WAV file's samples begin; None: they have not come yet."""
+    return _chunk(head, b"data")
+
+
+def wav_shape(head: bytes | bytearray) -> tuple[int, int, int, int]:
+    """Format tag, channels, rate and bits of a WAV file; zeros if it does not say."""
+    at = _chunk(head, b"fmt ")
+    if at is None or at + 16 > len(head):
+        return 0, 0, 0, 0
+    tag, channels, rate, _, _, bits = struct.unpack_from("<HHIIHH", head, at)
+    return tag, channels, rate, bits

@@ -1,0 +1,232 @@
+"""Live sound: a microphone's to those who listen, and a voice to a loudspeaker. Never in the log.
+
+Who listens asks for each piece and gets what the microphone's feed has and they have not had. The
+feed holds a fraction of a second, so whoever asks late loses sound, and nothing piles up here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import binascii
+from dataclasses import dataclass
+
+from msgspec.structs import replace
+
+from woz_tui.drivers.sound_feeds import (
+    LISTENED,
+    SOUND,
+    VOICE,
+    VOICE_STATE,
+    WIDTH,
+    LiveSound,
+    SoundListened,
+    SoundPiece,
+    SoundWindow,
+    VoiceState,
+)
+from woz_tui.host.client_connection import ClientConnection
+from woz_tui.protocol.live_sound import SoundHeard
+from woz_tui.protocol.messages import Json, Notice
+from woz_tui.protocol.requests import AskSound, AskTalk, Reply
+from woz_tui.session.participant_identity import RequestError
+from woz_tui.session.session import Session
+
+#: How long new sound is waited for, and how often it is looked for, in seconds.
+WAIT_S, LOOK_S = 1.0, 0.01
+#: A microphone is told that somebody listens for so much longer than the longest wait, in seconds.
+LISTENED_S = 2.5
+#: Who may hear it: it is people who speak. Who may speak: whoever may play the robot.
+MAY_LISTEN, MAY_TALK = ("wizard", "watcher"), ("wizard", "program")
+#: The longest piece of a voice that is taken at once, in seconds.
+LONGEST_S = 1.0
+#: Whoever has sent no voice for so long has left it to others, in seconds.
+SILENT_S = 5.0
+_PAGE = "docs/how-to/live-sound.md explains how to add one"
+
+
+@dataclass(slots=True)
+class _Listening:
+    """A client that listens, since when, and the frames that it lost."""
+
+    driver: str
+    began_us: int
+    lost: int = 0
+    rate: int = 0
+
+
+@dataclass(slots=True)
+class _Talking:
+    """Whose voice a driver gets."""
+
+    client: ClientConnection
+    window: SoundWindow
+    sent_us: int
+
+
+class SoundService:
+    """Answers `AskSound` and `AskTalk` for one session."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._listening: dict[ClientConnection, _Listening] = {}
+        self._asking: dict[ClientConnection, asyncio.Task[None]] = {}
+        self._talking: dict[str, _Talking] = {}
+
+    def _with(self, feed: str) -> list[str]:
+        """Drivers that have named this feed, in the order of the experiment."""
+        named = self._session.feeds.drivers(feed)
+        return [driver for driver in self._session.drivers if driver in named]
+
+    def _driver(self, wanted: str, feed: str, what: str) -> str:
+        """The one that is meant. Raises `RequestError`."""
+        offered = self._with(feed)
+        if not offered:
+            raise RequestError(f"no driver of this session has a {what}", _PAGE)
+        if wanted and wanted not in offered:
+            raise RequestError(
+                f"{wanted} has no {what}", f"drivers with a {what}: {', '.join(offered)}"
+            )
+        return wanted or offered[0]
+
+    # -- who listens -------------------------------------------------------------------------
+
+    def answer_listener(self, client: ClientConnection, request: AskSound) -> None:
+        """Answer with sound, at once or within a second. Raises `RequestError`."""
+        if client.role not in MAY_LISTEN:
+            raise RequestError(f"a {client.role} cannot hear the robot's microphone")
+        if client.view is not None and not self._may_hear(client):
+            raise RequestError(
+                "live sound could reveal what this study hides from you",
+                "listen after the session to what the file has recorded",
+            )
+        if client in self._asking:
+            raise RequestError("the previous piece of sound has not arrived yet")
+        driver = self._driver(request.driver, SOUND, "microphone with live sound")
+        listening = self._listening.get(client)
+        if listening is None or listening.driver != driver:
+            self._end(client)
+            self._begin(client, driver)
+        now = self._session.clock.now_us()
+        listened = SoundListened(now + round(LISTENED_S * 1_000_000))
+        self._session.feeds.feed(driver, LISTENED).put(listened)
+        task = asyncio.get_running_loop().create_task(self._send(client, driver, request))
+        self._asking[client] = task
+        task.add_done_callback(lambda done: self._asking.pop(client, None))
+
+    def _may_hear(self, client: ClientConnection) -> bool:
+        """Whether sound tells this client nothing that is kept from it."""
+        assert client.view is not None
+        words = bool(self._session.experiment.by_condition)
+        return client.view.redactor.may_hear(words_tell=words)
+
+    def _begin(self, client: ClientConnection, driver: str) -> None:
+        if client not in self._listening:
+            client.closed.add_done_callback(lambda closed: self._end(client))
+        self._listening[client] = _Listening(driver, self._session.clock.now_us())
+        self._notice(driver, f"{client.name} listens to the microphone now")
+
+    def _end(self, client: ClientConnection) -> None:
+        listening = self._listening.pop(client, None)
+        if listening is None:
+            return
+        seconds = (self._session.clock.now_us() - listening.began_us) / 1_000_000
+        lost = listening.lost / listening.rate if listening.rate else 0.0
+        text = f"{client.name} listened to the microphone for {seconds:.1f} s"
+        self._notice(listening.driver, f"{text}, {lost:.2f} s of it dropped")
+
+    def _notice(self, driver: str, text: str) -> None:
+        if not self._session.ended:
+            self._session.hub.publish(Notice(level="info", text=text, driver=driver))
+
+    async def _send(self, client: ClientConnection, driver: str, request: AskSound) -> None:
+        shown = SoundHeard(ref=request.ref, driver=driver, microphones=self._with(SOUND))
+        found = await self._next(driver, request.after)
+        if found is None:
+            why = f"{driver} sent no sound within {WAIT_S:g} s"
+            client.send(replace(shown, why=why))
+            return
+        rate, piece = found
+        if (listening := self._listening.get(client)) is not None:
+            listening.rate = rate
+            listening.lost += piece.lost
+        client.send(
+            replace(
+                shown,
+                rate=rate,
+                end=piece.end,
+                age_us=self._session.clock.now_us() - piece.t_us,
+                lost=piece.lost,
+                data=base64.b64encode(piece.pcm).decode(),
+            )
+        )
+
+    async def _next(self, driver: str, after: int) -> tuple[int, SoundPiece] | None:
+        """What came after frame `after`, as soon as there is something; and its rate."""
+        feed = self._session.feeds.feed(driver, SOUND)
+        before = feed.latest().serial if after <= 0 else 0  # what is left of an earlier listener
+        loop = asyncio.get_running_loop()
+        until = loop.time() + WAIT_S
+        while True:
+            latest = feed.latest()
+            sound = latest.value
+            if isinstance(sound, LiveSound) and latest.serial != before:
+                piece = sound.after(after)
+                if piece is not None:
+                    return sound.rate, piece
+            if loop.time() >= until:
+                return None
+            await asyncio.sleep(LOOK_S)
+
+    # -- who talks ---------------------------------------------------------------------------
+
+    def answer_talker(self, client: ClientConnection, request: AskTalk) -> Reply:
+        """Hand a voice to the loudspeaker. Raises `RequestError`."""
+        if client.role not in MAY_TALK:
+            raise RequestError(f"a {client.role} cannot talk through the robot")
+        driver = self._driver(request.driver, VOICE_STATE, "loudspeaker for a live voice")
+        state = self._session.feeds.feed(driver, VOICE_STATE).latest().value
+        if not isinstance(state, VoiceState):
+            raise RequestError(f"{driver} takes no live voice yet", "wait until it is connected")
+        talking = self._talker(client, driver, state.rate)
+        if request.data:
+            self._take(client, talking, request)
+        data: dict[str, Json] = {"driver": driver, "rate": state.rate, "on": state.on}
+        return Reply(ref=request.ref, ok=True, data=data)
+
+    def _talker(self, client: ClientConnection, driver: str, rate: int) -> _Talking:
+        now = self._session.clock.now_us()
+        talking = self._talking.get(driver)
+        if talking is not None and talking.client is not client:
+            silent = now - talking.sent_us > SILENT_S * 1_000_000
+            if not talking.client.closed.done() and not silent:
+                raise RequestError(
+                    f"{talking.client.name} sends its voice to {driver} already",
+                    "end its `woz talk` first",
+                )
+            talking = _Talking(client, talking.window, now)
+        elif talking is None:
+            window = SoundWindow(self._session.feeds.feed(driver, VOICE), rate)
+            talking = _Talking(client, window, now)
+        talking.sent_us = now
+        self._talking[driver] = talking
+        return talking
+
+    def _take(self, client: ClientConnection, talking: _Talking, request: AskTalk) -> None:
+        rate = talking.window.rate
+        if request.rate != rate:
+            raise RequestError(
+                f"the voice has {request.rate} Hz, and the robot file asks for {rate} Hz",
+                f"record with `arecord -f S16_LE -c 1 -r {rate}`",
+            )
+        try:
+            pcm = base64.b64decode(request.data, validate=True)
+        except binascii.Error as error:
+            raise RequestError(f"the voice is no base64: {error}") from error
+        if len(pcm) % WIDTH or len(pcm) > LONGEST_S * rate * WIDTH:
+            raise RequestError(
+                f"{len(pcm)} bytes are no piece of a voice:"
+                f" it has whole samples of {WIDTH} bytes, and at most {LONGEST_S:g} s"
+            )
+        began_us = self._session.clock.now_us() - max(0, request.age_us)
+        talking.window.add(pcm, began_us, client.name, max(0.0, request.lost_s))

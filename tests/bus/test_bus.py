@@ -154,6 +154,21 @@ def test_full_queue_busy_replace_and_deadline() -> None:
     assert isinstance(rig.end("c7"), m.Done)
 
 
+def test_what_does_not_wait_is_refused_while_its_lane_is_busy() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.bus.offer("head", [Verb("talk", "", VERBS[0].arguments, lane="talk", waits=False)])
+        rig.send("talk", seconds=1)  # c1
+        rig.send("talk")  # c2
+        rig.send("talk", when_busy="replace")  # c3
+
+    rig = in_rig(scenario)
+    refused = rig.end("c2")
+    assert isinstance(refused, m.Refused)
+    assert refused.code == "busy"
+    assert isinstance(rig.end("c1"), m.Superseded)
+    assert isinstance(rig.end("c3"), m.Done)
+
+
 def test_a_burst_of_brief_commands_is_kept_whole_and_in_order() -> None:
     async def scenario(rig: Rig) -> None:
         for _ in range(1 + BRIEF_CAPACITY + 2):

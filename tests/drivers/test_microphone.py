@@ -28,6 +28,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Scope,
 )
+from woz_tui.drivers.sound_feeds import LISTENED, SOUND, LiveSound, SoundListened
 from woz_tui.protocol.messages import DriverConnected, DriverLost, Notice
 from woz_tui.system.clock import ManualClock, RealClock
 
@@ -351,3 +352,26 @@ async def test_examine_with_arecord_says_what_is_wrong_with_the_device(tmp_path:
     assert finding.level == "error"
     assert finding.text.startswith("arecord ended: ")
     assert finding.remedy
+
+
+async def test_live_sound_while_somebody_listens(
+    begin: Begin, pipe: PipedCommand, clock: ManualClock
+) -> None:
+    _, heard = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
+    await until(pipe.connected)
+    feed = heard.context.feed(SOUND)
+    stereo = np.tile(np.array([[0.9, 0.25]], np.float32), (RATE // 10, 1))
+    pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
+    await heard.until(lambda: len(heard.values("loudness")) == 1)
+    assert feed.latest().value is None, "nobody listens"
+    heard.context.feed(LISTENED).put(SoundListened(clock.now_us() + 1_000_000))
+    pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
+    await heard.until(lambda: len(heard.values("loudness")) == 2)
+    sound = feed.latest().value
+    assert isinstance(sound, LiveSound)
+    assert (sound.rate, sound.end) == (RATE, RATE // 10)
+    assert set(np.frombuffer(sound.blocks[-1].pcm, "<i2")) == {8192}
+    clock.advance(1.0)
+    pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
+    await heard.until(lambda: len(heard.values("loudness")) == 3)
+    assert feed.latest().serial == 5, "nobody listens any more"

@@ -19,6 +19,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
 from woz_tui.protocol.camera_pictures import PictureShown
+from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.system.clock import timestamp
 
@@ -340,6 +341,9 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskReplay(ref=30, what="go", to="12:34"),
     r.AskPicture(ref=33, driver="eye", width=76, height=40, after=17),
     r.AskPicture(ref=34, width=640, height=480, format="sixel", rate=2.5),
+    r.AskSound(ref=40, driver="ears", after=32_000),
+    r.AskTalk(ref=41),
+    r.AskTalk(ref=42, driver="voice", rate=16_000, data="AQIDBA==", age_us=21_000, lost_s=0.2),
 )
 
 
@@ -445,6 +449,17 @@ def answers() -> list[r.AnyAnswer]:
             data='\x1bP0;1;0q"1;1;2;1#0;2;0;100;0#0@@\x1b\\',
         ),
         PictureShown(ref=35, driver="eye", cameras=["eye"], why="eye gave no new picture"),
+        SoundHeard(
+            ref=40,
+            driver="ears",
+            microphones=["ears"],
+            rate=16_000,
+            end=32_002,
+            age_us=18_000,
+            lost=640,
+            data="AQIDBA==",
+        ),
+        SoundHeard(ref=41, driver="ears", microphones=["ears"], why="ears sent no sound"),
     ]
 
 

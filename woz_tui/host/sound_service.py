@@ -107,10 +107,16 @@ class SoundService:
         if listening is None or listening.driver != driver:
             self._end(client)
             self._begin(client, driver)
+        sound = self._session.feeds.feed(driver, SOUND).latest().value
+        after = request.after
+        if after <= 0 and isinstance(sound, LiveSound):  # what is left is of who listened earlier
+            after = sound.end
         now = self._session.clock.now_us()
         listened = SoundListened(now + round(LISTENED_S * 1_000_000))
         self._session.feeds.feed(driver, LISTENED).put(listened)
-        task = asyncio.get_running_loop().create_task(self._send(client, driver, request))
+        task = asyncio.get_running_loop().create_task(
+            self._send(client, driver, request.ref, after)
+        )
         self._asking[client] = task
         task.add_done_callback(lambda done: self._asking.pop(client, None))
 
@@ -139,9 +145,9 @@ class SoundService:
         if not self._session.ended:
             self._session.hub.publish(Notice(level="info", text=text, driver=driver))
 
-    async def _send(self, client: ClientConnection, driver: str, request: AskSound) -> None:
-        shown = SoundHeard(ref=request.ref, driver=driver, microphones=self._with(SOUND))
-        found = await self._next(driver, request.after)
+    async def _send(self, client: ClientConnection, driver: str, ref: int, after: int) -> None:
+        shown = SoundHeard(ref=ref, driver=driver, microphones=self._with(SOUND))
+        found = await self._next(driver, after)
         if found is None:
             why = f"{driver} sent no sound within {WAIT_S:g} s"
             client.send(replace(shown, why=why))
@@ -164,13 +170,11 @@ class SoundService:
     async def _next(self, driver: str, after: int) -> tuple[int, SoundPiece] | None:
         """What came after frame `after`, as soon as there is something; and its rate."""
         feed = self._session.feeds.feed(driver, SOUND)
-        before = feed.latest().serial if after <= 0 else 0  # what is left of an earlier listener
         loop = asyncio.get_running_loop()
         until = loop.time() + WAIT_S
         while True:
-            latest = feed.latest()
-            sound = latest.value
-            if isinstance(sound, LiveSound) and latest.serial != before:
+            sound = feed.latest().value
+            if isinstance(sound, LiveSound):
                 piece = sound.after(after)
                 if piece is not None:
                     return sound.rate, piece

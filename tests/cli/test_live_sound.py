@@ -1,0 +1,302 @@
+"""`woz listen` and `woz talk`: sound through pipes, beside a robot process that may stand still."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import io
+import os
+import sys
+import wave
+from asyncio.subprocess import DEVNULL, PIPE, Process
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.host.rig import WAIT_S, Served, served
+from tests.host.test_live_sound import RATE, WORD, loudspeaker, microphone, now
+from woz_tui.drivers.sound_feeds import LISTENED, SoundListened, SoundReader, SoundWindow
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import Welcome
+
+WOZ = (sys.executable, "-m", "woz_tui")
+
+
+class Bench:
+    """A served session, and commands beside it."""
+
+    def __init__(self, host: Served) -> None:
+        self.host = host
+        self.begun: list[Process] = []
+
+    async def woz(self, *words: str, **more: Any) -> Process:
+        begun = await asyncio.create_subprocess_exec(
+            *WOZ, *words, str(self.host.path), **{"stderr": PIPE, "stdout": DEVNULL, **more}
+        )
+        self.begun.append(begun)
+        return begun
+
+    async def wanted(self) -> None:
+        """Somebody listens."""
+        feed = self.host.session.feeds.feed("robot", LISTENED)
+        await until(lambda: isinstance(feed.latest().value, SoundListened))
+
+
+async def until(holds: Any) -> None:
+    async with asyncio.timeout(WAIT_S):
+        while not holds():  # noqa: ASYNC110 - another process does it
+            await asyncio.sleep(0.01)
+
+
+async def line_with(running: Process, words: str) -> str:
+    """The first line on standard error that has these words."""
+    assert running.stderr is not None
+    async with asyncio.timeout(WAIT_S):
+        while line := (await running.stderr.readline()).decode():
+            if words in line:
+                return line
+    raise AssertionError(f"it ended without {words!r}")
+
+
+@pytest.fixture
+async def bench(tmp_path: Path) -> AsyncIterator[Bench]:
+    async with served(tmp_path) as host:
+        made = Bench(host)
+        yield made
+        for running in made.begun:
+            with contextlib.suppress(ProcessLookupError):
+                running.kill()
+            await running.wait()
+
+
+# -- listening ---------------------------------------------------------------------------------
+
+
+async def speak(bench: Bench, window: SoundWindow, pcm: bytes = WORD) -> None:
+    window.add(pcm, now(bench.host))
+
+
+async def test_the_microphone_on_standard_output_as_wav(bench: Bench) -> None:
+    window = microphone(bench.host)
+    running = await bench.woz("listen", stdout=PIPE)
+    assert running.stdout is not None
+    await bench.wanted()
+    await speak(bench, window)
+    head = await running.stdout.readexactly(44)
+    assert await running.stdout.readexactly(640) == WORD
+    await speak(bench, window, WORD[::-1])
+    assert await running.stdout.readexactly(640) == WORD[::-1]
+    with wave.open(io.BytesIO(head)) as file:
+        assert (file.getframerate(), file.getnchannels(), file.getsampwidth()) == (RATE, 1, 2)
+    line = await line_with(running, "delay")
+    assert f"{RATE} Hz" in line
+    assert "0.00 s dropped" in line
+
+
+async def test_bare_samples(bench: Bench) -> None:
+    window = microphone(bench.host)
+    running = await bench.woz("listen", "--format", "raw", stdout=PIPE)
+    assert running.stdout is not None
+    await bench.wanted()
+    await speak(bench, window)
+    assert await running.stdout.readexactly(640) == WORD
+
+
+async def test_who_takes_nothing_loses_sound_and_hears_the_newest_later(bench: Bench) -> None:
+    window = microphone(bench.host)
+    reading, writing = os.pipe()
+    running = await bench.woz("listen", "--format", "raw", stdout=writing)
+    os.close(writing)
+    await bench.wanted()
+    told = asyncio.ensure_future(line_with(running, "nobody takes"))
+    spoken = 0
+    while not told.done():
+        window.add((spoken % 30_000).to_bytes(2, "little") * 320, now(bench.host))
+        spoken += 1
+        await asyncio.sleep(0.005)
+    await told
+    waiting = os.read(reading, 1 << 20)
+    assert len(waiting) <= 8192, "the pipe holds a fraction of a second"
+    last = (spoken - 1).to_bytes(2, "little")
+    rest = bytearray()
+    while last not in (bytes(rest[-2:]),):
+        window.add(last * 320, now(bench.host))
+        rest += await asyncio.to_thread(os.read, reading, 1 << 16)
+    assert len(rest) < 40_000, "what was said meanwhile is not made up for"
+    os.close(reading)
+    assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
+
+
+async def test_a_closed_pipe_ends_it_though_nobody_speaks(bench: Bench) -> None:
+    microphone(bench.host)
+    reading, writing = os.pipe()
+    running = await bench.woz("listen", stdout=writing)
+    os.close(writing)
+    await bench.wanted()
+    os.close(reading)
+    assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
+    await bench.host.published(lambda line: isinstance(line, m.Notice) and "listened" in line.text)
+
+
+async def test_a_microphone_that_is_pulled_out_is_told_and_is_heard_again(bench: Bench) -> None:
+    window = microphone(bench.host)
+    running = await bench.woz("listen", "--format", "raw", stdout=PIPE)
+    assert running.stdout is not None
+    await bench.wanted()
+    assert "robot" in await line_with(running, "no sound")
+    hearing = asyncio.ensure_future(running.stdout.readexactly(640))
+    while not hearing.done():
+        await speak(bench, window)
+        await asyncio.sleep(0.01)
+    assert await hearing == WORD
+    await line_with(running, "delay")
+
+
+async def test_the_end_of_the_session_ends_it(bench: Bench) -> None:
+    microphone(bench.host)
+    running = await bench.woz("listen", stdout=PIPE)
+    await bench.wanted()
+    await bench.host.session.close("test", rest=False)
+    await bench.host.host.close()
+    _, said = await asyncio.wait_for(running.communicate(), WAIT_S)
+    assert running.returncode == 0
+    assert b"the session has ended" in said
+
+
+async def test_a_session_without_a_microphone_is_told(bench: Bench) -> None:
+    running = await bench.woz("listen", stdout=PIPE)
+    _, said = await asyncio.wait_for(running.communicate(), WAIT_S)
+    assert running.returncode == 1
+    assert b"no driver of this session has a microphone" in said
+
+
+async def test_a_robot_process_that_stands_still_is_told(tmp_path: Path) -> None:
+    """It greets, and answers nothing more."""
+    path = tmp_path / "s"
+    welcome = Welcome(
+        **{"protocol": 1, "console": "con1", "role": "watcher", "seq": 0, "t": 0, "title": ""},
+        **{"log": "", "panels": [], "script": [], "verbs": {}, "variables": [], "conditions": []},
+        **{"keyboard": "us", "drivers": []},
+    )
+
+    async def greet(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.readline()
+        writer.write(codec.encode(welcome))
+        await reader.read()
+
+    async with await asyncio.start_unix_server(greet, path):
+        running = await asyncio.create_subprocess_exec(
+            *WOZ, "listen", str(path), stdout=PIPE, stderr=PIPE
+        )
+        try:
+            await line_with(running, "has not answered")
+        finally:
+            running.kill()
+            await running.wait()
+
+
+# -- talking -----------------------------------------------------------------------------------
+
+
+async def got(reader: SoundReader, count: int) -> bytes:
+    """The first so many bytes of a voice."""
+    pcm = bytearray()
+
+    def enough() -> bool:
+        if (taken := reader.take()) is not None:
+            pcm.extend(taken[0].pcm)
+        return len(pcm) >= count
+
+    await until(enough)
+    return bytes(pcm)
+
+
+def wav(pcm: bytes, rate: int = RATE, channels: int = 1) -> bytes:
+    content = io.BytesIO()
+    with wave.open(content, "wb") as file:
+        file.setnchannels(channels)
+        file.setsampwidth(2)
+        file.setframerate(rate)
+        file.writeframes(pcm)
+    return content.getvalue()
+
+
+@pytest.mark.parametrize("header", [True, False])
+async def test_a_voice_from_standard_input(bench: Bench, header: bool) -> None:
+    reader = loudspeaker(bench.host, on=True)
+    running = await bench.woz("talk", stdin=PIPE)
+    assert running.stdin is not None
+    running.stdin.write(wav(WORD) if header else WORD)
+    assert await got(reader, 640) == WORD
+    assert "on" in await line_with(running, "the robot says it")
+    running.stdin.write(WORD[::-1])
+    assert await got(reader, 640) == WORD[::-1]
+    running.stdin.close()
+    assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
+
+
+async def test_that_it_is_switched_off_is_told(bench: Bench) -> None:
+    loudspeaker(bench.host)
+    running = await bench.woz("talk", stdin=PIPE)
+    assert running.stdin is not None
+    running.stdin.write(WORD)
+    assert "talk" in await line_with(running, "off")
+
+
+async def test_a_file_comes_whole_and_in_time(bench: Bench, tmp_path: Path) -> None:
+    reader = loudspeaker(bench.host, on=True)
+    file = tmp_path / "voice.wav"
+    pcm = b"".join(bytes([n, n]) * 320 for n in range(30))
+    file.write_bytes(wav(pcm))
+    with file.open("rb") as voice:
+        running = await bench.woz("talk", stdin=voice)
+        assert await got(reader, len(pcm)) == pcm
+        assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
+
+
+@pytest.mark.parametrize(("rate", "channels"), [(44_100, 1), (RATE, 2)])
+async def test_another_kind_of_sound_is_refused(bench: Bench, rate: int, channels: int) -> None:
+    reader = loudspeaker(bench.host, on=True)
+    running = await bench.woz("talk", stdin=PIPE)
+    _, said = await asyncio.wait_for(running.communicate(wav(WORD, rate, channels)), WAIT_S)
+    assert running.returncode == 1
+    assert f"arecord -f S16_LE -c 1 -r {RATE}".encode() in said
+    assert reader.take() is None
+
+
+async def test_a_robot_process_that_stands_still_costs_sound_and_nothing_is_late(
+    bench: Bench,
+) -> None:
+    reader = loudspeaker(bench.host, on=True)
+    running = await bench.woz("talk", stdin=PIPE)
+    assert running.stdin is not None
+    running.stdin.write(WORD)
+    await got(reader, 640)
+    transport = running.stdin.transport
+    # This very process is the robot process: it does nothing while it writes and waits.
+    pipe = transport.get_extra_info("pipe").fileno()
+    os.set_blocking(pipe, True)
+    for count in range(200):
+        os.write(pipe, count.to_bytes(2, "little") * 320)
+    os.set_blocking(pipe, False)
+    pcm = bytearray()
+
+    def newest() -> bool:
+        if (taken := reader.take()) is not None:
+            pcm.extend(taken[0].pcm)
+        return pcm[-2:] == (199).to_bytes(2, "little")
+
+    await until(newest)
+    assert len(pcm) < 100 * 640, "four seconds were said; the newest of them came"
+    assert await line_with(running, "dropped here")
+
+
+async def test_nothing_on_standard_input_is_told(bench: Bench) -> None:
+    loudspeaker(bench.host)
+    running = await bench.woz("talk", stdin=DEVNULL)
+    _, said = await asyncio.wait_for(running.communicate(), WAIT_S)
+    assert running.returncode == 1
+    assert b"standard input" in said

@@ -1,0 +1,273 @@
+"""Live sound over the robot process's own socket: who hears, who talks, and what the log has."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.host.rig import Peer, Served, served
+from tests.session.rig import experiment
+from woz_tui.config.study import Design, PerceptionLimits, Study
+from woz_tui.drivers.sound_feeds import (
+    LISTENED,
+    SOUND,
+    VOICE,
+    VOICE_STATE,
+    LiveSound,
+    SoundListened,
+    SoundReader,
+    SoundWindow,
+    VoiceState,
+)
+from woz_tui.protocol import messages as m
+
+RATE = 16_000
+WORD = b"\1\2" * 320
+
+
+@pytest.fixture
+async def host(tmp_path: Path) -> AsyncIterator[Served]:
+    async with served(tmp_path) as place:
+        yield place
+
+
+def microphone(host: Served) -> SoundWindow:
+    """The driver `robot` has one."""
+    host.session.feeds.feed("robot", LISTENED)
+    return SoundWindow(host.session.feeds.feed("robot", SOUND), RATE)
+
+
+def loudspeaker(host: Served, on: bool = False) -> SoundReader:
+    """The driver `robot` takes a live voice; what it gets of it."""
+    host.session.feeds.feed("robot", VOICE_STATE).put(VoiceState(RATE, on))
+    return SoundReader(host.session.feeds.feed("robot", VOICE))
+
+
+def now(host: Served) -> int:
+    return host.session.clock.now_us()
+
+
+async def asked(peer: Peer, **fields: Any) -> dict[str, Any]:
+    """Ask for sound; the answer, whatever it is."""
+    ref = len(peer.seen) + 500
+    await peer.say(kind="sound", ref=ref, **fields)
+    return await peer.until(lambda line: line["kind"] in ("sound", "reply") and line["ref"] == ref)
+
+
+async def heard(host: Served, peer: Peer, window: SoundWindow, **fields: Any) -> dict[str, Any]:
+    """Ask, and have a word said when the microphone has been told that somebody listens."""
+    before = host.session.feeds.feed("robot", LISTENED).latest().serial
+    waiting = asyncio.ensure_future(asked(peer, **fields))
+    while host.session.feeds.feed("robot", LISTENED).latest().serial == before:  # noqa: ASYNC110
+        await asyncio.sleep(0.002)
+    window.add(WORD, now(host))
+    return await waiting
+
+
+def notices(host: Served) -> list[str]:
+    return [line.text for line in host.lines if isinstance(line, m.Notice)]
+
+
+@pytest.mark.parametrize("role", ["wizard", "watcher"])
+async def test_who_sees_the_robot_hears_it(host: Served, role: str) -> None:
+    window = microphone(host)
+    window.add(b"\7\7" * 320, now(host))
+    peer = await host.connect()
+    await peer.hello(role)
+    line = await heard(host, peer, window)
+    assert (line["driver"], line["microphones"], line["rate"]) == ("robot", ["robot"], RATE)
+    assert base64.b64decode(line["data"]) == WORD, "nothing of before somebody listened"
+    wish = host.session.feeds.feed("robot", LISTENED).latest().value
+    assert isinstance(wish, SoundListened)
+    assert 0 < wish.until_us - now(host) <= 2_500_000
+    again = await heard(host, peer, window, after=line["end"])
+    assert (again["end"], again.get("lost", 0)) == (960, 0)
+
+
+@pytest.mark.parametrize("role", ["participant", "program"])
+async def test_nobody_else_does(host: Served, role: str) -> None:
+    microphone(host)
+    peer = await host.connect()
+    await peer.hello(role)
+    line = await asked(peer)
+    assert (line["kind"], line.get("ok")) == ("reply", False)
+    assert line["reason"]
+    assert host.session.feeds.feed("robot", LISTENED).latest().serial == 0, "no one was woken"
+
+
+@pytest.mark.parametrize("kept", ["transcript", "loudness", "presence", "identity"])
+async def test_what_perception_keeps_is_not_heard(tmp_path: Path, kept: str) -> None:
+    made = experiment(tmp_path)
+    made = replace(made, study=Study(perception=PerceptionLimits(hide=(kept,))))
+    async with served(tmp_path, made=made) as host:
+        microphone(host)
+        peer = await host.connect()
+        await peer.hello("wizard")
+        line = await asked(peer)
+        assert (line["kind"], line.get("ok")) == ("reply", False)
+
+
+@pytest.mark.parametrize("texts", [{}, {"hello": {"warm": "Hi", "cold": "Good day"}}])
+async def test_a_blind_wizard_hears_no_words_that_tell_the_condition(
+    tmp_path: Path, texts: dict[str, dict[str, str]]
+) -> None:
+    design = Design(blind={"warm": "A", "cold": "B"})
+    made = replace(experiment(tmp_path), study=Study(design=design), by_condition=texts)
+    async with served(tmp_path, made=made) as host:
+        window = microphone(host)
+        peer = await host.connect()
+        await peer.hello("wizard")
+        line = await (asked(peer) if texts else heard(host, peer, window))
+        assert line["kind"] == ("reply" if texts else "sound")
+
+
+async def test_two_hear_the_same(host: Served) -> None:
+    window = microphone(host)
+    one, other = await host.connect(), await host.connect()
+    await one.hello("wizard")
+    await other.hello("watcher")
+    waiting = asyncio.ensure_future(asked(one))
+    second = await heard(host, other, window)
+    assert base64.b64decode((await waiting)["data"]) == base64.b64decode(second["data"]) == WORD
+
+
+async def test_who_asks_late_loses_sound_and_is_told(host: Served) -> None:
+    window = microphone(host)
+    peer = await host.connect()
+    await peer.hello("wizard")
+    first = await heard(host, peer, window)
+    for _ in range(100):
+        window.add(WORD, now(host))
+    line = await asked(peer, after=first["end"])
+    assert len(base64.b64decode(line["data"])) == 2 * 640, "the newest 40 ms"
+    assert line["lost"] == 98 * 320
+    peer.leave()
+    await host.published(lambda line: isinstance(line, m.Notice) and "1.96 s" in line.text)
+
+
+async def test_no_sound_is_said_after_a_second(host: Served) -> None:
+    microphone(host)
+    peer = await host.connect()
+    await peer.hello("wizard")
+    line = await asked(peer)
+    assert line["kind"] == "sound"
+    assert "data" not in line
+    assert line["why"]
+
+
+async def test_the_log_says_who_listens_from_when_to_when_and_has_no_sound(host: Served) -> None:
+    window = microphone(host)
+    peer = await host.connect()
+    await peer.hello("watcher")
+    line = await heard(host, peer, window)
+    await heard(host, peer, window, after=line["end"])
+    assert [text for text in notices(host) if "listens" in text] == [
+        "con1 listens to the microphone now"
+    ]
+    peer.leave()
+    await host.published(lambda line: isinstance(line, m.Notice) and "con1 listened" in line.text)
+    log = host.session.recorder.path.read_bytes()
+    assert line["data"].encode() not in log
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "words"),
+    [
+        ("sound", {"driver": "robot"}, "no driver of this session has a microphone"),
+        ("talk", {}, "no driver of this session has a loudspeaker"),
+    ],
+)
+async def test_a_session_without_one(
+    host: Served, kind: str, fields: dict[str, Any], words: str
+) -> None:
+    peer = await host.connect()
+    await peer.hello("wizard")
+    reply = await peer.ask(kind, **fields)
+    assert not reply["ok"]
+    assert words in reply["reason"]
+
+
+async def test_another_driver_has_none(host: Served) -> None:
+    microphone(host)
+    peer = await host.connect()
+    await peer.hello("wizard")
+    reply = await peer.ask("sound", driver="lamp")
+    assert not reply["ok"]
+    assert "robot" in reply["hint"]
+
+
+# -- talking -----------------------------------------------------------------------------------
+
+
+def voice(pcm: bytes = WORD, **more: Any) -> dict[str, Any]:
+    return {"rate": RATE, "data": base64.b64encode(pcm).decode(), **more}
+
+
+@pytest.mark.parametrize("role", ["wizard", "program"])
+async def test_a_voice_reaches_the_loudspeaker(host: Served, role: str) -> None:
+    reader = loudspeaker(host, on=True)
+    peer = await host.connect()
+    await peer.hello(role)
+    reply = await peer.ask("talk")
+    assert reply["data"] == {"driver": "robot", "rate": RATE, "on": True}
+    assert reader.take() is None
+    assert (await peer.ask("talk", **voice(lost_s=0.5, age_us=40_000)))["ok"]
+    taken = reader.take()
+    assert taken is not None
+    piece, sound = taken
+    assert (piece.pcm, sound.source, sound.lost_s) == (WORD, "con1", 0.5)
+    assert now(host) - piece.t_us >= 40_000
+    assert reply["data"]["rate"] == RATE
+    assert b'"talk"' not in host.session.recorder.path.read_bytes()
+
+
+@pytest.mark.parametrize("role", ["watcher", "participant"])
+async def test_who_may_not_play_may_not_talk(host: Served, role: str) -> None:
+    reader = loudspeaker(host, on=True)
+    peer = await host.connect()
+    await peer.hello(role)
+    assert not (await peer.ask("talk", **voice()))["ok"]
+    assert reader.take() is None
+
+
+async def test_one_talks_at_a_time(host: Served) -> None:
+    reader = loudspeaker(host)
+    one, other = await host.connect(), await host.connect()
+    await one.hello("program")
+    await other.hello("program")
+    assert (await one.ask("talk", **voice()))["ok"]
+    refused = await other.ask("talk", **voice())
+    assert not refused["ok"]
+    assert "con1" in refused["reason"]
+    one.leave()
+    await host.published(lambda line: isinstance(line, m.ConsoleLost))
+    assert (await other.ask("talk", **voice()))["ok"]
+    taken = reader.take()
+    assert taken is not None
+    assert isinstance(host.session.feeds.feed("robot", VOICE).latest().value, LiveSound)
+    assert taken[1].source == "con2"
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        (voice() | {"rate": 44_100}, "44100 Hz"),
+        (voice(b"\1\2\3"), "whole samples"),
+        (voice(WORD * 100), "at most 1 s"),
+        (voice() | {"data": "%%%"}, "base64"),
+    ],
+)
+async def test_a_voice_that_cannot_be(host: Served, fields: dict[str, Any], words: str) -> None:
+    reader = loudspeaker(host)
+    peer = await host.connect()
+    await peer.hello("program")
+    reply = await peer.ask("talk", **fields)
+    assert not reply["ok"]
+    assert words in reply["reason"]
+    assert reader.take() is None

@@ -7,6 +7,8 @@ import errno
 import itertools
 import os
 import secrets
+import struct
+import zlib
 from datetime import datetime
 from pathlib import Path
 
@@ -30,28 +32,29 @@ def stamp(moment: datetime) -> str:
     return f"{moment:%Y%m%d-%H%M%S}-{moment.microsecond // 1000:03d}"
 
 
-def keep(folder: Path, name: str, suffix: str, content: bytes) -> Path:
+def keep(folder: Path, name: str, suffix: str, content: bytes, *, secure: bool = True) -> Path:
     """Write a picture into `folder`, which is made if need be; for threads.
 
-    Its name is `name` with `suffix`, or `name-2` and so on if that is taken. Raises `DriverError`
-    in words; then nothing is left behind.
+    Its name is `name` with `suffix`, or `name-2` and so on if that is taken. One that is not
+    `secure` may be lost in a power cut. Raises `DriverError` in words; then nothing is left behind.
     """
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        return _write_new(folder, name, suffix, content)
+        return _write_new(folder, name, suffix, content, secure)
     except OSError as error:
         remedy = _REMEDIES.get(error.errno or 0, "check the disk")
         why = error.strerror or str(error)
         raise DriverError(f"the picture could not be kept in {folder}: {why}", remedy) from None
 
 
-def _write_new(folder: Path, name: str, suffix: str, content: bytes) -> Path:
+def _write_new(folder: Path, name: str, suffix: str, content: bytes, secure: bool) -> Path:
     part = folder / f".{name}.{secrets.token_hex(4)}.part"
     try:
         with os.fdopen(os.open(part, _NEW, 0o600), "wb") as file:  # a person may be on it
             file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
+            if secure:
+                file.flush()
+                os.fsync(file.fileno())
         for turn in itertools.count(1):
             path = folder / (f"{name}{suffix}" if turn == 1 else f"{name}-{turn}{suffix}")
             with contextlib.suppress(FileExistsError):
@@ -72,3 +75,34 @@ def _claim(part: Path, path: Path) -> None:
         if path.exists():
             raise FileExistsError(errno.EEXIST, "taken", str(path)) from None
         part.rename(path)
+
+
+# -- PNG -------------------------------------------------------------------------------------------
+# W3C, "Portable Network Graphics", third edition: 8 bits a colour.
+
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+#: Colour type 2 is red, green, blue; no interlacing, no filter on any row.
+_BITS, _RGB = 8, 2
+
+
+def png(width: int, height: int, rgb: bytes, level: int = 6) -> bytes:
+    """A whole file for `height` rows of `width` pixels of three bytes, packed by zlib's `level`.
+
+    Raises `ValueError` if the bytes are not that many, or there is no pixel at all.
+    """
+    row = 3 * width
+    if width < 1 or height < 1 or len(rgb) != row * height:
+        raise ValueError(f"{len(rgb)} bytes are no picture of {width} x {height}")
+    rows = b"".join(b"\0" + rgb[start : start + row] for start in range(0, len(rgb), row))
+    header = struct.pack(">IIBBBBB", width, height, _BITS, _RGB, 0, 0, 0)
+    chunks = (
+        _chunk(b"IHDR", header),
+        _chunk(b"IDAT", zlib.compress(rows, level)),
+        _chunk(b"IEND", b""),
+    )
+    return _SIGNATURE + b"".join(chunks)
+
+
+def _chunk(name: bytes, body: bytes) -> bytes:
+    check = zlib.crc32(name + body)
+    return struct.pack(">I", len(body)) + name + body + struct.pack(">I", check)

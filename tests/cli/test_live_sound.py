@@ -176,11 +176,11 @@ async def test_a_session_without_a_microphone_is_told(bench: Bench) -> None:
 async def test_a_robot_process_that_stands_still_is_told(tmp_path: Path) -> None:
     """It greets, and answers nothing more."""
     path = tmp_path / "s"
-    welcome = Welcome(
-        **{"protocol": 1, "console": "con1", "role": "watcher", "seq": 0, "t": 0, "title": ""},
-        **{"log": "", "panels": [], "script": [], "verbs": {}, "variables": [], "conditions": []},
-        **{"keyboard": "us", "drivers": []},
-    )
+    nothing: dict[str, Any] = {
+        **dict.fromkeys(("title", "log", "keyboard"), ""),
+        **{key: [] for key in ("panels", "script", "variables", "conditions", "drivers")},
+    }
+    welcome = Welcome(protocol=1, console="con1", role="watcher", seq=0, t=0, verbs={}, **nothing)
 
     async def greet(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await reader.readline()

@@ -277,7 +277,7 @@ async def test_a_program_that_gives_nothing_back_is_started_again(booths: Any) -
 
     def passes() -> bool:
         clock.advance(0.5)
-        return talking.done()
+        return bool(talking.done())
 
     await until(passes)
     with pytest.raises(DriverError, match="sleep gave no sound"):
@@ -332,7 +332,7 @@ async def test_what_is_heard_is_kept_where_the_file_says_so(booths: Any) -> None
 
     def whole() -> bool:
         with contextlib.suppress(OSError, EOFError, wave.Error), wave.open(str(path)) as file:
-            return file.getframerate() == RATE and file.readframes(1 << 20) == CHANGED
+            return (file.getframerate(), file.readframes(1 << 20)) == (RATE, CHANGED)
         return False
 
     await until(whole)

@@ -103,11 +103,12 @@ def test_a_microphone_is_wanted_while_somebody_listens(tmp_path: Path) -> None:
     clock = ManualClock()
     context = RecordingContext(tmp_path, clock)
     offer = SoundOffer(context, RATE)
-    assert not offer.wanted
+    wanted = [offer.wanted]
     context.feed(LISTENED).put(SoundListened(1_000_000))
-    assert offer.wanted
+    wanted.append(offer.wanted)
     clock.advance(1.0)
-    assert not offer.wanted
+    wanted.append(offer.wanted)
+    assert wanted == [False, True, False]
     assert context.feed(SOUND).latest().value is None
     offer.add(samples(0, 3))
     value = context.feed(SOUND).latest().value

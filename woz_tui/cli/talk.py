@@ -24,7 +24,8 @@ from woz_tui.protocol.requests import AskTalk, Reply
 #: What is sent at once, and the most that waits, in seconds.
 _PIECE_S, _WAITING_S = 0.02, 0.2
 _WIDTH = 2
-#: Over so many seconds the rate is measured at which a voice comes, and this share is odd.
+#: Over so many seconds the rate is measured at which a voice comes, again and again; what it
+#: differs by to be told, as a share.
 _MEASURED_S, _ODD = 5.0, 0.15
 _READ = 1 << 16
 #: A WAV file's header is not longer than this.
@@ -79,6 +80,9 @@ class _Talker:
         self._voice = bytearray()
         self._came = self._began = time.monotonic()
         self._read_bytes = self._dropped_bytes = 0
+        #: Since when the rate is measured, from which byte; and what is odd about it.
+        self._measured = self._began, 0
+        self._odd = ""
 
     def run(self) -> None:
         """Read and send, whichever can be done."""
@@ -87,6 +91,7 @@ class _Talker:
         self._rate = self._checked(head, wanted["rate"])
         self._began = self._came = time.monotonic()
         self._take(bytes(head))
+        self._measured = self._began, 0
         while self._voice or not self._ended or self._client.asked_at is not None:
             self._wait()
             answer = self._client.answer()
@@ -197,16 +202,26 @@ class _Talker:
     def _report(self, data: Any) -> None:
         on = isinstance(data, dict) and bool(data.get("on"))
         text = "on: the robot says it" if on else "off: a key that plays `talk` switches it on"
-        self._status.show(f"on {on}", f"{text}; {self._dropped_s:.2f} s dropped here so far")
-        lasted_s = time.monotonic() - self._began
-        if self._is_file or lasted_s < _MEASURED_S or self._ended:
+        self._measure()
+        self._status.show(
+            f"on {on}, odd {bool(self._odd)}",
+            f"{text}; {self._dropped_s:.2f} s dropped here so far{self._odd}",
+        )
+
+    def _measure(self) -> None:
+        """At which rate it comes. What waited at the beginning is left out."""
+        now, (since, before) = time.monotonic(), self._measured
+        if before == 0 and now - self._began > 1:
+            self._measured = now, self._read_bytes
+        if self._is_file or before == 0 or now - since < _MEASURED_S:
             return
-        measured = self._read_bytes / _WIDTH / lasted_s
+        measured = (self._read_bytes - before) / _WIDTH / (now - since)
+        self._measured = now, self._read_bytes
+        self._odd = ""
         if abs(measured / self._rate - 1) > _ODD:
-            self._status.show(
-                "rate",
-                f"the voice comes at {measured:.0f} Hz instead of {self._rate} Hz: was it recorded"
-                f" with `arecord -f S16_LE -c 1 -r {self._rate}`?",
+            self._odd = (
+                f"; it comes at {measured:.0f} Hz instead of {self._rate} Hz: was it recorded with"
+                f" `arecord -f S16_LE -c 1 -r {self._rate}`?"
             )
 
 

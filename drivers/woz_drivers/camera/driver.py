@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
+from collections.abc import Mapping
 from typing import Any
 
 from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
-from woz_drivers.camera import doctor
+from woz_drivers.camera import doctor, frame_files
 from woz_drivers.camera.blob import BlobFinder
+from woz_drivers.camera.frame_files import FrameFiles
 from woz_drivers.camera.picture_feed import PictureFeed
 from woz_drivers.camera.settings import CameraSettings
 from woz_tui.drivers.contract import (
@@ -17,10 +19,14 @@ from woz_tui.drivers.contract import (
     DriverFacts,
     Finding,
     Health,
+    Job,
     PassiveDriver,
     Probe,
+    RejectedError,
+    Verb,
 )
 from woz_tui.motion.body_feeds import SEEN, Sighting
+from woz_tui.protocol.messages import Json
 
 #: Published beside the feed: places from -1 to 1, null while nothing is seen; share of the picture.
 SENSORS = ("seen.x", "seen.y", "seen.size")
@@ -49,6 +55,9 @@ class Camera(PassiveDriver):
         super().__init__(name, settings, context)
         self._feed = context.feed(SEEN)
         self._offer = PictureFeed(settings, context)
+        self._frames: FrameFiles | None = None
+        if settings.frames is not None:
+            self._frames = FrameFiles(name, settings, settings.frames, context)
         self._finder = BlobFinder(settings.rule)
         self._layout = settings.layout
         self._cutter = ChunkCutter(self._layout.size, self._came)
@@ -60,9 +69,14 @@ class Camera(PassiveDriver):
         self._source: ByteStream | None = None
 
     @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """It can save its pictures, where the file says so."""
+        return (frame_files.VERB,) if settings.frames is not None else ()
+
+    @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """Where it is, and how large."""
-        return SENSORS
+        """Where it is, and how large; how many pictures have been saved."""
+        return (*SENSORS, frame_files.FRAMES) if settings.frames is not None else SENSORS
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -76,6 +90,14 @@ class Camera(PassiveDriver):
         command = StreamCommand(self.settings.words, self.context.folder, "nothing", _CHECK)
         self._source = ByteStream(command, self.context.clock, listener)
         self._source.start()
+        if self._frames is not None:
+            self._frames.open()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Begin or end saving pictures."""
+        if self._frames is None or job.verb != frame_files.VERB.name:
+            raise RejectedError(f"{self.name} cannot {job.verb}")
+        return self._frames.switch(on=bool(job.args["on"]))
 
     async def close(self) -> None:
         """End the command."""
@@ -83,6 +105,8 @@ class Camera(PassiveDriver):
             await self._source.close()
             self._source = None
         self._rewind()
+        if self._frames is not None:
+            await self._frames.close()
 
     # -- the command ---------------------------------------------------------------------------
 
@@ -151,6 +175,8 @@ class Camera(PassiveDriver):
             self.context.sensor(sensor, "ok")
         self._publish(now_us, (x, y, size))
         self._offer.look_at(data, now_us)
+        if self._frames is not None:
+            self._frames.add(data, now_us)
 
     def _publish(self, now_us: int, values: tuple[float | None, float | None, float]) -> None:
         """At most `publish` times a second."""

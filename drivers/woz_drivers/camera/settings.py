@@ -11,6 +11,20 @@ from woz_tui.drivers.fields import Doc, OneOf, Range
 
 
 @dataclass(frozen=True, slots=True)
+class FrameSettings:
+    """Which pictures are saved as files beside the log; people are on them."""
+
+    at_once: Annotated[
+        bool, Doc("from the beginning of the session; else a key with `save_frames` switches it on")
+    ] = False
+    most: Annotated[float, Range(0, 120, "Hz"), Doc("pictures a second at most; 0: all")] = 0.0
+    megabytes: Annotated[int, Range(1, 10_000_000), Doc("so much in a session at most")] = 2_000
+    leave_free: Annotated[
+        int, Range(0, 10_000_000, "MB"), Doc("so much of the disk is left to the log")
+    ] = 500
+
+
+@dataclass(frozen=True, slots=True)
 class CameraSettings(PictureSource):
     """Where pictures come from, their shape, and what is looked for in them."""
 
@@ -26,6 +40,10 @@ class CameraSettings(PictureSource):
     smallest: Annotated[int, Range(1, 100_000), Doc("smallest number of pixels of an object")] = 1
     largest: Annotated[bool, Doc("only the largest patch counts; else all green together")] = True
     publish: Annotated[float, Range(0.5, 10, "Hz"), Doc("readings a second, for the log")] = 10.0
+    frames: Annotated[
+        FrameSettings | None,
+        Doc("keep pictures as files beside the log: verb `save_frames`; mind your ethics approval"),
+    ] = None
 
     @property
     def rule(self) -> ColourRule:

@@ -30,14 +30,16 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, WIDTH, SoundReader, VoiceState
 from woz_tui.protocol.messages import Json
 
-#: Whether a voice is heard: off, on, silent (on, and none comes), loading (the program that changes
-#: it starts), stale (that program does not run).
+#: How old a voice is when it is handed on to what plays it, in seconds; and its state: off, on,
+#: silent (on, and none comes), loading and stale (the program that changes it starts, or ended).
 TALK = "talk"
 #: How often new sound is looked for, in seconds.
 _LOOK_S = 0.01
 #: So much sound may wait for the player, in seconds; and pieces in which it is given, in bytes:
 #: the kernel takes one whole or not at all.
 _WAITING_S, _PIECE = 0.1, 2048
+#: How old sound is when it is handed on is published this often, in seconds.
+_PUBLISHED_S = 0.5
 #: Without a voice for so long the sensor says that none comes; a program that gives nothing back
 #: for so long, while one comes, is started again. In seconds.
 _SILENT_S, _STUCK_S = 1.0, 3.0
@@ -312,6 +314,7 @@ class LiveTalk:
         """Hand on what comes; why it is over."""
         clock, settings = self._context.clock, self._settings
         reader = SoundReader(self._voice)
+        published_us = 0
         tally.came_us = tally.began_us
         while True:
             now, last = clock.now_us(), ending.is_set()
@@ -331,6 +334,10 @@ class LiveTalk:
                 tally.age_us += now - piece.t_us
                 tally.pieces += 1
                 tally.dropped += piece.lost
+                if now - published_us >= _PUBLISHED_S * 1_000_000:
+                    published_us = now
+                    age_s = (now - piece.t_us) / 1_000_000
+                    self._context.reading(TALK, round(age_s, 3), unit="s")
                 self._change(piece.pcm, tally)
             silent = now - tally.came_us > _SILENT_S * 1_000_000
             if self._trouble is None:

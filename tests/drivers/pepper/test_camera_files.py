@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
-from woz_drivers.naoqi_robot.camera_files import keep, png
-from woz_drivers.picture_files import stamp
+from woz_drivers.naoqi_robot.camera_files import keep
+from woz_drivers.picture_files import png, stamp
 
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.camera_pictures import Picture

@@ -1,0 +1,175 @@
+"""Pictures as files: where the file asks for them, while a key has them on, and on a full disk."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from woz_drivers.camera import Camera
+from woz_drivers.camera.frame_files import VERB
+from woz_drivers.camera.settings import CameraSettings, FrameSettings
+
+from tests.drivers.camera.pictures import PipedCamera, picture, with_block
+from tests.drivers.heard import Heard, Ordered, until
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_feeds import SEEN
+from woz_tui.protocol.messages import Json, Notice
+from woz_tui.system.clock import ManualClock
+
+
+class Shelf:
+    """A camera behind a pipe that saves its pictures."""
+
+    def __init__(self, folder: Path, frames: FrameSettings | None, **more: Any) -> None:
+        self.clock = ManualClock()
+        self.heard = Heard(folder, self.clock)
+        self.pipe = PipedCamera(folder / "pipe")
+        shape: dict[str, Any] = {"width": 20, "height": 15, "format": "rgb24", **more}
+        settings = CameraSettings(command=self.pipe.command, frames=frames, **shape)
+        self.camera = Camera("eye", settings, self.heard.context)
+        self._count = 0
+
+    async def film(self, *pictures: Any) -> None:
+        """Each comes and is looked at, a tenth of a second after the other."""
+        for each in pictures:
+            self.clock.advance(0.1)
+            self.pipe.send(each)
+            self._count += 1
+            await until(lambda: self.heard.context.feed(SEEN).latest().serial >= self._count)
+
+    async def switch(self, on: bool) -> dict[str, Json]:
+        return dict(await self.camera.perform(Ordered("save_frames", {"on": on})))
+
+    @property
+    def files(self) -> list[Path]:
+        return sorted((self.heard.context.media / "frames-eye").glob("*.png"))
+
+    async def until_saved(self, count: int) -> None:
+        await until(lambda: len(self.files) == count)
+
+
+@pytest.fixture
+async def shelves(tmp_path: Path) -> AsyncIterator[Any]:
+    made: list[Shelf] = []
+
+    async def opened(frames: FrameSettings | None = None, **more: Any) -> Shelf:
+        shelf = Shelf(tmp_path, frames, **more)
+        made.append(shelf)
+        await shelf.camera.open()
+        await until(shelf.pipe.connected)
+        return shelf
+
+    yield opened
+    for shelf in made:
+        await shelf.camera.close()
+
+
+def pixels(path: Path) -> np.ndarray[Any, Any]:
+    with Image.open(path) as opened:
+        return np.asarray(opened.convert("RGB"))
+
+
+async def test_nothing_is_saved_unless_the_file_asks(shelves: Any) -> None:
+    shelf = await shelves()
+    await shelf.film(picture(), picture())
+    assert Camera.verbs(shelf.camera.settings) == ()
+    with pytest.raises(RejectedError):
+        await shelf.switch(on=True)
+    assert not shelf.heard.context.media.exists()
+
+
+async def test_a_key_switches_it_on_and_off(shelves: Any) -> None:
+    shelf = await shelves(FrameSettings())
+    assert Camera.verbs(shelf.camera.settings) == (VERB,)
+    await shelf.film(picture())
+    begun = await shelf.switch(on=True)
+    films = [with_block(1, 2), with_block(5, 6)]
+    await shelf.film(*films)
+    await shelf.until_saved(2)
+    await shelf.heard.until(lambda: 1.0 in shelf.heard.values("frames"))
+    ended = await shelf.switch(on=False)
+    await shelf.film(picture())
+    assert [path.name for path in shelf.files] == [
+        "frame-20260301-100000-200.png",
+        "frame-20260301-100000-300.png",
+    ]
+    for path, film in zip(shelf.files, films, strict=True):
+        assert (pixels(path) == film).all()
+        assert path.stat().st_mode & 0o777 == 0o600
+    assert shelf.files[0].parent.stat().st_mode & 0o077 == 0
+    folder = f"{shelf.heard.context.media.name}/frames-eye"
+    assert begun == {"folder": folder}
+    assert (ended["folder"], ended["skipped"]) == (folder, 0)
+    assert shelf.heard.states("frames") == ["off", "on", "off"]
+
+
+async def test_from_the_beginning_turned_and_some_of_them(shelves: Any) -> None:
+    shelf = await shelves(FrameSettings(at_once=True, most=5.0), mirror=True, flip=True)
+    films = [with_block(n, 0) for n in range(1, 6)]
+    await shelf.film(*films)
+    await shelf.until_saved(3)
+    assert (pixels(shelf.files[1]) == films[2][::-1, ::-1]).all()
+
+
+async def test_the_last_ones_are_written_when_the_session_ends(shelves: Any) -> None:
+    shelf = await shelves(FrameSettings(at_once=True))
+    await shelf.film(picture(), picture(), picture())
+    await shelf.camera.close()
+    assert len(shelf.files) == 3
+
+
+async def test_a_full_disk_is_told_once_and_survived(
+    shelves: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = os.open
+    full = True
+
+    def opened(name: Any, flags: int, mode: int = 0o777, **more: Any) -> int:
+        if full and str(name).endswith(".part"):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(name))
+        return real(name, flags, mode, **more)
+
+    monkeypatch.setattr(os, "open", opened)
+    shelf = await shelves(FrameSettings(at_once=True))
+    await shelf.film(picture())
+    await shelf.heard.state("frames", "stale")
+    await shelf.film(picture(), picture())
+    (told,) = shelf.heard.all(Notice)
+    assert (told.level, "No space left" in told.text) == ("error", True)
+    assert told.remedy
+    full = False
+    shelf.clock.advance(6.0)
+    await shelf.film(picture())
+    await shelf.heard.state("frames", "on")
+    await shelf.until_saved(1)
+    assert (await shelf.switch(on=False))["skipped"] == 3
+    assert [one.level for one in shelf.heard.all(Notice)] == ["error", "info"]
+
+
+@pytest.mark.parametrize(
+    ("frames", "words"),
+    [
+        (FrameSettings(at_once=True, leave_free=10_000_000), "left to the log"),
+        (FrameSettings(at_once=True, megabytes=1), "MB of pictures have been saved"),
+    ],
+)
+async def test_the_disk_is_left_to_the_log(
+    shelves: Any, monkeypatch: pytest.MonkeyPatch, frames: FrameSettings, words: str
+) -> None:
+    if frames.megabytes == 1:
+        monkeypatch.setattr("woz_drivers.camera.frame_files._MEGABYTE", 1)
+    shelf = await shelves(frames)
+    await shelf.film(picture())
+    if frames.megabytes == 1:
+        await shelf.until_saved(1)
+        await shelf.heard.until(lambda: bool(shelf.heard.values("frames")))
+        await shelf.film(picture())
+    moved = await shelf.heard.state("frames", "stale")
+    told = shelf.heard.all(Notice)[-1]
+    assert words in f"{told.text} {told.remedy} {moved.why}"

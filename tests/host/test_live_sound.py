@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import contextlib
 from collections.abc import AsyncIterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,9 @@ import pytest
 
 from tests.host.rig import Peer, Served, served
 from tests.session.rig import experiment
+from woz_tui.config.loading import load
 from woz_tui.config.study import Design, PerceptionLimits, Study
+from woz_tui.drivers.plugins import installed
 from woz_tui.drivers.sound_feeds import (
     LISTENED,
     SOUND,
@@ -271,3 +274,97 @@ async def test_a_voice_that_cannot_be(host: Served, fields: dict[str, Any], word
     assert not reply["ok"]
     assert words in reply["reason"]
     assert reader.take() is None
+
+
+# -- with a real loudspeaker's driver ----------------------------------------------------------
+
+FILE = """
+title: Live
+robot:
+  drivers:
+    voice:
+      type: speech
+      synthesise: "true {{wav}}"
+      play: "true {{wav}}"
+      talk: {{play: [sh, -c, "exec cat >> {heard}"]}}
+panels:
+  - title: Live
+    actions:
+      - {{key: t, label: Talk, talk: {{}}}}
+      - {{key: u, label: Talk off, end_talk: {{}}}}
+"""
+
+
+@contextlib.asynccontextmanager
+async def speaking(tmp_path: Path) -> AsyncIterator[tuple[Served, Peer, Path]]:
+    """A wizard who plays *Talk*, and where a voice is heard."""
+    heard_in, file = tmp_path / "heard", tmp_path / "live.yaml"
+    file.write_text(FILE.format(heard=heard_in))
+    catalogue = installed()
+    async with served(tmp_path, made=load(file, catalogue), catalogue=catalogue) as host:
+        await host.published(lambda line: isinstance(line, m.DriverConnected))
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        yield host, wizard, heard_in
+
+
+async def talk_on(host: Served, wizard: Peer) -> str:
+    """*Talk* is played and on; its run."""
+    reply = await wizard.ask("action", action="Talk", source="key", key="t")
+    assert reply["ok"]
+    await host.published(lambda line: isinstance(line, m.SensorChanged) and line.state == "on")
+    return str(reply["run"])
+
+
+async def ended(host: Served, run: str) -> m.AnyMessage:
+    return await host.published(lambda line: isinstance(line, m.ActionEnd) and line.run == run)
+
+
+async def test_a_key_a_voice_and_the_key_again_are_an_action_in_the_log(tmp_path: Path) -> None:
+    async with speaking(tmp_path) as (host, wizard, heard_in):
+        run = await talk_on(host, wizard)
+        talker = await host.connect()
+        await talker.hello("program")
+        assert (await talker.ask("talk", **voice()))["data"]["on"]
+        while not heard_in.exists() or heard_in.read_bytes() != WORD:  # noqa: ASYNC110
+            await asyncio.sleep(0.005)
+        assert (await wizard.ask("action", action="Talk off", source="key", key="u"))["ok"]
+        assert isinstance(await ended(host, run), m.ActionDone)
+        (done,) = [line for line in host.lines if isinstance(line, m.Done) and "by" in line.sent]
+        assert (done.sent["by"], done.sent["played"], done.sent["dropped"]) == ("con2", 0.02, 0.0)
+
+
+async def test_a_stop_ends_it_and_a_release_does_not_begin_it(tmp_path: Path) -> None:
+    async with speaking(tmp_path) as (host, wizard, heard_in):
+        run = await talk_on(host, wizard)
+        await wizard.ask("stop")
+        assert isinstance(await ended(host, run), m.ActionStopped)
+        confirmed = await host.published(lambda line: isinstance(line, m.StopConfirmed))
+        assert isinstance(confirmed, m.StopConfirmed)
+        assert confirmed.confirmed == ["voice"]
+        assert (await wizard.ask("release"))["ok"]
+        talker = await host.connect()
+        await talker.hello("program")
+        assert not (await talker.ask("talk", **voice()))["data"]["on"]
+        assert not heard_in.exists() or not heard_in.read_bytes()
+
+
+async def test_nobody_talks_while_no_wizard_watches(tmp_path: Path) -> None:
+    async with speaking(tmp_path) as (host, wizard, _):
+        run = await talk_on(host, wizard)
+        wizard.leave()
+        assert isinstance(await ended(host, run), m.ActionStopped)
+        program = await host.connect()
+        await program.hello("program")
+        await program.ask("action", action="Talk")
+        refused = await host.published(lambda line: isinstance(line, m.Refused))
+        assert isinstance(refused, m.Refused)
+        assert refused.code == "unwatched"
+
+
+async def test_a_locked_panel_keeps_it_off(tmp_path: Path) -> None:
+    async with speaking(tmp_path) as (host, wizard, _):
+        await wizard.ask("lock", panel="Live", locked=True)
+        reply = await wizard.ask("action", action="Talk", source="key", key="t")
+        assert not reply["ok"]
+        assert not any(isinstance(line, m.Dispatched) for line in host.lines)

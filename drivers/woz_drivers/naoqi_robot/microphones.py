@@ -1,15 +1,16 @@
-"""The robot's microphones: recordings on the robot, and its sound as a file on this machine."""
+"""The robot's microphones: recordings on the robot, its sound here as a file and live."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
 import secrets
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
+from woz_drivers.naoqi_robot.background import Background
 from woz_drivers.naoqi_robot.memory import stamped, within
 from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, Unsubscribe, binary
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
@@ -17,6 +18,7 @@ from woz_drivers.naoqi_robot.parts import CleanUpCalls, NaoqiPart, RobotCalls
 from woz_drivers.picture_files import stamp
 from woz_drivers.sound_file import SoundFile
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
+from woz_tui.drivers.sound_feeds import SoundOffer
 from woz_tui.protocol.messages import Json
 
 #: Of the recordings on the robot.
@@ -36,13 +38,18 @@ class _Recording:
 
 
 class MicrophonesPart(NaoqiPart):
-    """`record_sound` has the robot write a file of its own, `listen` brings its sound here."""
+    """`record_sound` has the robot write a file of its own, `listen` brings its sound here as a
+    file; who listens live (`woz listen`) gets it without a file.
+    """
 
     name = "microphones"
 
     def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = settings.recordings
+        self._offer = SoundOffer(context, LIVE_HZ)
+        self._live: SoundSubscription | None = None
+        self._watching = Background("the live sound", context)
         self._recording: _Recording | None = None
         self._listening: SoundRecording | None = None
         #: Those that ended without being waited for.
@@ -66,8 +73,16 @@ class MicrophonesPart(NaoqiPart):
                 return await (self._listen() if on else self._end_listen())
         raise RejectedError(f"the microphones cannot {job.verb}")
 
+    async def connected(self) -> None:
+        """Look whether somebody listens."""
+        await self._watching.close()
+        self._live = None
+        self._watching.start(self._follow_listeners())
+
     def lost(self) -> None:
         """A recording may go on without us; the file here ends."""
+        self._watching.cancel()
+        self._live = None
         recording, self._recording = self._recording, None
         if recording is not None:
             self._warn_recording(recording)
@@ -86,7 +101,9 @@ class MicrophonesPart(NaoqiPart):
         return {"microphones": ", ".join(active) or "off"}
 
     async def close(self) -> None:
-        """End both; a robot that does not confirm it may record on: a notice says so."""
+        """End all; a robot that does not confirm it may record on: a notice says so."""
+        await self._watching.close()
+        await self._end_live()
         if self._listening is not None:
             with contextlib.suppress(DriverError):  # it is written as far as it came
                 await self._end_listen()
@@ -99,6 +116,37 @@ class MicrophonesPart(NaoqiPart):
             except DriverError:
                 self._recording = None
                 self._warn_recording(recording)
+
+    # -- live ----------------------------------------------------------------------------------
+
+    async def _follow_listeners(self) -> None:
+        trouble = ""
+        while True:
+            if not self._offer.wanted:
+                await self._end_live()
+            elif self._live is None:
+                self._live = SoundSubscription(self._robot, LIVE_HZ, self._take_live)
+                try:
+                    await self._live.begin()
+                    trouble = ""
+                except DriverError as error:
+                    if trouble != error.what:
+                        trouble = error.what
+                        text = f"no live sound: {error.what}"
+                        self._context.notice("warning", text, error.remedy)
+                    await self._end_live()
+                    await asyncio.sleep(_AGAIN_S)
+            await asyncio.sleep(_LOOK_S)
+
+    def _take_live(self, channels: Any, samples: Any, stamp_: Any, buffer: Any) -> None:
+        received = block(channels, samples, stamp_, buffer)
+        if isinstance(received, SoundBlock) and self._offer.wanted:
+            self._offer.add(memoryview(received.data).cast("h")[:: received.channels].tobytes())
+
+    async def _end_live(self) -> None:
+        live, self._live = self._live, None
+        if live is not None:
+            await live.end()
 
     # -- on the robot --------------------------------------------------------------------------
 
@@ -170,28 +218,68 @@ class MicrophonesPart(NaoqiPart):
 #: robot that was cut off holds on to those of before for a while.
 SERVICE = "WozTuiMicrophones"
 _RATE_HZ = 48000
+#: Live sound is for the ear: a third of it; and for a line.
+LIVE_HZ = 16000
+#: How often is looked whether somebody listens, and the pause after a trouble, in seconds.
+_LOOK_S, _AGAIN_S = 0.1, 5.0
 #: ALAudioDevice's number for the front microphone, and for samples channel by channel: no.
 _FRONT, _NOT_DEINTERLEAVED = 3, 0
 #: Sound has to come within this, in seconds.
 _COMES_WITHIN_S = 3.0
 
 
+class SoundSubscription:
+    """The front microphone's sound, sent to a service of ours.
+
+    Args:
+        robot: Whose.
+        rate: Frames a second.
+        take: Called with each buffer, as `processRemote` is.
+    """
+
+    def __init__(self, robot: RobotCalls, rate: int, take: Callable[..., None]) -> None:
+        self._robot = robot
+        self._rate = rate
+        self._take = take
+        self._service = f"{SERVICE}_{secrets.token_hex(4)}"
+        self._withdraw: Unsubscribe | None = None
+
+    async def begin(self) -> None:
+        """Have the robot send it. Raises `DriverError`; `end` is called then, too."""
+        self._withdraw = await self._robot.serve(
+            self._service, {"processRemote": ("(iimr)", self._take)}
+        )
+        await self._robot.call(
+            *("ALAudioDevice", "setClientPreferences"),
+            *(self._service, self._rate, _FRONT, _NOT_DEINTERLEAVED),
+        )
+        await self._robot.call("ALAudioDevice", "subscribe", self._service)
+
+    async def end(self) -> None:
+        """Have it send nothing more; never raises."""
+        with contextlib.suppress(DriverError):  # it is not there, and sends nothing then
+            await self._robot.call(
+                "ALAudioDevice", "unsubscribe", self._service, within=_FAREWELL_S
+            )
+        withdraw, self._withdraw = self._withdraw, None
+        if withdraw is not None:
+            await withdraw()
+
+
 class SoundRecording:
     """The front microphone's sound on its way into one file in the media folder."""
 
     def __init__(self, robot: RobotCalls, context: DriverContext) -> None:
-        self._robot = robot
         self._context = context
         self._path = context.media / f"robot-{stamp(context.clock.wall())}.wav"
         #: The file as results and messages name it.
         self.file = f"{context.media.name}/{self._path.name}"
-        self._service = f"{SERVICE}_{secrets.token_hex(4)}"
+        self._subscription = SoundSubscription(robot, _RATE_HZ, self._take_buffer)
         self._sound: SoundFile | None = None
         self._first: asyncio.Future[SoundBlock] = asyncio.get_running_loop().create_future()
         self._t_us = 0
         self._bad = 0
         self._over = False
-        self._withdraw: Unsubscribe | None = None
         self._endings = CleanUpCalls()
 
     async def begin(self) -> Mapping[str, Json]:
@@ -199,15 +287,8 @@ class SoundRecording:
 
         Raises `DriverError` if none comes.
         """
-        self._withdraw = await self._robot.serve(
-            self._service, {"processRemote": ("(iimr)", self._take_buffer)}
-        )
         try:
-            await self._robot.call(
-                *("ALAudioDevice", "setClientPreferences"),
-                *(self._service, _RATE_HZ, _FRONT, _NOT_DEINTERLEAVED),
-            )
-            await self._robot.call("ALAudioDevice", "subscribe", self._service)
+            await self._subscription.begin()
             async with asyncio.timeout(_COMES_WITHIN_S):
                 first = await asyncio.shield(self._first)
         except TimeoutError:
@@ -265,14 +346,14 @@ class SoundRecording:
     async def _leave(self) -> None:
         """Have the robot send nothing more; the service here is gone in any case."""
         self._over = True
-        self._endings.send(self._withdrawn())
+        self._endings.send(self._subscription.end())
         await self._endings.settled()
         await self._endings.close()
 
     def abandon(self) -> None:
         """End it without waiting: what came is in the file."""
         self._over = True
-        self._endings.send(self._withdrawn())
+        self._endings.send(self._subscription.end())
         if self._sound is not None:
             self._sound.end()
 
@@ -282,15 +363,6 @@ class SoundRecording:
         await self._endings.close()
         if self._sound is not None:
             await self._sound.finish()
-
-    async def _withdrawn(self) -> None:
-        with contextlib.suppress(DriverError):  # it is not there, and sends nothing then
-            await self._robot.call(
-                "ALAudioDevice", "unsubscribe", self._service, within=_FAREWELL_S
-            )
-        withdraw, self._withdraw = self._withdraw, None
-        if withdraw is not None:
-            await withdraw()
 
 
 # -- as ALAudioDevice sends it ---------------------------------------------------------------------

@@ -26,6 +26,7 @@ from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.libqi import SERVERS
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.drivers.contract import DriverError, RejectedError, Scope
+from woz_tui.drivers.sound_feeds import LISTENED, SOUND, LiveSound, SoundListened
 
 
 @pytest.fixture
@@ -172,6 +173,56 @@ async def test_a_robot_that_goes_ends_the_file_and_it_is_whole(tmp_path: Path) -
         assert "ends here: the robot is disconnected" in it.notices[0]
         assert await it.do("listen", on=False) == {"file": ""}
     assert len(_sound(it, told["file"])[3]) >= 2 * 4096
+
+
+@pytest.mark.naoqi(
+    "ALAudioDevice.setClientPreferences", "ALAudioDevice.subscribe", "ALAudioDevice.unsubscribe"
+)
+@pytest.mark.parametrize("server", SERVERS)
+async def test_live_sound_while_somebody_listens(tmp_path: Path, server: str) -> None:
+    async with (
+        stand_in(server, pace=2.0) as robot,
+        wired(MicrophonesPart, tmp_path, robot) as it,
+    ):
+        await it.connected()
+        feed, wish = it.heard.context.feed(SOUND), it.heard.context.feed(LISTENED)
+        wish.put(SoundListened(it.heard.clock.now_us() + 600_000_000))
+        await until(lambda: isinstance(feed.latest().value, LiveSound))
+        [call] = await robot.trace("ALAudioDevice.setClientPreferences")
+        assert call.args[1:] == [16000, 3, 0]
+        sound = feed.latest().value
+        assert isinstance(sound, LiveSound)
+        assert sound.rate == 16000
+        assert len(sound.blocks[-1].pcm) == 2 * 1365
+        told = await it.do("listen", on=True)
+        assert len(await robot.get("sound.subscribers")) == 2, "a file beside it"
+        wish.put(SoundListened(0))
+        while len(await robot.get("sound.subscribers")) > 1:  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+        before = feed.latest().serial
+        assert (await it.do("listen", on=False))["file"] == told["file"]
+        assert feed.latest().serial == before
+        wish.put(SoundListened(it.heard.clock.now_us() + 600_000_000))
+        await until(lambda: feed.latest().serial > before)
+        assert it.notices == []
+    assert not list(it.heard.context.media.glob("live*")), "no file"
+
+
+async def test_a_robot_that_refuses_live_sound_is_told_once(
+    tmp_path: Path, robot: StandIn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.naoqi_robot.microphones._AGAIN_S", 0.01)
+    async with wired(MicrophonesPart, tmp_path, robot) as it:
+        await it.connected()
+        await robot.fault("refuse:ALAudioDevice.subscribe=no microphone")
+        wish = it.heard.context.feed(LISTENED)
+        wish.put(SoundListened(it.heard.clock.now_us() + 600_000_000))
+        await until(lambda: bool(it.notices))
+        await robot.clear()
+        await until(lambda: it.heard.context.feed(SOUND).latest().serial > 0)
+        assert len(it.notices) == 1
+        assert "no live sound: " in it.notices[0]
+    assert await robot.get("sound.subscribers") == []
 
 
 @pytest.mark.parametrize(

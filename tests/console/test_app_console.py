@@ -108,6 +108,43 @@ async def test_a_key_without_meaning_says_so() -> None:
         assert "is not assigned" not in seat.text("StopBar")
 
 
+async def test_what_was_told_of_a_key_goes_with_the_next_one_and_hides_no_stop() -> None:
+    async with sitting() as seat:
+        await seat.press("z")
+        assert "z is not assigned" in seat.text("StopBar")
+        assert "Esc stop" in seat.text("StopBar")
+        await seat.press("h")
+        assert "is not assigned" not in seat.text("StopBar")
+
+
+async def test_what_a_driver_refused_is_told_until_its_state_changes() -> None:
+    refused = m.Refused(
+        command="c-a1",
+        driver="voice",
+        code="not_ready",
+        reason="it is starting " * 4,
+        remedy="wait",
+    )
+    async with sitting() as seat:
+        await seat.press("h")
+        await seat.tell(*scenes.played("a1", "Hello", NOW, None), refused)
+        shown = seat.text("StopBar")
+        assert "it is starting" in shown
+        assert "Esc stop" in shown
+        await seat.tell(m.DriverConnected(driver="head"))
+        assert "it is starting" in seat.text("StopBar")
+        await seat.tell(m.DriverConnected(driver="voice"))
+        assert "it is starting" not in seat.text("StopBar")
+
+
+@pytest.mark.parametrize(("key", "lacks"), [("up", "gaze"), ("alt+up", "drive")])
+async def test_an_arrow_that_no_driver_has_a_use_for_says_so(key: str, lacks: str) -> None:
+    async with sitting() as seat:
+        await seat.press(key)
+        assert seat.feed.asked == []
+        assert f"This robot has no {lacks}" in seat.text("StopBar")
+
+
 @pytest.mark.parametrize("key", ["escape", "ctrl+c"])
 async def test_both_stop_keys_stop_and_the_bar_follows(key: str) -> None:
     async with sitting() as seat:
@@ -117,6 +154,7 @@ async def test_both_stop_keys_stop_and_the_bar_follows(key: str) -> None:
         await seat.until(lambda: "STOP SENT" in seat.text("StopBar"))
         await seat.tell(m.StopPressed(source="key", t=NOW))
         assert "STOPPED by key" in seat.text("StopBar")
+        await seat.tell(m.StopConfirmed(confirmed=["head"], missing=[], elapsed_us=3_000))
         await seat.press("ctrl+r")
         assert seat.feed.last(r.AskRelease) is not None
         await seat.tell(m.StopReleased(source="key", t=NOW))

@@ -11,7 +11,6 @@ from woz_tui.protocol.requests import (
     AskAction,
     AskMarker,
     AskMistake,
-    AskRelease,
     AskScript,
     AskStop,
     AskVerb,
@@ -144,17 +143,17 @@ def test_what_ends_a_sequence(rig: Rig, end: str) -> None:
 
 
 def test_own_keys_that_need_no_dialog(rig: Rig) -> None:
-    for chord in ("space", ".", "backspace", "ctrl+r"):
+    for chord in ("space", ".", "backspace"):
         assert rig.keyboard.press(chord)
 
     script = AskScript(key="space")
-    assert rig.feed.asked == [script, AskMarker(), AskMistake(), AskRelease(source="key")]
+    assert rig.feed.asked == [script, AskMarker(), AskMistake()]
     assert all(action == "" for _, action, _ in rig.pressed)
 
 
 def test_own_keys_that_need_a_dialog_are_left_to_the_screen(rig: Rig) -> None:
     for chord, command in OWN.items():
-        if command.name in ("say", "find", "note", "help", "leave", "preflight"):
+        if command.name in ("say", "find", "note", "help", "leave", "preflight", "release"):
             assert not rig.keyboard.press(chord), command.name
 
 

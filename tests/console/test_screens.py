@@ -105,7 +105,8 @@ async def test_no_experiment_key_plays_while_a_dialog_has_the_keyboard() -> None
 
 async def test_the_stop_is_released_from_within_a_dialog() -> None:
     async with sitting(busy()) as seat:
-        await seat.tell(m.StopPressed(source="program", t=NOW))
+        confirmed = m.StopConfirmed(confirmed=["head"], missing=[], elapsed_us=3_000)
+        await seat.tell(m.StopPressed(source="program", t=NOW), confirmed)
         await opened(seat, "NoteDialog")
         await seat.press("ctrl+r")
         assert seat.feed.last(r.AskRelease) is not None
@@ -125,6 +126,24 @@ async def test_failures_are_read_and_seen() -> None:
         assert seat.console.state.runs.unseen() == []
         await seat.press("enter")
         assert seat.console.dialog is None
+
+
+async def test_the_key_that_says_why_a_robot_is_lost_is_named_and_shows_whole_sentences() -> None:
+    why = "the robot does not answer any more: nothing came from 192.168.1.20 for 3 seconds"
+    remedy = "is it on, and is this machine in its network? It is asked again every second"
+    lost = m.DriverLost(driver="voice", detail=why, remedy=remedy)
+    async with sitting() as seat:
+        assert "why" not in seat.text("StatusLines")
+        await seat.tell(lost)
+        assert "^D  why" in seat.text("StatusLines")
+        await opened(seat, "DriversDialog")
+        inside = (line.split("│")[1] for line in seat.drawn().splitlines() if "│" in line)
+        drawn = "".join("".join(inside).split())
+        assert "".join(why.split()) in drawn
+        assert "".join(remedy.split()) in drawn
+        assert drawn.index("voice") < drawn.index("head")
+        await seat.tell(m.DriverConnected(driver="voice"))
+        assert "why" not in seat.text("StatusLines")
 
 
 async def test_driver_details_follow_what_happens() -> None:

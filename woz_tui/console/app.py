@@ -33,8 +33,8 @@ from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
 from woz_tui.console.status_rows import StatusInfo
 from woz_tui.console.study.study_view import StudyNews
 from woz_tui.protocol.camera_pictures import PictureShown
-from woz_tui.protocol.messages import StopPressed, TrainingChanged
-from woz_tui.protocol.requests import AskRelease, Reply, Welcome
+from woz_tui.protocol.messages import DriverHealth, StopPressed, TrainingChanged
+from woz_tui.protocol.requests import Reply, Welcome
 
 if TYPE_CHECKING:
     from woz_tui.console.camera.picture_terminal import PictureTerminal
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 
 #: Seconds a sentence above the hints stays.
 NEWS_S = 8.0
+#: What a robot lacks whose drivers do not offer the verb of an arrow key.
+_ABILITIES = {"nudge": "gaze: no head to turn", "drive": "drive", "hip": "hip to bend"}
 #: Seconds a pressed key cap stays lit.
 FLASH_S = 0.25
 
@@ -102,7 +104,9 @@ class Console(ScreenApp):
         self._was_lost = self._alt_told = False
         self._lost_t = 0
         self._news = News()
-        self._news_until = self._flash_until = 0
+        self._news_t = self._news_until = self._flash_until = 0
+        #: The driver that refused what the sentence is about.
+        self._news_driver = ""
         self._stop_asked: int | None = None
         self._painted = 0
         self._main_screen = MainScreen()
@@ -168,11 +172,15 @@ class Console(ScreenApp):
                 elif isinstance(message, Welcome):
                     self.state.runs.read_refusal()  # an old one
                     self._welcomed(message)
+                elif isinstance(message, DriverHealth):
+                    if message.driver == self._news_driver:
+                        self._news = News()  # it refused in another state
                 elif isinstance(message, StopPressed) and message.scope == "all":
                     self._stop_asked = None  # also where its release came in the same batch
         self._follow_training()
         if (refusal := self.state.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.state.label(refusal.action)), "warn")
+            self._news_driver = refusal.driver
         for tiding in self.state.study.read_news():
             self.news(self._sentence(tiding), tiding.look)
         for why in self.inbox.losses():
@@ -274,8 +282,9 @@ class Console(ScreenApp):
             skip=self._key("script_on"),
             take_over=self._key("take_over"),
             then=tuple(map(self._cap_and_label, self.state.then)),
+            stop=self._key("stop"),
         )
-        keys = self._key("failures"), self._key("phase_next")
+        keys = map(self._key, ("failures", "phase_next", "drivers"))
         line = StatusInfo(self.feed.line_ok, self.feed.round_trip_us, *keys)
         frame = functools.partial(self._frame, now)
         self._main_screen.events.key = self._key("events")
@@ -323,9 +332,15 @@ class Console(ScreenApp):
 
     def news(self, text: str, look: str = "muted") -> None:
         """A sentence above the hints, for a few seconds."""
-        self._news = News(text, look)
-        self._news_until = self.clock.now_us() + round(NEWS_S * 1_000_000)
+        self._news, self._news_t, self._news_driver = News(text, look), self.clock.now_us(), ""
+        self._news_until = self._news_t + round(NEWS_S * 1_000_000)
         self.paint()
+
+    def _forget_news(self) -> None:
+        """A newer key has another end than what was told before it came."""
+        if self._news.text and self._news_t <= self.keyboard.came_us:
+            self._news, self._news_until = News(), 0
+            self.paint()
 
     def _with_key(self, action: str) -> str:
         """`Hello (h)`."""
@@ -351,6 +366,7 @@ class Console(ScreenApp):
         if chord in STOPS:
             self._stopping()
             return
+        self._forget_news()
         if action and not self.state.lost:
             self._panels.press(action)
             self._flash_until = self.clock.now_us() + round(FLASH_S * 1_000_000)
@@ -407,6 +423,7 @@ class Console(ScreenApp):
         elif dialog is not None and dialog.opened_by == self.commands[name].name:
             self.close_dialog()
         else:
+            self._forget_news()
             self.do(name)
         return True
 
@@ -420,7 +437,9 @@ class Console(ScreenApp):
             command.run(self)
             if (top := self.dialog) is not None and top is not below:
                 top.opened_by = command.name
-        elif command.sends is not None and not command.verb:
+        elif command.verb:
+            self.news(f"This robot has no {_ABILITIES.get(command.verb, command.verb)}", "warn")
+        elif command.sends is not None:
             self.requests.ask(command.sends(KeyPress()))
 
     def _key_in_dialog(self, name: str | None) -> bool:
@@ -428,7 +447,7 @@ class Console(ScreenApp):
         if name == "leave":
             self.close_dialog()
         elif name == "release":
-            self.feed.ask(AskRelease(source="key"))
+            self.do(name)
         else:
             return False
         return True

@@ -24,7 +24,7 @@ from woz_tui.console.command_text import command_words
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed, millis
-from woz_tui.console.stop_confirmation import confirmed_words, missing_row
+from woz_tui.console.stop_confirmation import settled_row
 from woz_tui.protocol.messages import FilledCall
 from woz_tui.protocol.panels import ActionView
 from woz_tui.session.variables import HIDDEN_TEXT
@@ -240,9 +240,10 @@ class BarInfo:
 
     `news` takes the place of the `hints` (keys with a word each) for a while; `page` stands behind
     the hints and says which page of the panels is shown. `next` is the key of the script, `skip`
-    leaves its line out, `release` the one that releases the stop, `take_over` lets a console that
-    watches play. `then`: keys and labels of what is likely to follow the last act. `asked_us`:
-    session time at which this console asked for a stop that has not been answered yet.
+    leaves its line out, `release` the one that releases the stop, `stop` the one that stops,
+    `take_over` lets a console that watches play. `then`: keys and labels of what is likely to
+    follow the last act. `asked_us`: session time at which this console asked for a stop that has
+    not been answered yet.
     """
 
     news: News = News()
@@ -254,6 +255,7 @@ class BarInfo:
     skip: str = ""
     take_over: str = ""
     then: tuple[tuple[str, str], ...] = ()
+    stop: str = ""
 
 
 def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
@@ -288,21 +290,26 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         what = " No key is sent. It stops driving by itself. enter shows what can be done"
         return [((fit(why, width), "alarm"),), ((fit(what, width), "alarm-soft"),)]
     if state.stop is not None:
-        return _stopped(state.stop, bar.release, glyphs, width)
+        return _stopped(state, state.stop, bar.release, frame)
     if asked_us is not None:
         waited = millis(frame.now - asked_us)
         first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
         return [((fit(first, width), "alarm"),), ((" " * width, "alarm-soft"),)]
-    return _news_rows(bar.news, glyphs, width)
+    return _news_rows(bar.news, glyphs, width, bar.stop)
 
 
-def _news_rows(news: News, glyphs: Glyphs, width: int) -> list[Row]:
-    """News on one line, or on two if it takes them: the remedy stands at its end."""
+def _news_rows(news: News, glyphs: Glyphs, width: int, stop: str) -> list[Row]:
+    """News on one line, or on two if it takes them: the remedy stands at its end, and behind it the
+    key of the stop, which no sentence hides.
+    """
     if not news.text:
         return []
-    first, *rest = wrap_row(((f" {glyphs.plain(clean(news.text))}", news.look),), 1, width)
-    rows = [first, sum(rest, ())] if rest else [first]
-    return [cut(row, width, glyphs.ellipsis) for row in rows]
+    behind: Row = ((f" {stop}", "strong"), (" stop ", "muted")) if stop else ()
+    row: Row = ((f" {glyphs.plain(clean(news.text))}", news.look),)
+    room = width - length(behind)
+    first, *rest = wrap_row(row, 1, room if length(row) <= width else width)
+    last = spread(sum(rest, ()) or first, behind, width, glyphs.ellipsis)
+    return [cut(first, width, glyphs.ellipsis), last] if rest else [last]
 
 
 def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:
@@ -313,26 +320,20 @@ def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:
     return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
 
 
-def _stopped(stop: StopEpisode, release: str, glyphs: Glyphs, width: int) -> list[Row]:
+def _stopped(state: ConsoleState, stop: StopEpisode, release: str, frame: PaintFrame) -> list[Row]:
+    glyphs, width = frame.glyphs, frame.width
     left = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)}"
-    hint = f"{release} releases it " if release else ""
+    does = "releases it" if stop.settled and not stop.missing else "asks, then releases it"
+    hint = f"{release} {does} " if release else ""
     if len(left) + len(hint) >= width:
         hint = ""
     first = spread(((left, "alarm"), (" " * width, "alarm")), ((hint, "alarm"),), width, " ")
     if not stop.settled:
         second: Row = ((fit(" waiting for the drivers to confirm", width), "alarm-soft"),)
         return [first, second]
-    return [first, _settled(stop, glyphs, width)]
-
-
-def _settled(stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
-    """Who did not confirm and who did; parts are named where there is room."""
-    row = missing_row(stop, glyphs)
-    said = " confirmed: "
-    room = width - length(row) - len(said)
-    row = (*row, (f"{said}{clean(confirmed_words(stop, room))}", "alarm-soft"))
+    row = settled_row(stop, state.short_names, glyphs, width, release)
     blanks = max(0, width - length(row))
-    return cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)
+    return [first, cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)]
 
 
 def hint_row(hints: tuple[tuple[str, str], ...], width: int, page: str = "") -> Row:

@@ -32,7 +32,6 @@ from woz_tui.protocol.requests import (
     AskMarker,
     AskMistake,
     AskPhase,
-    AskRelease,
     AskScript,
     AskTakeOver,
     AskVerb,
@@ -174,7 +173,7 @@ _INTERRUPT = "repair_interrupt"
 
 COMMANDS = (
     _row("stop stop_too", found=False, hint=KeyHint(1, "stop"), users=WATCHER),
-    _row("release", sends=lambda press: AskRelease(source="key"), found=False),
+    _row("release", calls("screens.release:open_release"), found=False),
     _row(
         "script_next",
         sends=_play_script,

@@ -24,6 +24,7 @@ from woz_tui.console.message_feed import Incoming
 from woz_tui.console.number_text import seconds
 from woz_tui.console.replay.replay_state import ReplayState, updated
 from woz_tui.console.running_actions import ActiveRun, RunningActions, RunOutcome
+from woz_tui.console.stop_confirmation import short_names
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import STALE_US, ButtonState, ButtonView, DriverView, SensorView
 from woz_tui.protocol import messages as m
@@ -239,6 +240,11 @@ class ConsoleState:
         listed = self.session.plan.drivers if self.session.plan is not None else ()
         names = dict.fromkeys((*listed, *self.session.drivers))
         return {name: self._driver(name) for name in names}
+
+    @property
+    def short_names(self) -> dict[str, str]:
+        """Driver -> what the screen calls it where room is short."""
+        return short_names(self.drivers)
 
     def _driver(self, name: str) -> DriverView:
         driver = self.session.drivers.get(name)

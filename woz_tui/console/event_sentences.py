@@ -59,6 +59,11 @@ class EventContext(Protocol):
         ...
 
     @property
+    def short_names(self) -> Mapping[str, str]:
+        """Driver -> what the screen calls it."""
+        ...
+
+    @property
     def session(self) -> SessionState:
         """What holds."""
         ...
@@ -253,7 +258,8 @@ def _stop(message: m.StopPressed, shown: EventContext) -> EventLine:
 def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
     if message.missing:
         parts = shown.stop.parts_missing if shown.stop is not None else {}
-        missing = "; ".join(missing_words(message.missing, message.unreached, parts))
+        words = missing_words(message.missing, message.unreached, parts, shown.short_names)
+        missing = "; ".join(words)
         what, _, names = missing.partition(": ")
         return EventLine("error", what.capitalize(), names)
     return EventLine("stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")

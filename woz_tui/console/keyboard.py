@@ -19,7 +19,6 @@ from woz_tui.protocol.requests import (
     AnyRequest,
     AskAction,
     AskPhase,
-    AskRelease,
     AskScript,
     AskStop,
     AskVerb,
@@ -135,8 +134,10 @@ class Keyboard:
         self._stops = 0
         self._prefix = ""
         self._prefix_us = 0
-        #: The last key, when it came, and whether it has been told that it may be held.
-        self._last, self._came_us, self._told_held = "", 0, False
+        #: When the last key came, on the clock.
+        self.came_us = 0
+        #: The last key, and whether it has been told that it may be held.
+        self._last, self._told_held = "", False
 
     # -- what the app says ----------------------------------------------------------------------
 
@@ -231,8 +232,8 @@ class Keyboard:
         """Whether it may be the rest of a held key that counts once."""
         now, own = self._clock.now_us(), self._own.get(chord)
         with self._lock:
-            again = chord == self._last and now - self._came_us < HELD_US
-            self._last, self._came_us = chord, now
+            again = chord == self._last and now - self.came_us < HELD_US
+            self._last, self.came_us = chord, now
             held = again and own is not None and own.once and chord not in self._table
             tells, self._told_held = held and not self._told_held, held
         if tells and own is not None:
@@ -249,10 +250,6 @@ class Keyboard:
         self._set_prefix("")
         if source in STOPS:
             self.on_pressed(source, "", ref)
-
-    def release(self, source: str) -> None:
-        """Release the stop."""
-        self.feed.ask(AskRelease(source=source))
 
     def tick(self) -> None:
         """Forget the first key of a sequence if the second did not follow; call now and then."""

@@ -58,12 +58,13 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class DriverRefusal:
-    """What a driver would not do, and why. `action` is empty where `what` says what was tried."""
+    """What `driver` would not do, and why. `action` is empty where `what` says what was tried."""
 
     action: str
     what: str
     reason: str
     remedy: str
+    driver: str = ""
 
     def sentence(self, label: str) -> str:
         """It in a line; `label` is the action's."""
@@ -237,7 +238,9 @@ class RunningActions:
                 keep_latest(self._utterances, run, f"{said} {text}".strip())
             return None
         if command.outcome == Word.REFUSED:
-            self._refusal = DriverRefusal(request.action, what, ended.reason, ended.remedy)
+            self._refusal = DriverRefusal(
+                request.action, what, ended.reason, ended.remedy, ended.driver
+            )
         if run:
             if ended.remedy:
                 keep_latest(self._remedies, run, ended.remedy)

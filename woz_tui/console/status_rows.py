@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -31,13 +30,15 @@ TITLE = 8
 @dataclass(frozen=True, slots=True)
 class StatusInfo:
     """The line to the wizard's terminal: whether it takes output, its round trip if known; and
-    the keys that show what has failed and that go on to the next phase.
+    the keys that show what has failed, that go on to the next phase, and that say what is wrong
+    with a driver.
     """
 
     well: bool = True
     round_trip_us: int | None = None
     failures: str = "enter"
     phase: str = ""
+    drivers: str = ""
 
 
 def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> list[Row]:
@@ -48,7 +49,11 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
         *(("  ", "plain"), *_line(line, frame)),
     )
     vitals = (*_profile(state, frame), *vitals)
-    failures = (*_seers(state), *_failures(state, glyphs, line.failures))
+    failures = (
+        *_seers(state),
+        *_why(state, line.drivers),
+        *_failures(state, glyphs, line.failures),
+    )
     room = width - length(vitals)
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
     drivers = _drivers(state, glyphs, width - length(failures))
@@ -207,20 +212,17 @@ def _drivers(state: ConsoleState, glyphs: Glyphs, room: int) -> Row:
     row = _drivers_row(state, glyphs, [(driver, driver.name) for driver in drivers])
     if length(row) <= room:
         return row
-    robots = Counter(driver.name.partition(".")[0] for driver in drivers)
-    short = [
-        (driver, robot if robots[robot] == 1 else driver.name)
-        for driver in drivers
-        for robot in (driver.name.partition(".")[0],)
-    ]
+    names = state.short_names
+    short = [(driver, names[driver.name]) for driver in drivers]
     row = _drivers_row(state, glyphs, short)
     if length(row) <= room:
         return row
-    first = sorted(short, key=lambda each: _wellness(state, each[0]))
+    first = sorted(short, key=lambda each: wellness(state, each[0]))
     return _drivers_row(state, glyphs, first, brief=True)
 
 
-def _wellness(state: ConsoleState, driver: DriverView) -> tuple[bool, bool]:
+def wellness(state: ConsoleState, driver: DriverView) -> tuple[bool, bool]:
+    """Sorts drivers so that whoever is not well comes first."""
     return driver.health == "connected", not driver_trouble(state, driver.name)
 
 
@@ -243,6 +245,15 @@ def _drivers_row(
             row.append((said, "warn"))
         row.append(("   ", "plain"))
     return tuple(row)
+
+
+def _why(state: ConsoleState, key: str) -> Row:
+    """The key that says what is wrong with a driver, and what helps, in whole sentences."""
+    ill = any(
+        driver.health in ("lost", "faulted") or driver_trouble(state, driver.name)
+        for driver in state.drivers.values()
+    )
+    return ((f" {key} ", "key"), (" why ", "warn")) if ill and key else ()
 
 
 def _failures(state: ConsoleState, glyphs: Glyphs, key: str) -> Row:

@@ -21,7 +21,7 @@ from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meter_rows import merge_pieces
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import ReplayState, TimelinePlace, wall_time
-from woz_tui.console.stop_confirmation import missing_row
+from woz_tui.console.stop_confirmation import settled_row
 from woz_tui.timeline.episodes import StopEpisode
 
 #: The most important first: they share cells of the line. Sign and look.
@@ -63,19 +63,18 @@ def _session_row(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
     if bar.news.text:
         return ((fit(f" {glyphs.plain(bar.news.text)}", width, glyphs.ellipsis), bar.news.look),)
     if state.stop is not None:
-        return _stop_row(state.stop, glyphs, width)
+        return _stop_row(state, state.stop, glyphs, width)
     if state.script:
         return script_row(state, frame, "script")
     return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
 
 
-def _stop_row(stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
+def _stop_row(state: ConsoleState, stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
     """The stop of then in one row, and who had confirmed."""
     first = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)} "
     row: Row = ((first, "alarm"),)
-    row += missing_row(stop, glyphs)
     if stop.settled:
-        row += ((f" confirmed: {clean(', '.join(stop.confirmed)) or 'nobody'}", "alarm-soft"),)
+        row += settled_row(stop, state.short_names, glyphs, width - length(row))
     return cut((*row, (" " * width, "alarm-soft")), width, " ")
 
 

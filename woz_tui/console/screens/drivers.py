@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from woz_tui.console.cells import Row
+from woz_tui.console.robot_settings.settings_status import is_stale
 from woz_tui.console.screens.dialog import LiveReportDialog
+from woz_tui.console.status_rows import wellness
 
 _LOOKS = {"connected": "good", "connecting": "warn", "lost": "bad", "faulted": "bad"}
 _SIGNS = {"connected": "yes", "connecting": "driver", "lost": "error", "faulted": "warning"}
@@ -18,15 +20,23 @@ class DriversDialog(LiveReportDialog):
     indent = 4
 
     def lines(self) -> list[Row]:
-        """One paragraph for each driver."""
+        """One paragraph for each driver; what is wrong comes first."""
         rows: list[Row] = []
-        for driver in self.state.drivers.values():
+        drivers = self.state.drivers.values()
+        for driver in sorted(drivers, key=lambda each: wellness(self.state, each)):
             sign = str(getattr(self.glyphs, _SIGNS.get(driver.health, "no")))
             look = _LOOKS.get(driver.health, "muted")
             rows.append(((f"{sign} {driver.name}  {driver.health}", look),))
             verbs = ", ".join(self.state.verbs.get(driver.name, []))
-            for text, tone in ((driver.detail, "plain"), (driver.remedy, "run"), (verbs, "muted")):
-                if text:
-                    rows.append(((f"    {text}", tone),))
+            robot = self.state.session.robots.shown.get(driver.name)
+            old = robot is None or is_stale(self.state, driver.name)
+            conflicts = [] if robot is None or old else robot.conflicts
+            texts = [
+                (driver.detail, "plain"),
+                (driver.remedy, "run"),
+                *((conflict, "warn") for conflict in conflicts),
+                (verbs, "muted"),
+            ]
+            rows += [((f"    {text}", tone),) for text, tone in texts if text]
             rows.append(())
         return rows or [(("This session has no drivers.", "muted"),)]

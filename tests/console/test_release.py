@@ -1,0 +1,112 @@
+"""Releasing the stop: never by a single key while somebody may still move."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.console import scenes
+from tests.console.driving import Sitting, sitting
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+
+ROBOTS = ["pepper.pepper", "nao.nao", "reachy.reachy", "furhat.furhat", "ros.turtlebot"]
+PRESSED = m.StopPressed(source="key", t=scenes.NOW)
+
+
+def confirmation(*missing: str, unreached: list[str] | None = None) -> m.StopConfirmed:
+    well = [name for name in ROBOTS if name not in missing]
+    return m.StopConfirmed(
+        confirmed=well, missing=[*missing], unreached=unreached or [], elapsed_us=500_000
+    )
+
+
+def robots() -> list[m.AnyMessage]:
+    return [scenes.start(), *(m.DriverConnected(driver=name) for name in ROBOTS)]
+
+
+def released(seat: Sitting) -> int:
+    return sum(isinstance(asked, r.AskRelease) for asked in seat.feed.asked)
+
+
+async def test_a_stop_that_all_confirmed_is_released_by_one_key() -> None:
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.tell(PRESSED, confirmation())
+        assert "^R releases it" in seat.text("StopBar")
+        await seat.press("ctrl+r")
+        assert released(seat) == 1
+        assert seat.console.dialog is None
+
+
+async def test_who_has_not_confirmed_is_named_before_the_release() -> None:
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.tell(PRESSED, confirmation("nao.nao", "furhat.furhat", unreached=["nao.nao"]))
+        assert "^R asks" in seat.text("StopBar")
+        await seat.press("ctrl+r", "ctrl+r", "h", "space")
+        assert released(seat) == 0
+        drawn = seat.drawn()
+        assert "not reached: nao" in drawn
+        assert "not confirmed: furhat" in drawn
+        assert "confirmed: pepper, reachy" in drawn
+        await seat.press("enter")
+        assert released(seat) == 1
+        assert seat.console.dialog is None
+
+
+async def test_the_question_can_be_declined_and_the_stop_pressed_in_it() -> None:
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.tell(PRESSED, confirmation("nao.nao"))
+        await seat.press("ctrl+r", "ctrl+q")
+        assert seat.console.dialog is None
+        await seat.press("ctrl+r", "escape")
+        assert seat.feed.last(r.AskStop) is not None
+        await seat.until(lambda: seat.console.dialog is None)
+        assert released(seat) == 0
+
+
+async def test_a_release_before_the_confirmation_waits_for_it() -> None:
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.tell(PRESSED)
+        await seat.press("ctrl+r")
+        assert released(seat) == 0
+        assert "not confirmed the stop yet" in seat.drawn()
+        await seat.tell(confirmation())
+        assert released(seat) == 1
+        assert seat.console.dialog is None
+
+
+async def test_a_release_before_the_confirmation_asks_if_somebody_is_missing() -> None:
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.tell(PRESSED)
+        await seat.press("ctrl+r")
+        await seat.tell(confirmation("reachy.reachy"))
+        assert released(seat) == 0
+        assert "not confirmed: reachy" in seat.drawn()
+        await seat.tell(m.StopReleased(source="program", t=scenes.NOW))
+        assert seat.console.dialog is None
+
+
+@pytest.mark.parametrize("width", [80, 160])
+async def test_the_bar_names_five_robots_without_cutting_any(width: int) -> None:
+    async with sitting(scenes.welcome(robots()), size=(width, 24)) as seat:
+        for missing in ([], ["nao.nao"], ["nao.nao", "furhat.furhat"], ROBOTS):
+            await seat.tell(PRESSED, confirmation(*missing, unreached=missing[:1]))
+            shown = seat.text("StopBar").splitlines()[-1]
+            assert "…" not in shown
+            for name in ROBOTS if len(missing) < 2 else missing:
+                assert name.partition(".")[0] in shown
+
+
+async def test_what_has_no_room_is_counted_and_the_key_is_named() -> None:
+    names = [f"a-very-long-robot-name-{n}" for n in range(6)]
+    confirmed = m.StopConfirmed(
+        confirmed=names[4:], missing=names[:4], unreached=names[:1], elapsed_us=1
+    )
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.tell(PRESSED, confirmed)
+        shown = seat.text("StopBar")
+        assert "1 NOT REACHED" in shown
+        assert "3 NOT CONFIRMED" in shown
+        assert "2 of 6 confirmed; ^R names them" in shown
+        await seat.press("ctrl+r")
+        drawn = "".join(seat.drawn().split())
+        assert all(name.replace(" ", "") in drawn.replace("│", "") for name in names)

@@ -1,0 +1,74 @@
+"""Releasing the stop: at once where every driver has confirmed it, after a question elsewhere."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from textual.binding import Binding, BindingType
+
+from woz_tui.console.cells import Row
+from woz_tui.console.screens.dialog import ConsoleApp, LiveReportDialog
+from woz_tui.console.stop_confirmation import confirmed_words, missing_words
+from woz_tui.protocol.requests import AskRelease
+
+
+def open_release(app: ConsoleApp) -> None:
+    """Release the stop, or ask first if somebody may still move."""
+    stop = app.state.stop
+    if stop is None or (stop.settled and not stop.missing):
+        app.requests.ask(AskRelease(source="key"))
+    elif not isinstance(app.dialog, ReleaseDialog):
+        app.open_dialog(ReleaseDialog())
+
+
+class ReleaseDialog(LiveReportDialog):
+    """Names who has not confirmed the stop; enter releases it all the same.
+
+    A stop that all confirm while it is open is released: that is what was asked for.
+    """
+
+    heading = "Release the stop?"
+    hint = "enter releases · ctrl+q keeps the stop"
+    indent = 2
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "release", priority=True)]
+    _asked = False
+
+    def lines(self) -> list[Row]:
+        """Who did not confirm, who did."""
+        stop = self.state.stop
+        if stop is None:
+            return []
+        if not stop.settled:
+            return [
+                (("The robot has not confirmed the stop yet.", "warn"),),
+                (("It is released as soon as all have confirmed.", "plain"),),
+            ]
+        rows: list[Row] = [
+            ((f"{self.glyphs.error} {words}", "bad"),)
+            for words in missing_words(
+                stop.missing, stop.unreached, stop.parts_missing, self.state.short_names
+            )
+        ]
+        return [
+            *rows,
+            (("It may still move. Look at it before you release the stop.", "strong"),),
+            (),
+            ((f"confirmed: {confirmed_words(stop, self.state.short_names)}", "muted"),),
+        ]
+
+    def refreshed(self) -> None:
+        """Follow the confirmations; close when the stop is released."""
+        stop = self.state.stop
+        if stop is None:
+            self.leave()
+        elif stop.settled and not stop.missing:
+            self.action_release()
+        else:
+            super().refreshed()
+
+    def action_release(self) -> None:
+        """Release it, once."""
+        if not self._asked:
+            self._asked = True
+            self.requests.ask(AskRelease(source="key"))
+            self.leave()

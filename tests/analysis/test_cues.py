@@ -37,6 +37,22 @@ def test_an_act_that_is_refused_is_a_reaction_all_the_same() -> None:
     )
 
 
+def left_out(it: ExampleSession, seconds: float, verb: str) -> ExampleSession:
+    """A press of which this robot does nothing."""
+    request = m.ActionRequested(run="x", action="Blue", source="key", key="b", without=[verb])
+    it.add(seconds, request)
+    return it.add(seconds, m.ActionDone(run="x", action="Blue"))
+
+
+def test_an_act_that_is_left_out_counts_as_such_and_answers_as_the_file_meant_it() -> None:
+    figures = told(left_out(ExampleSession().speech(1, 3).act(9), 4, "eyes").end(20))
+    assert fates(figures) == [("speech", "answered", 6.0)]
+    assert (figures.whole.outcomes.left_out, figures.whole.outcomes.done) == (1, 1)
+    assert figures.whole.actions == 2
+    said = told(left_out(ExampleSession().speech(1, 3), 4, "say").end(20))
+    assert fates(said) == [("speech", "answered", 1.0)]
+
+
 def test_the_robot_by_itself_answers_nothing() -> None:
     it = ExampleSession().speech(1, 3).act(4, source="engagement").end(20)
     assert fates(told(it)) == [("speech", "missed", None)]

@@ -412,3 +412,20 @@ async def test_a_press_tells_how_long_it_waited_for_the_screen() -> None:
         asked = seat.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
         assert asked.age_us >= 250_000
+
+
+async def test_a_press_of_which_the_robot_does_nothing_is_not_shown_as_done() -> None:
+    blue = ActionView(name="Blue", label="Blue", key="b", without=["eyes"])
+    shown = [PanelView(title="Colours", actions=[blue])]
+    requested = m.ActionRequested(
+        run="a1", action="Blue", source="key", key="b", without=["eyes"], t=NOW
+    )
+    ended = m.ActionDone(run="a1", action="Blue", reason="left out: this robot has no eyes", t=NOW)
+    async with sitting(scenes.welcome(shown=shown), size=(120, 30)) as seat:
+        await seat.tell(requested, ended)
+        for part in ("ActionPanels", "EventList"):
+            assert "Blue" in seat.text(part)
+            assert "✓ Blue" not in seat.text(part)
+        assert "○ Blue" in seat.text("EventList")
+        assert "left out: this robot has no eyes" in seat.text("EventList")
+        assert "left out" in seat.text("ActionPanels")

@@ -59,6 +59,9 @@ def test_the_rest_of_an_action_is_played_and_the_log_says_without_what(tmp_path:
         ("Tour", ["eyes"]),
     ]
     assert stage.kinds(m.ActionEnd) == ["ActionDone"] * 3
+    reasons = [line.reason for line in stage.lines if isinstance(line, m.ActionEnd)]
+    assert [bool(reason) for reason in reasons] == [True, False, False]
+    assert "eyes" in reasons[0]
     assert stage.session.scripts.now.position == 2
 
 

@@ -63,7 +63,7 @@ class _Answers:
         if isinstance(act, e.CommandEpisode):
             return act.label in answers
         verbs = [self._sent[command] for command in act.commands if command in self._sent]
-        verbs += self._planned.get(act.label, ())
+        verbs += (*self._planned.get(act.label, ()), *act.request.without)
         return not verbs or not answers.isdisjoint(verbs)
 
 

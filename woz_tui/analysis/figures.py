@@ -29,7 +29,7 @@ from woz_tui.analysis.event_rows import (
 )
 
 #: How a requested action can end; `open`: its end is not in the log.
-ENDS = ("done", "failed", "stopped", "superseded", "refused", "open")
+ENDS = ("done", "failed", "stopped", "superseded", "refused", "left_out", "open")
 #: How a command can end.
 COMMAND_ENDS = ("done", "failed", "timed_out", "refused", "stopped", "superseded", "open")
 
@@ -48,6 +48,7 @@ class ActionOutcomes:
     stopped: int = 0
     superseded: int = 0
     refused: int = 0
+    left_out: int = 0
     open: int = 0
 
     @property

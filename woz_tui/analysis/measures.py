@@ -79,7 +79,8 @@ MEASURES: tuple[Measure, ...] = (
         "actions", "", "lines `action.requested`, from every source and with every result",
         "actions", lambda part: part.actions,
     ),
-    Measure("actions_done", "", "actions that ended with `action.done`", "done",
+    Measure("actions_done", "", "actions that ended with `action.done`, and of which something "
+            "was sent", "done",
             lambda part: part.outcomes.done),
     Measure("actions_failed", "", "actions that ended with `action.failed`", "failed",
             lambda part: part.outcomes.failed),
@@ -91,6 +92,8 @@ MEASURES: tuple[Measure, ...] = (
             lambda part: part.outcomes.superseded),
     Measure("actions_refused", "", "actions that ended with `action.refused`", "refused",
             lambda part: part.outcomes.refused),
+    Measure("actions_left_out", "", "actions of which nothing was sent, because this robot does "
+            "nothing of them", "left out", lambda part: part.outcomes.left_out),
     Measure("actions_open", "", "actions whose end is not in the log", "open",
             lambda part: part.outcomes.open),
     Measure(

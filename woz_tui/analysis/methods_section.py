@@ -256,6 +256,10 @@ _ENDS = {
     "stopped": ("was stopped or replaced", "were stopped or replaced"),
     "superseded": ("was replaced by a newer one", "were replaced by newer ones"),
     "refused": ("was refused", "were refused"),
+    "left_out": (
+        "was left out for a robot that lacks it",
+        "were left out for a robot that lacks them",
+    ),
     "open": ("has no end in the log", "have no end in the log"),
 }
 

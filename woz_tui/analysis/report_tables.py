@@ -167,7 +167,12 @@ def actions(figures: SessionFigures) -> ReportTable:
         )
         for count, row in counts
     ]
-    return ReportTable("Actions", ["Action", "Panel", "Source", "All", *ends], rows, words=3)
+    return ReportTable(
+        "Actions",
+        ["Action", "Panel", "Source", "All", *(end.replace("_", " ") for end in ends)],
+        rows,
+        words=3,
+    )
 
 
 def commands(figures: SessionFigures) -> ReportTable:

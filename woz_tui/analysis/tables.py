@@ -303,7 +303,8 @@ EVENTS: TableDefinition[Any] = TableDefinition(
         _text("key", "the key that was pressed"),
         _text(
             "outcome",
-            "of actions and commands: done, failed, stopped, refused, timed_out, superseded; of "
+            "of actions and commands: done, failed, stopped, refused, timed_out, superseded, "
+            "left_out (an action of which this robot does nothing); of "
             "states the transition that led to them; of settings and speech lost: its driver was "
             "lost; open: the log ended first",
         ),

@@ -196,6 +196,7 @@ _LOOK = {
     ButtonState.RUNNING: "run",
     ButtonState.DONE: "good",
     ButtonState.WAITS: "wait",
+    ButtonState.LEFT_OUT: "muted",
     ButtonState.FAILED: "bad",
     ButtonState.REFUSED: "warn",
     ButtonState.STOPPED: "warn",
@@ -345,12 +346,14 @@ def _word(standing: ButtonView) -> str:
             return "" if standing.left_us is None else time_left(standing.left_us)
         case ButtonState.HELD:
             return f"waits {time_left(standing.left_us or 0)}"
-        case ButtonState.WAITS:
-            return "after mode"
         case ButtonState.UNREACHABLE:
             return f"no {standing.note}"
         case state:
-            return str(state.value)
+            return _WORDS.get(state, str(state.value))
+
+
+#: Words of states that are not called as the state is.
+_WORDS = {ButtonState.WAITS: "after mode", ButtonState.LEFT_OUT: "left out"}
 
 
 class ActionPanels(Cells):

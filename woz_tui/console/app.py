@@ -26,6 +26,7 @@ from woz_tui.console.keyboard import KeyPress
 from woz_tui.console.main_screen import MainScreen
 from woz_tui.console.message_feed import MessageFeed
 from woz_tui.console.partial_update import cropped
+from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.robot_requests import RobotRequests
 from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.console.screen_app import BEAT, ScreenApp
@@ -250,6 +251,8 @@ class Console(ScreenApp):
         }
         self.caps = {name: cap_of(found) for name, found in self.keymap.actions.items()}
         self._panels.bear(self.caps)
+        glyphs = self.look.glyphs
+        state.keys = {name: caption(cap, glyphs) for name, cap in self.caps.items() if cap.chord}
         self.keyboard.bind(self.keymap.table, self._own_keys())
         self.keyboard.verbs = state.verbs
         self.requests.arrows.adopt(state.settings.steps)
@@ -332,6 +335,7 @@ class Console(ScreenApp):
 
     def news(self, text: str, look: str = "muted") -> None:
         """A sentence above the hints, for a few seconds."""
+        text = remedy_text(text, self.state)
         self._news, self._news_t, self._news_driver = News(text, look), self.clock.now_us(), ""
         self._news_until = self._news_t + round(NEWS_S * 1_000_000)
         self.paint()

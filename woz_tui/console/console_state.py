@@ -87,7 +87,7 @@ ENDS = 64
 #: Events that may tell what the wizard was not to see, when that changes in the middle.
 _TELLING = ("info", "forced", "heard")
 _LINGER = {"done": DONE_US, "refused": REFUSED_US} | dict.fromkeys(
-    ("stopped", "replaced", "waits"), STOPPED_US
+    ("stopped", "replaced", "waits", "left_out"), STOPPED_US
 )
 
 
@@ -130,6 +130,8 @@ class ConsoleState:
     act: str = ""
     then: tuple[str, ...] = ()
     lost: str = ""
+    #: Action -> its key, as a cap shows it.
+    keys: Mapping[str, str] = field(default_factory=dict)
     #: Raised whenever panels or script are new, so that keys and layout follow.
     edition: int = 0
     #: How a replay stands, and its places to go to; None in a session.
@@ -517,9 +519,7 @@ class ConsoleState:
 
     def untimed(self, action: str) -> bool:
         """Whether something an action does is kept from the wizard: then its length is, too."""
-        steps = self.steps(action)
-        calls = (call for step in steps if not isinstance(step, float | int) for call in step)
-        return self.keeps and any(map(self._untold, calls))
+        return self.keeps and any(map(self._untold, self.calls(action)))
 
     def _untold(self, command: m.Command | m.FilledCall) -> bool:
         blind = bool(self.settings.study.blind)
@@ -557,13 +557,16 @@ class ConsoleState:
         filled = self.session.filled
         return filled.actions.get(name, ()) if filled is not None else ()
 
+    def calls(self, name: str) -> list[m.FilledCall]:
+        """The verbs of its steps, without the pauses."""
+        steps = self.steps(name)
+        return [call for step in steps if not isinstance(step, float | int) for call in step]
+
     def sentence(self, name: str) -> str:
         """What the action called `name` would say now; empty: nothing."""
-        steps = self.steps(name)
-        if not steps and (action := self.action(name)) is not None:
+        if not self.steps(name) and (action := self.action(name)) is not None:
             return " ".join(map(self.filled, action.utterances))
-        calls = (call for step in steps if not isinstance(step, float | int) for call in step)
-        return " ".join(filter(None, dict.fromkeys(map(spoken_text, calls))))
+        return " ".join(filter(None, dict.fromkeys(map(spoken_text, self.calls(name)))))
 
     def words_on(self, name: str, standing: ButtonView) -> str:
         """What the run of an action says of which its button tells how it stands; where it tells of

@@ -16,6 +16,7 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.number_text import elapsed, seconds, time_left
+from woz_tui.console.remedy_text import remedy_text
 from woz_tui.session.variables import HIDDEN_TEXT
 
 #: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row
@@ -37,6 +38,7 @@ LOOK = {
     "running": "run",
     "done": "good",
     "waits": "wait",
+    "left_out": "muted",
     "failed": "bad",
     "refused": "warn",
     "stopped": "warn",
@@ -101,7 +103,8 @@ def event_row(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Row:
     room = frame.width - sum(cell_len(text) for text, _ in (*front, back))
     text = glyphs.plain(clean(event.text))
     times = f"{event.times} times" if event.times > 1 else ""
-    detail = glyphs.plain(clean(", ".join(filter(None, (times, event.detail)))))
+    told = remedy_text(event.detail, state)
+    detail = glyphs.plain(clean(", ".join(filter(None, (times, told)))))
     tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
     said = glyphs.plain(clean(event.utterance)) if event.utterance != HIDDEN_TEXT else ""
     said = f" {glyphs.opening}{said}{glyphs.closing}" if said else ""

@@ -95,9 +95,9 @@ class EventContext(Protocol):
 class EventLine:
     """One line of the list.
 
-    `mark` names its glyph and colour (running, done, failed, refused, stopped, replaced, info,
-    warning, error, note, marker, driver, stop, forced, heard). A run's line gets its outcome when
-    it ends.
+    `mark` names its glyph and colour (running, done, left_out, failed, refused, stopped, replaced,
+    info, warning, error, note, marker, driver, stop, forced, heard). A run's line gets its outcome
+    when it ends.
     """
 
     mark: str

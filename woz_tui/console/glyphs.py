@@ -17,6 +17,7 @@ class Glyphs:
     held: str = "◷"
     done: str = "✓"
     waits: str = "◷"
+    left_out: str = "○"
     failed: str = "✗"
     refused: str = "⊘"
     stopped: str = "■"

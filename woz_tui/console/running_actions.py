@@ -33,8 +33,8 @@ def shown_outcome(outcome: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
-    """How a run ended; `how` is done, waits (done, but it counts later), failed, refused, stopped
-    or replaced. `utterance`: the words of the run.
+    """How a run ended; `how` is done, waits (done, but it counts later), left_out (this robot does
+    nothing of it), failed, refused, stopped or replaced. `utterance`: the words of the run.
     """
 
     run: str

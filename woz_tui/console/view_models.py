@@ -19,6 +19,7 @@ class ButtonState(enum.Enum):
     RUNNING = "running"
     DONE = "done"
     WAITS = "waits"
+    LEFT_OUT = "left_out"
     FAILED = "failed"
     REFUSED = "refused"
     STOPPED = "stopped"

@@ -252,7 +252,8 @@ class ActionRunner:
     def _advance(self, run: ActionRun) -> None:
         run.at += 1
         if run.at >= len(run.steps):
-            self._finish(run, m.ActionDone(run=run.id, action=run.action.name))
+            reason = "" if calls_in(run.steps) else _left_out(run.action)
+            self._finish(run, m.ActionDone(run=run.id, action=run.action.name, reason=reason))
             return
         step = run.steps[run.at]
         if isinstance(step, float | int):
@@ -433,6 +434,12 @@ class ActionRunner:
 
     def _stop(self, run: ActionRun, reason: str) -> None:
         self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+
+
+def _left_out(action: Action) -> str:
+    """Why nothing of an action was sent; empty: it has nothing to send."""
+    lacks = ", ".join(each.what for each in action.left_out)
+    return f"left out: this robot has no {lacks}" if lacks else ""
 
 
 def _superseded(run: ActionRun, by: str, label: str) -> m.ActionSuperseded:

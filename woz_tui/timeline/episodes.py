@@ -39,6 +39,7 @@ class EpisodeOutcome(enum.StrEnum):
     * done: action, command, trial, phase, break, questionnaire, utterance, re-run; a stop of
       driving that was confirmed, which latches nothing.
     * failed, refused, stopped, superseded: action, command. timed_out: command.
+    * left_out: action of which this robot does nothing.
     * aborted, excluded: trial. declined: questionnaire.
     * left: a questionnaire that nobody finished; a state of the engagement model, or the
       engagement, which the model left: `reason` is the outcome of the model's edge.
@@ -57,6 +58,7 @@ class EpisodeOutcome(enum.StrEnum):
     REFUSED = "refused"
     STOPPED = "stopped"
     SUPERSEDED = "superseded"
+    LEFT_OUT = "left_out"
     ABORTED = "aborted"
     EXCLUDED = "excluded"
     DECLINED = "declined"
@@ -185,6 +187,11 @@ class ActionEpisode(Episode, frozen=True, kw_only=True):
         """Without those of its commands."""
         both = (self.request, self.held, self.ended, self.mistake)
         return (line for line in both if line is not None)
+
+    @property
+    def left_out(self) -> bool:
+        """Whether nothing of it was sent, because this robot does nothing of it."""
+        return bool(self.request.without) and not self.commands
 
     @property
     def held_us(self) -> int:

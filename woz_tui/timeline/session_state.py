@@ -288,6 +288,8 @@ class SessionState:
         if action is None:
             return self._moment(message)
         outcome = OUTCOMES[type(message)]
+        if outcome == EpisodeOutcome.DONE and action.left_out:
+            outcome = EpisodeOutcome.LEFT_OUT
         return (replace(action, end=self.t, outcome=outcome, ended=message),)
 
     def _command(self, message: m.Command) -> Iterable[Episode]:

@@ -25,10 +25,11 @@ POINTS = 1500
 _PAUSE = 1_000_000
 #: What the detail of an interval is called.
 _DETAILS = {"state": "why", "trial": "condition", "stop": "reach"}
-#: Outcomes of commands that look like another one.
+#: Outcomes of actions and commands that look like another one.
 _LOOKS: Mapping[str, str] = {
     EpisodeOutcome.TIMED_OUT: "failed",
     EpisodeOutcome.SUPERSEDED: "stopped",
+    EpisodeOutcome.LEFT_OUT: "left-out",
 }
 
 

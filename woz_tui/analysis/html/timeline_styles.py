@@ -31,7 +31,7 @@ SORTS: dict[str, ItemStyle] = {
         "no end in the log", "M-5-1.2H-2.6V1.2H-5ZM-1.2-1.2H1.2V1.2H-1.2ZM2.6-1.2H5V1.2H2.6Z"
     ),
     "trial": ItemStyle("trial"),
-    "left-out": ItemStyle("trial that is not counted", "M-5-1.2H5V1.2H-5Z"),
+    "left-out": ItemStyle("left out: not counted", "M-5-1.2H5V1.2H-5Z"),
     "phase": ItemStyle("phase"),
     "break": ItemStyle("break"),
     "engaged": ItemStyle("visitor engaged"),

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.robot_settings.setting_lines import CONNECTING, CONNECTION, SettingLine
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -114,7 +115,8 @@ class SettingRequests:
     def _ended(self, key: Key, pending: PendingSetting, end: m.End, now: int) -> None:
         if not isinstance(end, m.Done):  # of those without a reason another command took its place
             if isinstance(end, m.Failed | m.TimedOut | m.Refused):
-                self._refusals[key] = _sentence(end.reason, end.remedy)
+                told = _sentence(end.reason, end.remedy)
+                self._refusals[key] = remedy_text(told, self._picture)
             self._drop(key, pending)
         elif pending.value != pending.sent:
             self._send(key)

@@ -8,6 +8,7 @@ from woz_tui.console.cells import Piece, clean
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.number_text import age
+from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.robot_settings.setting_lines import (
     CONNECTION,
     LineKind,
@@ -114,7 +115,8 @@ class SettingViewer:
         known = self._picture.drivers.get(driver)
         if self._picture.lost or known is None:
             return ()
-        return tuple(text for text in (known.detail, known.remedy) if text)
+        remedy = remedy_text(known.remedy, self._picture)
+        return tuple(text for text in (known.detail, remedy) if text)
 
     def _line(self, driver: str, line: SettingLine, stale: bool) -> LineView:
         setting, glyphs = line.setting, self._glyphs

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from woz_tui.console.cells import Row
+from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.robot_settings.settings_status import is_stale
 from woz_tui.console.screens.dialog import LiveReportDialog
 from woz_tui.console.status_rows import wellness
@@ -33,8 +34,8 @@ class DriversDialog(LiveReportDialog):
             conflicts = [] if robot is None or old else robot.conflicts
             texts = [
                 (driver.detail, "plain"),
-                (driver.remedy, "run"),
-                *((conflict, "warn") for conflict in conflicts),
+                (remedy_text(driver.remedy, self.state), "run"),
+                *((remedy_text(conflict, self.state), "warn") for conflict in conflicts),
                 (verbs, "muted"),
             ]
             rows += [((f"    {text}", tone),) for text, tone in texts if text]

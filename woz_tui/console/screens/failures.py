@@ -8,6 +8,7 @@ from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
 from woz_tui.console.number_text import elapsed
+from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.screens.dialog import ConsoleApp, ReportDialog
 from woz_tui.console.screens.lost import open_lost
 
@@ -42,7 +43,7 @@ class FailuresDialog(ReportDialog):
                 (front, (failure.reason or "no reason given", "plain")),
             ]
             if failure.remedy:
-                rows.append((front, (failure.remedy, "run")))
+                rows.append((front, (remedy_text(failure.remedy, self.state), "run")))
         return rows
 
     def action_see(self) -> None:

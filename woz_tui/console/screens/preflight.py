@@ -22,6 +22,7 @@ from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_text import has_no_sensor, signs_of
 from woz_tui.console.key_caps import KeyCap
+from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.screens.dialog import ReportDialog, refusal_text
 from woz_tui.console.status_rows import SLOW_LINE_US
 from woz_tui.drivers.contract import Finding
@@ -247,5 +248,6 @@ class PreflightDialog(ReportDialog):
             look = _LOOKS.get(found.level, "plain")
             rows.append(((f"{sign} {found.subject:<14} ", look), (found.text, "plain")))
             if found.remedy and found.level != "ok":
-                rows.append(((" " * self.indent, "plain"), (found.remedy, "run")))
+                remedy = remedy_text(found.remedy, self.state)
+                rows.append(((" " * self.indent, "plain"), (remedy, "run")))
         return rows

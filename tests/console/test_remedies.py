@@ -1,0 +1,71 @@
+"""A remedy that names a verb names the button that does it in this experiment."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.console import scenes
+from tests.console.driving import Sitting, sitting
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView, PanelView
+
+NOW = scenes.NOW
+
+
+def filled(*calls: m.FilledCall) -> list[list[m.FilledCall] | float]:
+    return [[*calls]]
+
+
+MOTORS = m.FilledCall(verb="torque", args={"on": True})
+FILLED = m.ActionsFilled(
+    actions={
+        "Morning": filled(MOTORS, m.FilledCall(verb="say", args={"text": "Hi"})),
+        "Awake": filled(MOTORS),
+        "Asleep": filled(m.FilledCall(verb="torque", args={"on": False})),
+        "Get up": filled(m.FilledCall(verb="posture", args={"posture": "Stand"})),
+    }
+)
+NAMED = {"Morning": "m", "Awake": "w", "Asleep": "z", "Get up": ""}
+PANEL = PanelView(
+    title="P", actions=[ActionView(name=name, label=name, key=key) for name, key in NAMED.items()]
+)
+
+
+async def refused(seat: Sitting, remedy: str) -> str:
+    command = m.Command(
+        command="c1", verb="gaze", args={}, driver="head", source="key", key="x", t=NOW
+    )
+    end = m.Refused(
+        command="c1", driver="head", code="args", reason="the motors are off", remedy=remedy, t=NOW
+    )
+    await seat.tell(command, end)
+    return seat.text("StopBar")
+
+
+@pytest.mark.parametrize(
+    ("remedy", "shown"),
+    [
+        ("switch them on: `torque: on`", "switch them on: Awake (w)"),
+        ("`torque: true` wakes it", "Awake (w) wakes it"),
+        ("rest with `torque: off`, or wait", "rest with Asleep (z), or wait"),
+        ("`wake_up` or `woz doctor`", "`wake_up` or `woz doctor`"),
+        ("`posture: Sit` first", "`posture: Sit` first"),
+    ],
+)
+async def test_a_refusal_names_the_button(remedy: str, shown: str) -> None:
+    async with sitting(scenes.welcome([*scenes.healthy(), FILLED], shown=[PANEL])) as seat:
+        assert shown in " ".join((await refused(seat, remedy)).split())
+
+
+async def test_events_and_drivers_name_it_too() -> None:
+    async with sitting(
+        scenes.welcome([*scenes.healthy(), FILLED], shown=[PANEL]), size=(160, 30)
+    ) as seat:
+        remedy = "then `torque: on`"
+        await seat.tell(
+            m.Notice(level="warning", text="head: slack", remedy=remedy, t=NOW),
+            m.DriverLost(driver="head", detail="away", remedy=remedy, t=NOW),
+        )
+        assert "then Awake (w)" in seat.text("EventList")
+        await seat.press("ctrl+d")
+        assert "then Awake (w)" in seat.drawn()

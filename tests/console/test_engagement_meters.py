@@ -241,6 +241,21 @@ def test_a_count_is_told_whole_or_not_at_all() -> None:
     assert "○ unknown" in found
 
 
+def test_a_distance_of_nobody_is_not_stale() -> None:
+    found = engaged.signs()
+    gone = msgspec.structs.replace(found["presence"], raw=0.0, verdict=0, count=0)
+    silent = msgspec.structs.replace(found["distance"], stale=True, verdict=0, count=0)
+    signs = engaged.signs(presence=gone, distance=silent)
+    for frame in (LOW, MIDDLE, HIGH):
+        assert "stale" not in meters(engaged.shown("Wait", signs=signs), frame=frame)
+    assert "nobody there" in meters(engaged.shown("Wait", signs=signs))
+    never = msgspec.structs.replace(silent, raw=None)
+    unseen = engaged.shown("Wait", signs=engaged.signs(presence=gone, distance=never))
+    assert "no sensor" in meters(unseen)
+    nobody = scenes.reading(NOW, "distance", None, unit="m")
+    assert "no sensor" not in meters(nobody, unseen), "it has nobody to measure"
+
+
 def test_a_stale_distance_looks_old() -> None:
     far = msgspec.structs.replace(engaged.signs()["distance"], stale=True, verdict=0)
     found = looks(engaged.shown(signs=engaged.signs(distance=far)))

@@ -67,6 +67,16 @@ def test_old_values_look_old() -> None:
     assert "stale" in {look for _, look in row}
 
 
+@pytest.mark.parametrize(("age_s", "old"), [(5, False), (29, False), (31, True)])
+def test_a_sensor_that_is_seldom_by_nature_looks_old_after_three_of_its_periods(
+    age_s: int, old: bool
+) -> None:
+    told = m.SensorChanged(sensor="battery", state="ok", every=10.0, t=NOW - 60_000_000)
+    reading = scenes.reading(NOW - age_s * 1_000_000, "battery", 80.0, unit="%")
+    (row,) = meter_rows(pictured(told, reading), FRAME)
+    assert ("old" in text([row])) is old
+
+
 def test_each_robots_distance_has_a_ruler() -> None:
     shown = meters(
         scenes.reading(NOW, "left.distance", 0.3), scenes.reading(NOW, "right.distance", 2.0)

@@ -268,7 +268,8 @@ class ConsoleState:
         if reading is None:
             return SensorView(name, changed.t, state=state) if changed is not None else None
         known = (reading.t, reading.value, reading.text, reading.unit, reading.driver)
-        return SensorView(name, *known, state)
+        every = round(changed.every * 1_000_000) if changed is not None else 0
+        return SensorView(name, *known, state, every)
 
     # -- time -------------------------------------------------------------------------------
 

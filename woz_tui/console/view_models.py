@@ -6,8 +6,9 @@ import enum
 from dataclasses import dataclass
 from typing import NamedTuple
 
-#: Readings older than this look stale even if nobody said so.
-STALE_US = 2_000_000
+#: Readings older than this look stale even if nobody said so; those of a sensor that is seldom by
+#: nature from so many of its periods on.
+STALE_US, STALE_PERIODS = 2_000_000, 3
 
 
 class ButtonState(enum.Enum):
@@ -60,7 +61,9 @@ class DriverView(NamedTuple):
 
 
 class SensorView(NamedTuple):
-    """The last reading of one sensor and the last word about its state."""
+    """The last reading of one sensor and the last word about its state. `every`: microseconds from
+    one reading to the next, where it is seldom; 0: nobody said.
+    """
 
     name: str
     t: int
@@ -69,7 +72,9 @@ class SensorView(NamedTuple):
     unit: str = ""
     driver: str = ""
     state: str = ""
+    every: int = 0
 
     def is_stale(self, now: int, health: str) -> bool:
         """Whether the value should not be trusted any more."""
-        return self.state == "stale" or health == "lost" or now - self.t > STALE_US
+        limit = max(STALE_US, STALE_PERIODS * self.every)
+        return self.state == "stale" or health == "lost" or now - self.t > limit

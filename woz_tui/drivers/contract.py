@@ -183,8 +183,12 @@ class DriverContext(Protocol):
     ) -> None:
         """A sensor's value; non-finite numbers become null and are marked."""
 
-    def sensor(self, sensor: str, state: str, why: str = "") -> None:
-        """A sensor's state moved (ok, stale, silent, speaking, quiet ...)."""
+    def sensor(self, sensor: str, state: str, why: str = "", *, every: float = 0.0) -> None:
+        """A sensor's state moved (ok, stale, silent, speaking, quiet ...).
+
+        `every`: seconds from one reading to the next, where that is more than one: so that the
+        last one does not look old meanwhile.
+        """
 
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         """The driver's own state moved; saying the same again is free."""

@@ -122,13 +122,13 @@ class SessionDriverContext:
         name = self._names.get(sensor, sensor)
         self._publish(reading(name, value, text=text, driver=self._driver, unit=unit, raw=raw))
 
-    def sensor(self, sensor: str, state: str, why: str = "") -> None:
+    def sensor(self, sensor: str, state: str, why: str = "", *, every: float = 0.0) -> None:
         """Publish a sensor's change of state."""
         was = self._sensors.get(sensor, "")
         if was != state:
             self._sensors[sensor] = state
             name = self._names.get(sensor, sensor)
-            self._publish(SensorChanged(sensor=name, state=state, was=was, why=why))
+            self._publish(SensorChanged(sensor=name, state=state, was=was, why=why, every=every))
 
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         """Publish the driver's change of health."""

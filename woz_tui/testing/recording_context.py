@@ -28,6 +28,7 @@ class RecordingContext:
         self.outcome = (True, "")
         self.readings: list[Reading] = []
         self.states: list[tuple[str, str, str]] = []
+        self.periods: dict[str, float] = {}
         self.healths: list[tuple[Health, str, str]] = []
         self.notices: list[tuple[str, str, str]] = []
         self.modes: list[str] = []
@@ -68,9 +69,10 @@ class RecordingContext:
         self.published += 1
         self.readings.append(reading(sensor, value, text=text, unit=unit, raw=raw))
 
-    def sensor(self, sensor: str, state: str, why: str = "") -> None:
+    def sensor(self, sensor: str, state: str, why: str = "", *, every: float = 0.0) -> None:
         """Keep it."""
         self.published += 1
+        self.periods[sensor] = every
         self.states.append((sensor, state, why))
 
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:

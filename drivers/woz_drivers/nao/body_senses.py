@@ -19,7 +19,7 @@ from woz_tui.drivers.contract import DeviceLostError, DriverContext
 #: From one question to the next, in seconds: a fall and a touch are known after so long.
 POLL_S = 0.1
 #: Motors warm up slowly: they are asked about with every so many questions.
-WARMTH_EVERY = 20
+WARMTH_EVERY = round(hot_motors.EVERY_S / POLL_S)
 
 _SIDES = ("Left", "Right")
 #: Sensor to what it is: 1 while one of these is touched (family/nao_technical/contact-sensors).

@@ -15,6 +15,8 @@ from woz_drivers.naoqi_robot.joint_table import HANDS
 from woz_tui.drivers.contract import DriverContext
 
 SENSOR = "temperature"
+#: It is asked for so seldom, in seconds: nothing gets warm faster.
+EVERY_S = 2.0
 #: What a status means; 0 is well.
 STATES = ("", "hot", "very hot", "critically hot")
 #: What no motor's sensor says while it works, in degrees Celsius.
@@ -64,7 +66,7 @@ class MotorWatch:
             self._context.sensor(SENSOR, "stale", "the robot does not say how warm its motors are")
             self._context.reading(SENSOR, None)
         else:
-            self._context.sensor(SENSOR, "ok")
+            self._context.sensor(SENSOR, "ok", every=EVERY_S)
             self._context.reading(SENSOR, round(max(celsius.values()), 1), unit="C")
         status = {
             joint: int(memory.within(values.get(_KEY.format(joint, "Status")), 0, 3) or 0)

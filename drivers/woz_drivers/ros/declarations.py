@@ -116,6 +116,9 @@ class SensorDeclaration:
     low: Annotated[float | None, Doc("what is below is no value")] = None
     high: Annotated[float | None, Doc("what is above is no value")] = None
     throttle: Annotated[float, Seconds(0, 60), Doc("at most one reading in this time")] = 0.1
+    every: Annotated[
+        float, Seconds(0, 3600), Doc("time between two messages of a topic that says little")
+    ] = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -572,12 +572,13 @@ class Sensor:
         self._path = ValuePath.parse(declared.value)
         self._heard = time.monotonic()
         self._is_stale = False
+        self._every = max(declared.throttle, declared.every)
         robot.subscribe(declared.subscribe, declared.type_, self._arrived, declared.throttle)
 
     def _arrived(self, message: Mapping[str, Any]) -> None:
         declared, value = self._declared, self._path.of(message)
         self._heard, self._is_stale = time.monotonic(), False
-        self._context.sensor(self._name, "ok")
+        self._context.sensor(self._name, "ok", every=self._every)
         if isinstance(value, str):
             self._context.reading(self._name, None, text=value)
             return
@@ -589,7 +590,7 @@ class Sensor:
 
     def look(self) -> None:
         """Say it when nothing comes any more."""
-        limit = max(_STALE_S, _STALE_READINGS * self._declared.throttle)
+        limit = max(_STALE_S, _STALE_READINGS * self._every)
         if time.monotonic() - self._heard > limit:
             self.stale(f"{self._declared.subscribe} is silent")
 

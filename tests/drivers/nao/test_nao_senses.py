@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.nao import hot_motors
-from woz_drivers.nao.hot_motors import MotorWatch
+from woz_drivers.nao.hot_motors import EVERY_S, MotorWatch
 from woz_drivers.naoqi_robot.memory import BATTERY
 
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.played import Played
-from woz_tui.protocol.messages import Notice
+from woz_tui.protocol.messages import Notice, SensorChanged
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -84,6 +84,7 @@ async def test_a_hot_motor_is_warned_of_once_and_again_when_it_is_hotter(tmp_pat
     watch = MotorWatch(heard.context)
     watched(heard, watch, LKneePitch=(60.0, 0), RKneePitch=(58.0, 0))
     assert heard.values("temperature") == [60.0]
+    assert [(one.state, one.every) for one in heard.all(SensorChanged)] == [("ok", EVERY_S)]
     assert notices(heard) == []
     for _ in range(3):
         watched(heard, watch, LKneePitch=(76.0, 1), RKneePitch=(75.0, 1))

@@ -546,6 +546,21 @@ async def test_sensors_that_fall_silent_are_stale(monkeypatch: pytest.MonkeyPatc
         assert it.context.states[-1][0] != "ahead" or it.context.states[-1][1] == "ok"
 
 
+async def test_a_topic_that_says_little_by_nature_is_not_stale_meanwhile(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("woz_drivers.ros.driver._STALE_S", 0.2)
+    monkeypatch.setattr("woz_drivers.ros.driver._STALE_READINGS", 5)
+    rare = settings(ROBOT.replace("/sonar,", "/sonar, every: 3600 s,"))
+    async with played(rare) as it:
+        await until(lambda: bool(it.context.of("distance")) and bool(it.context.of("ahead")))
+        for name in ("distance", "ahead"):
+            it.robot.interface["sensors"].pop(name)
+        await until(lambda: any(state[:2] == ("ahead", "stale") for state in it.context.states))
+        assert not any(state[:2] == ("distance", "stale") for state in it.context.states)
+        assert it.context.periods["distance"] == 3600.0
+
+
 # -- wrong answers ---------------------------------------------------------------------------------
 
 

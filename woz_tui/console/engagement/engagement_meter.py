@@ -19,6 +19,7 @@ from woz_tui.console.engagement.engagement_text import (
     WORD,
     change_reason,
     count_text,
+    is_nobody_there,
     is_used,
     run_piece,
     sign_verdict,
@@ -186,7 +187,7 @@ def _pairs(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> 
 
 def _pair(name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame) -> Row:
     sign, glyphs = shown.signs[name], frame.glyphs
-    found = sign_verdict(name, sign, glyphs, old=bool(state.lost))
+    found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
     is_named = name == "identity" and found.look == "good"
     word = found.word if is_named else WORD[name]
     front: Piece = (f"{found.sign} {fit(word, _WORD - 1, glyphs.ellipsis)} ", found.look)
@@ -213,7 +214,7 @@ def _singles(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -
 
 def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame) -> Row:
     sign, glyphs = shown.signs[name], frame.glyphs
-    found = sign_verdict(name, sign, glyphs, old=bool(state.lost))
+    found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
     bar = queue_bar(sign, track_width(frame), glyphs, "muted" if quiet else "good")
     if not is_used(name, shown):
@@ -245,6 +246,9 @@ def _distance(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) 
     if sign.raw is None:
         return [meter_row("distance", bar, "nothing seen", "muted")]
     figure = f"{sign.raw:.2f} m" if sign.raw < 100 else "far"
+    if sign.stale and not state.lost and is_nobody_there(shown):
+        bar = distance_bar(None, shown.social_distance, track_width(frame), frame.glyphs)
+        return [meter_row("distance", bar, "nobody there", "muted")]
     if stale:
         return [meter_row("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale")]
     return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]

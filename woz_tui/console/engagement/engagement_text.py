@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from rich.cells import cell_len
@@ -87,10 +88,30 @@ def has_no_sensor(sign: m.SignShown) -> bool:
     return sign.raw is None and not named and not sign.forced
 
 
-def sign_verdict(name: str, sign: m.SignShown, glyphs: Glyphs, *, old: bool = False) -> SignVerdict:
-    """The verdict on one sign; `old`: the robot process is gone."""
+def is_nobody_there(shown: m.EngagementShown) -> bool:
+    """Whether presence says so: then a sensor that has nobody to measure is not stale."""
+    presence = shown.signs.get("presence")
+    return presence is not None and presence.verdict == 0 and not presence.stale
+
+
+def sign_verdict(
+    name: str,
+    shown: m.EngagementShown,
+    glyphs: Glyphs,
+    *,
+    old: bool = False,
+    sensors: Iterable[str] = (),
+) -> SignVerdict:
+    """The verdict on one sign; `old`: the robot process is gone. `sensors`: those of the session,
+    also of one robot among several.
+    """
+    sign = shown.signs.get(name, m.SignShown())
     if sign.filter == KEPT:
         return SignVerdict(glyphs.middle, HIDDEN, "faint")
+    if sign.stale and not (old or sign.forced) and is_nobody_there(shown):
+        there = not has_no_sensor(sign) or name in (each.rpartition(".")[2] for each in sensors)
+        if there and name in CONDITION:
+            return SignVerdict(glyphs.no, "nobody", "muted")
     if old or (sign.stale and not sign.forced):
         return SignVerdict(glyphs.stale, "no sensor" if has_no_sensor(sign) else "stale", "stale")
     if name not in CONDITION:
@@ -218,7 +239,7 @@ def condition_row(
     row: Row = (("engaged", "good") if shown.engaged else ("not engaged", "warn"),)
     for number, name in enumerate(shown.uses):
         sign = shown.signs.get(name, m.SignShown())
-        found = sign_verdict(name, sign, glyphs, old=old)
+        found = sign_verdict(name, shown, glyphs, old=old)
         word = "near" if name == "distance" else clean(name)
         row += ((" AND " if number else ": ", "muted"), (f"{word} {found.word}", found.look))
         if found.word == "no" and not (brief or sign.forced) and sign.places > 0:

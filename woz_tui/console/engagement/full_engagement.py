@@ -156,7 +156,7 @@ def _sign(
     """One of them. `frame` is the bar's; the filter's name has `filtered` cells."""
     sign = shown.signs[name]
     glyphs = frame.glyphs
-    found = sign_verdict(name, sign, glyphs, old=bool(state.lost))
+    found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
     used = is_used(name, shown)
     quiet = sign.forced or found.look == "stale" or not used
     row: Row = (

@@ -70,6 +70,7 @@ FIVE: Course = (
     _pressed(12.0, "Chorus"),
     _pressed(14.0, "Look left"),
     _pressed(14.5, "Furhat smiles"),
+    _pressed(14.8, "Drive on"),
     _pressed(15.0, "ROS drives"),
     _pressed(15.2, "Count"),
 )

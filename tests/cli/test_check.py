@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -317,10 +318,27 @@ def test_all_robots_are_a_column_each_and_a_broken_one_is_named(
     assert next(line for line in out.splitlines() if "Chord" in line).split()[1] == "no"
     assert next(line for line in out.splitlines() if "Hello" in line).split()[1] == "part"
     assert "1 1-speaker: leaves out" in out
+    lines = out.splitlines()
+    heads = [line.split()[0] for line in lines if line.strip()]
+    assert heads.index("1") < heads.index("action") < heads.index("Hello"), "names come first"
     assert "2-wrong: " in out
     checked(tmp_path, GOOD, "--robot", "all", "--format", "json")
     report = json.loads(capsys.readouterr().out)
     assert report["robots"]["1-speaker"]["Hello"] == ["play"]
+
+
+def test_a_long_table_of_robots_repeats_its_heading(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "speaker.yaml").write_text(ANOTHER)
+    actions = "".join(f"      - {{label: A{n}, say: Hi}}\n" for n in range(50))
+    checked(tmp_path, f"title: T\nrobot: simulated\npanels:\n  - title: P\n    actions:\n{actions}",
+            "--robot", "all")  # fmt: skip
+    lines = capsys.readouterr().out.splitlines()
+    at = [number for number, line in enumerate(lines) if line.startswith("action")]
+    assert len(at) >= 3
+    assert max(b - a for a, b in itertools.pairwise(at)) <= 24
 
 
 def test_errors_are_counted_for_the_file_that_has_them(

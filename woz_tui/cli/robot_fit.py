@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rich.columns import Columns
 from rich.table import Table
 from rich.text import Text
 
@@ -23,6 +24,8 @@ from woz_tui.protocol.messages import Json
 ALL = "all"
 #: How much of an action a robot does, and the looks of the word.
 _STYLES = {"yes": "green", "part": "yellow", "no": "red"}
+#: Actions below one heading, and cells of an action's label and of a robot's column, gap included.
+_ROWS, _LABELS, _COLUMN = 20, (8, 18), 5
 
 
 def actions_of(experiment: Experiment) -> list[Action]:
@@ -103,23 +106,34 @@ class RobotMatrix:
         }
 
     def show(self, console: TextConsole) -> None:
-        """A row for each action, a column for each robot; then what each leaves out."""
-        table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
-        table.add_column("action", overflow="fold", max_width=18)
-        for number, _ in enumerate(self.experiments, 1):
-            table.add_column(str(number), no_wrap=True)
+        """What the columns are, a row for each action; then what each robot leaves out."""
+        names = (f"{number} {name}" for number, name in enumerate(self.experiments, 1))
+        console.print(Columns(map(Text, names), padding=(0, 3)))
         first = next(iter(self.experiments.values()), None)
-        for action in actions_of(first) if first is not None else ():
+        actions = list(actions_of(first)) if first is not None else []
+        for begin in range(0, len(actions), _ROWS):
+            console.print()
+            console.print(self._table(actions[begin : begin + _ROWS], console.width))
+        console.print()
+        for line in self._lines():
+            console.print(Text(line))
+
+    def _table(self, actions: Sequence[Action], width: int) -> Table:
+        """Columns as wide as in any other part of the whole."""
+        least, most = _LABELS
+        label = max(least, min(most, width - _COLUMN * len(self.experiments) - 1))
+        table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
+        table.add_column("action", overflow="fold", width=label)
+        for number, _ in enumerate(self.experiments, 1):
+            table.add_column(str(number), no_wrap=True, width=_COLUMN - 1)
+        for action in actions:
             cells = [
                 Text(how, style=_STYLES[how])
                 for experiment in self.experiments.values()
                 for how in (share(_same(experiment, action)),)
             ]
             table.add_row(Text(action.label), *cells)
-        console.print(table)
-        console.print()
-        for line in self._lines():
-            console.print(Text(line))
+        return table
 
     def _lines(self) -> Iterator[str]:
         for number, (name, experiment) in enumerate(self.experiments.items(), 1):

@@ -98,7 +98,7 @@ class RobotRequests:
         self.ask(r.AskVerb(verb="say", args={"text": text}, on=on, source="key", key=key))
 
     def move(self, name: str, on: str, key: str) -> None:
-        """Play a typed animation; `key` opened the dialog."""
+        """Play a typed move; `key` opened the dialog."""
         self.moved = [*(old for old in self.moved if old != name), name][-HISTORY:]
         args: dict[str, Json] = {"move": name}
         self.ask(r.AskVerb(verb="play", args=args, on=on, source="key", key=key))

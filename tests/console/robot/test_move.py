@@ -9,6 +9,7 @@ import msgspec
 import pytest
 from textual.widgets import Input
 
+from tests.console import scenes
 from tests.console.driving import Sitting, sitting
 from tests.console.robot import pepper
 from tests.console.robot.screen import type_in
@@ -113,8 +114,18 @@ async def test_a_draft_outlives_the_stop() -> None:
         assert entry(seat).value == "Hey"
 
 
+async def test_a_robot_that_lists_no_moves_is_asked_for_a_name_without_a_path() -> None:
+    async with typing(scenes.welcome()) as seat:
+        assert "path" not in seat.drawn()
+        assert "animation" not in seat.drawn()
+        await type_in(seat, "nod")
+        assert "this robot does not list its moves" in seat.drawn()
+        await seat.press("enter")
+        assert played(seat) == [("nod", "head", "%")]
+
+
 async def test_where_nobody_plays_animations_there_is_nothing_to_type() -> None:
     first = msgspec.structs.replace(pepper.welcome(), verbs={"pepper": ["say"]})
     async with typing(first) as seat:
         assert not isinstance(seat.console.dialog, MoveDialog)
-        assert "No driver plays animations" in seat.text("StopBar")
+        assert "This robot plays no moves" in seat.text("StopBar")

@@ -140,7 +140,9 @@ async def test_the_stop_closes_it_and_its_field() -> None:
 async def test_a_session_without_such_a_robot_says_so() -> None:
     async with sitting() as seat:
         await seat.press("@", "down", "right", "enter", "tab")
-        assert "No robot of this session has settings to show." in seat.drawn()
+        drawn = seat.drawn()
+        assert "head, voice, face, range, microphone: no settings to change here" in drawn
+        assert "^D says how each driver is" in drawn
 
 
 async def test_the_swatch_has_the_colour_and_its_text() -> None:

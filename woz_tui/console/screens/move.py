@@ -1,4 +1,4 @@
-"""Type the name of an animation and have the robot play it."""
+"""Type the name of a move and have the robot play it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MATCHES = 8
 
 
 def players(state: ConsoleState) -> list[str]:
-    """Drivers that play animations."""
+    """Drivers that play moves."""
     return [name for name, verbs in state.verbs.items() if "play" in verbs]
 
 
@@ -34,11 +34,11 @@ def known_moves(state: ConsoleState, driver: str) -> list[str]:
 
 
 def open_move(app: ConsoleApp) -> None:
-    """Type an animation, where one can be played."""
+    """Type a move, where one can be played."""
     if players(app.state):
         app.open_dialog(MoveDialog())
     else:
-        app.news("No driver plays animations")
+        app.news("This robot plays no moves")
 
 
 class MoveDialog(EntryDialog):
@@ -48,7 +48,7 @@ class MoveDialog(EntryDialog):
 
     heading = "Play"
     hint = "enter plays it · tab completes · arrows: history · ctrl+q closes"
-    placeholder = "a part of an animation's name, or its whole path"
+    placeholder = "the name of a move"
     size_class = "wide"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("tab", "complete", priority=True),
@@ -77,6 +77,9 @@ class MoveDialog(EntryDialog):
         playing = players(self.state)
         self._driver = playing[self._player % len(playing)] if playing else ""
         self._names = list(dict.fromkeys(known_moves(self.state, self._driver)))
+        if self._names:
+            path = ", or its whole path" if any("/" in name for name in self._names) else ""
+            self.entry.placeholder = f"a part of a move's name{path}"
         self.entry.suggester = Completion(self._suggest)
         text = f"robot: {self._driver}  (ctrl+o: another)" if len(playing) > 1 else ""
         self.update("player", plain(text))
@@ -99,7 +102,8 @@ class MoveDialog(EntryDialog):
             more = f"  {self.glyphs.ellipsis} {len(found) - MATCHES} more"
             rows.append(((more, "muted"),))
         elif typed and not found and typed not in self._names:
-            rows.append((("  not in the list; it is sent as it is typed", "muted"),))
+            why = "not in the list" if self._names else "this robot does not list its moves"
+            rows.append(((f"  {why}; it is sent as it is typed", "muted"),))
         self.update("matches", content(rows))
 
     def submit(self, text: str) -> None:

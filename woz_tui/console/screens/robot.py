@@ -16,6 +16,7 @@ from textual.widgets import Input, Static
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.key_caps import key_name
 from woz_tui.console.robot_settings.setting_lines import CONNECTION, LineKind, SettingLine
 from woz_tui.console.robot_settings.setting_requests import SettingRequests
 from woz_tui.console.robot_settings.setting_rows import (
@@ -125,10 +126,10 @@ class RobotDialog(DrawingDialog):
 
     def nothing(self) -> str:
         """What stands there in a session without such a robot."""
-        return (
-            "No robot of this session has settings to show.\n"
-            "`woz robots` lists what each robot has; the key of the drivers says how each is."
-        )
+        names = list(dict.fromkeys(self.state.short_names.values()))
+        key = key_name(self.console_app.key_of("drivers"), self.glyphs)
+        whose = f"{', '.join(names)}: " if names else ""
+        return f"{whose}no settings to change here.\n{key} says how each driver is."
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen robot."""

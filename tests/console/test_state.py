@@ -144,6 +144,20 @@ def test_what_was_seen_stays_seen_when_the_line_comes_back() -> None:
     assert picture.lost == ""
 
 
+def test_a_failure_has_one_time_in_consoles_that_came_before_and_after_its_press() -> None:
+    *pressed, failed = scenes.played(
+        "a9", "Bow", NOW - 30 * scenes.SECOND, 25.0, how="failed", reason="overloaded"
+    )
+    first, later = ConsoleState(), ConsoleState()
+    first.apply([scenes.welcome(), *pressed, failed], 0)
+    later.apply([scenes.welcome([*scenes.healthy(), *pressed], []), failed], 0)
+    for state in (first, later):
+        (event,) = [event for event in state.events if event.mark == "failed"]
+        (failure,) = state.runs.unseen()
+        assert event.t == failure.t == NOW - 30 * scenes.SECOND
+        assert event.took_us == 25 * scenes.SECOND
+
+
 def test_a_failure_that_worked_later_gives_the_button_back_but_is_not_forgotten() -> None:
     picture = begun(
         *scenes.played("a1", "Hello", NOW - 90_000_000, 1, how="failed", reason="broken"),

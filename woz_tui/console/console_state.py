@@ -508,6 +508,9 @@ class ConsoleState:
         told = event_line(message, self)
         if told is None or (self.events and self.events[-1].again(told)):
             return
+        if outcome is not None:  # its beginning was not on the list
+            told.t = outcome.begin
+            told.end(outcome)
         if lost is not None:  # as important as the loss, which stands on the list
             told.machine = False
             told.detail = f"after {seconds(message.t - lost.begin)}, {told.detail}"

@@ -34,7 +34,8 @@ def shown_outcome(outcome: str) -> str:
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
     """How a run ended; `how` is done, waits (done, but it counts later), left_out (this robot does
-    nothing of it), failed, refused, stopped or replaced. `utterance`: the words of the run.
+    nothing of it), failed, refused, stopped or replaced. `utterance`: the words of the run. `begin`:
+    when it was asked for, as far as that is known; else its end.
     """
 
     run: str
@@ -42,11 +43,14 @@ class RunOutcome:
     t: int
     reason: str = ""
     utterance: str = ""
+    begin: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """Something that did not work. `action` may be empty: then `what` says what was tried."""
+    """Something that did not work; `t`: when it was asked for. `action` may be empty: then `what`
+    says what was tried.
+    """
 
     run: str
     action: str
@@ -209,24 +213,27 @@ class RunningActions:
                 case CommandEpisode():
                     found = self._command(episode) or found
                 case ActionEpisode(ended=m.ActionEnd() as ended):
-                    found = self._action(ended, episode.outcome, waits=episode.waits)
+                    found = self._action(ended, episode.outcome, episode.begin, episode.waits)
                 case MomentEpisode(
                     message=m.ActionEnd() as ended
                 ):  # of a run that began before the log
-                    found = self._action(ended, OUTCOMES[type(ended)])
+                    found = self._action(ended, OUTCOMES[type(ended)], ended.t)
         return found
 
-    def _action(self, ended: m.ActionEnd, outcome: str, *, waits: bool = False) -> RunOutcome:
+    def _action(
+        self, ended: m.ActionEnd, outcome: str, begin: int, waits: bool = False
+    ) -> RunOutcome:
         text = self.utterance(ended.run)
         self._requested_words.pop(ended.run, None)
         said, remedy = self._utterances.pop(ended.run, ""), self._remedies.pop(ended.run, "")
         what = f"“{said}”" if said else ended.action
-        found = RunOutcome(ended.run, shown_outcome(outcome), ended.t, ended.reason, text)
+        how, reason = shown_outcome(outcome), ended.reason
         if waits and outcome == Word.DONE:
-            found = RunOutcome(ended.run, "waits", ended.t, LATER, text)
+            how, reason = "waits", LATER
+        found = RunOutcome(ended.run, how, ended.t, reason, text, begin)
         self.outcomes[ended.action] = found
         if outcome == Word.FAILED:
-            self._fail(Failure(ended.run, ended.action, what, ended.reason, remedy, ended.t))
+            self._fail(Failure(ended.run, ended.action, what, ended.reason, remedy, begin))
         return found
 
     def _command(self, command: CommandEpisode) -> RunOutcome | None:
@@ -247,11 +254,12 @@ class RunningActions:
             return None  # its action's end is still to come
         how = shown_outcome(command.outcome)
         if how == Word.FAILED:
-            reason = f"{ended.driver}: {ended.reason}".strip(": ")
-            self._fail(Failure(request.command, "", what, reason, ended.remedy, ended.t))
+            why = f"{ended.driver}: {ended.reason}".strip(": ")
+            self._fail(Failure(request.command, "", what, why, ended.remedy, command.begin))
+        reason = ended.reason
         if command.sent.get("waits"):
-            return RunOutcome(request.command, "waits", ended.t, LATER)
-        return RunOutcome(request.command, how, ended.t, ended.reason)
+            how, reason = "waits", LATER
+        return RunOutcome(request.command, how, ended.t, reason, begin=command.begin)
 
     def _fail(self, failure: Failure) -> None:
         if failure.run not in self.seen:

@@ -34,8 +34,8 @@ def shown_outcome(outcome: str) -> str:
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
     """How a run ended; `how` is done, waits (done, but it counts later), left_out (this robot does
-    nothing of it), failed, refused, stopped or replaced. `utterance`: the words of the run. `begin`:
-    when it was asked for, as far as that is known; else its end.
+    nothing of it), failed, refused, stopped or replaced. `utterance`: the words of the run.
+    `begin`: when it was asked for, as far as that is known; else its end.
     """
 
     run: str

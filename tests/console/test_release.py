@@ -52,6 +52,17 @@ async def test_who_has_not_confirmed_is_named_before_the_release() -> None:
         assert seat.console.dialog is None
 
 
+async def test_a_robot_that_comes_back_and_confirms_releases_nothing_by_itself() -> None:
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.tell(PRESSED, confirmation("nao.nao"))
+        await seat.press("ctrl+r")
+        await seat.tell(m.StopPressed(source="return of nao.nao", t=scenes.NOW), confirmation())
+        assert released(seat) == 0
+        assert "All have confirmed now" in seat.drawn()
+        await seat.press("enter")
+        assert released(seat) == 1
+
+
 async def test_the_question_can_be_declined_and_the_stop_pressed_in_it() -> None:
     async with sitting(scenes.welcome(robots())) as seat:
         await seat.tell(PRESSED, confirmation("nao.nao"))

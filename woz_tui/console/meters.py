@@ -210,7 +210,8 @@ def _group(
 def _alone(sensor: SensorView, state: ConsoleState, frame: PaintFrame) -> Row:
     if state.perception.hides(perceived_kind(sensor.name)):
         return hidden_row(sensor.name, frame)
-    stale = state.is_stale(sensor, frame.now)
+    ever = sensor.value is not None or sensor.text or sensor.state == "stale"
+    stale = bool(ever) and state.is_stale(sensor, frame.now)
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))
     text = " ".join(part for part in parts if part) or "nothing"
     note = age_note(sensor, frame) if stale else clean(sensor.state)

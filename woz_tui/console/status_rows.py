@@ -244,7 +244,7 @@ def _drivers_row(
             said = f" {glyphs.warning}" if brief else f": {glyphs.warning} {trouble}"
             row.append((said, "warn"))
         row.append(("   ", "plain"))
-    return tuple(row)
+    return tuple(row[:-1])
 
 
 def _why(state: ConsoleState, key: str) -> Row:

@@ -24,14 +24,15 @@ def open_release(app: ConsoleApp) -> None:
 class ReleaseDialog(LiveReportDialog):
     """Names who has not confirmed the stop; enter releases it all the same.
 
-    A stop that all confirm while it is open is released: that is what was asked for.
+    Asked for before the confirmation, the release comes with it. Once somebody was named, it is
+    the wizard's: nothing is released without a key.
     """
 
     heading = "Release the stop?"
     hint = "enter releases · ctrl+q keeps the stop"
     indent = 2
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "release", priority=True)]
-    _asked = False
+    _asked = _named = False
 
     def lines(self) -> list[Row]:
         """Who did not confirm, who did."""
@@ -43,6 +44,9 @@ class ReleaseDialog(LiveReportDialog):
                 (("The robot has not confirmed the stop yet.", "warn"),),
                 (("It is released as soon as all have confirmed.", "plain"),),
             ]
+        confirmed = confirmed_words(stop, self.state.short_names, parts=False)
+        if not stop.missing:
+            return [((f"All have confirmed now: {confirmed}", "good"),)]
         rows: list[Row] = [
             ((f"{self.glyphs.error} {words}", "bad"),)
             for words in missing_words(
@@ -53,7 +57,7 @@ class ReleaseDialog(LiveReportDialog):
             *rows,
             (("It may still move. Look at it before you release the stop.", "strong"),),
             (),
-            ((f"confirmed: {confirmed_words(stop, self.state.short_names)}", "muted"),),
+            ((f"confirmed: {confirmed}", "muted"),),
         ]
 
     def refreshed(self) -> None:
@@ -61,9 +65,10 @@ class ReleaseDialog(LiveReportDialog):
         stop = self.state.stop
         if stop is None:
             self.leave()
-        elif stop.settled and not stop.missing:
+        elif stop.settled and not stop.missing and not self._named:
             self.action_release()
         else:
+            self._named = self._named or bool(stop.missing)
             super().refreshed()
 
     def action_release(self) -> None:

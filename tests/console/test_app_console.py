@@ -6,6 +6,7 @@ import sys
 from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace as replace_fields
 from textual import events
 
 from tests.console import scenes
@@ -137,12 +138,27 @@ async def test_what_a_driver_refused_is_told_until_its_state_changes() -> None:
         assert "it is starting" not in seat.text("StopBar")
 
 
-@pytest.mark.parametrize(("key", "lacks"), [("up", "gaze"), ("alt+up", "drive")])
+@pytest.mark.parametrize(
+    ("key", "lacks"), [("up", "head that can turn (gaze)"), ("alt+up", "drive")]
+)
 async def test_an_arrow_that_no_driver_has_a_use_for_says_so(key: str, lacks: str) -> None:
     async with sitting() as seat:
         await seat.press(key)
         assert seat.feed.asked == []
         assert f"This robot has no {lacks}" in seat.text("StopBar")
+
+
+async def test_an_arrow_that_several_robots_could_follow_names_them() -> None:
+    verbs = {"nao.nao": ["drive"], "ros.turtlebot": ["drive"], "furhat.furhat": ["nudge"]}
+    first = replace_fields(scenes.welcome(), verbs=verbs, drivers=[*verbs])
+    async with sitting(first) as seat:
+        await seat.press("alt+up")
+        assert seat.feed.asked == []
+        assert "nao, ros: use a button" in seat.text("StopBar")
+        await seat.press("up")
+        assert seat.feed.last(r.AskVerb) is not None
+        await seat.press("shift+up")
+        assert "No robot here has a hip" in seat.text("StopBar")
 
 
 @pytest.mark.parametrize("key", ["escape", "ctrl+c"])

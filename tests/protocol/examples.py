@@ -268,6 +268,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         words=[m.SpokenWord(text="Gern.", began=600_000, ended=910_000, confidence=0.75)],
         confidence=0.5,
     ),
+    m.SensorChanged(sensor="battery", state="ok", every=10.0),
 )
 
 _PANELS = [

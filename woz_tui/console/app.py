@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 #: Seconds a sentence above the hints stays.
 NEWS_S = 8.0
 #: What a robot lacks whose drivers do not offer the verb of an arrow key.
-_ABILITIES = {"nudge": "gaze: no head to turn", "drive": "drive", "hip": "hip to bend"}
+_LACKS = {"nudge": "head that can turn (gaze)", "drive": "drive", "hip": "hip to bend"}
 #: Seconds a pressed key cap stays lit.
 FLASH_S = 0.25
 
@@ -442,9 +442,18 @@ class Console(ScreenApp):
             if (top := self.dialog) is not None and top is not below:
                 top.opened_by = command.name
         elif command.verb:
-            self.news(f"This robot has no {_ABILITIES.get(command.verb, command.verb)}", "warn")
+            self.news(self._arrow_words(command.verb), "warn")
         elif command.sends is not None:
             self.requests.ask(command.sends(KeyPress()))
+
+    def _arrow_words(self, verb: str) -> str:
+        """Why an arrow key moves nothing: no robot has the verb, or several have."""
+        short = self.state.short_names
+        able = [short.get(name, name) for name, verbs in self.state.verbs.items() if verb in verbs]
+        if able:
+            return f"Arrow keys move one robot alone, and here are {', '.join(able)}: use a button"
+        robots = {name.partition(".")[0] for name in short} if "." in "".join(short) else {""}
+        return f"{'This robot has no' if len(robots) < 2 else 'No robot here has a'} {_LACKS[verb]}"
 
     def _key_in_dialog(self, name: str | None) -> bool:
         """Closing and releasing the stop work in every dialog; the rest is the dialog's."""

@@ -69,7 +69,7 @@ class ConsoleKey:
         keys: As they are without a keymap file. The first gives the name, and the words of help
             and palette; one without a chord is in the palette only.
         sends: Makes its request; None: the screen carries it out.
-        verb: Without a driver that offers this, nothing is sent; empty: no verb is needed.
+        verb: Unless one driver alone offers this, nothing is sent; empty: no verb is needed.
         opens: Whether it may open a dialog: keys pressed behind it then wait for the screen.
         once: Held down, or pressed again at once, it counts once.
     """
@@ -294,8 +294,8 @@ class Keyboard:
         own = self._own.get(chord)
         if own is None or own.sends is None:
             return False
-        if own.verb and not any(own.verb in offered for offered in self.verbs.values()):
-            return False
+        if own.verb and sum(own.verb in offered for offered in self.verbs.values()) != 1:
+            return False  # nobody, or nobody knows whom: the screen says so
         request = own.sends(KeyPress(chord, age_us, stale, self.steps))
         if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))

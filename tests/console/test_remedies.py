@@ -69,3 +69,17 @@ async def test_events_and_drivers_name_it_too() -> None:
         assert "then Awake (w)" in seat.text("EventList")
         await seat.press("ctrl+d")
         assert "then Awake (w)" in seat.drawn()
+
+
+async def test_a_locked_panel_names_the_key_that_opens_it() -> None:
+    opens = m.FilledCall(verb="unlock", args={"panel": "Driving"}, driver="session")
+    filled = m.ActionsFilled(actions={"Drive on": [[opens]]})
+    driving = PanelView(
+        title="Driving", locked=True, actions=[ActionView(name="Forward", label="Forward", key="f")]
+    )
+    button = PanelView(title="P", actions=[ActionView(name="Drive on", label="Drive on", key="d")])
+    first = scenes.welcome([*scenes.healthy(), filled], shown=[driving, button])
+    async with sitting(first) as seat:
+        assert "Driving locked, d opens it" in seat.text("ActionPanels")
+        await seat.tell(m.PanelLocked(panel="Driving", locked=False, t=NOW))
+        assert "opens it" not in seat.text("ActionPanels")

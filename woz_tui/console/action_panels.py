@@ -16,6 +16,7 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.key_caps import KeyCap, caption
 from woz_tui.console.number_text import time_left
+from woz_tui.console.remedy_text import button_of
 from woz_tui.console.view_models import ButtonState, ButtonView
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.session.typed_actions import PANEL as TYPED
@@ -296,13 +297,22 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
     panel = state.front[slot.panel]
     glyphs, width = frame.glyphs, frame.width
     mark = f"{glyphs.here} " if chosen and not slot.again else "  "
-    note = " locked" if state.is_locked(panel) else " continued" if slot.again else ""
+    room = width - 3 - cell_len(clean(panel.title))
+    note = _locked(state, panel, room) if state.is_locked(panel) else ""
+    note = note or (" continued" if slot.again else "")
     if slot.again and cell_len(clean(panel.title)) > width - 3 - len(note):
         note = note.replace("continued", glyphs.ellipsis)  # rather than half a title
     title = fit_most(panel.title, width - 2 - len(note) - 1, glyphs.ellipsis)
     used = 2 + cell_len(title) + len(note)
     rule = glyphs.rule * max(0, width - used - 1)
     return ((mark, "title"), (title, "title"), (note, "muted"), (" ", "plain"), (rule, "faint"))
+
+
+def _locked(state: ConsoleState, panel: PanelView, room: int) -> str:
+    """` locked, u opens it`, where a key does; less of it where there is no room."""
+    key = state.keys.get(button_of("unlock", panel.title, state), "")
+    notes = (f" locked, {key} opens it", f" locked ({key})") if key else ()
+    return next((note for note in notes if cell_len(note) <= room), " locked")
 
 
 def _centred(text: str, width: int, ellipsis: str) -> str:

@@ -18,29 +18,32 @@ def remedy_text(remedy: str, state: ConsoleState) -> str:
 
     What no button does stays as it is: it can be found by typing.
     """
-    return _CALL.sub(lambda found: _button(found, state) or found[0], remedy)
+    return _CALL.sub(lambda found: _named(found, state) or found[0], remedy)
 
 
-def _button(found: re.Match[str], state: ConsoleState) -> str:
-    """The button with the fewest other calls, and its key; empty: there is none."""
+def _named(found: re.Match[str], state: ConsoleState) -> str:
+    """The button and its key; empty: there is none."""
+    name = button_of(found["verb"], found["value"], state)
+    key = state.keys.get(name, "")
+    label = clean(state.label(name))
+    return f"{label} ({key})" if key else f"“{label}”" if name else ""
+
+
+def button_of(verb: str, value: str | None, state: ConsoleState) -> str:
+    """The action that sends a verb, with an argument of this value if one is given; of several one
+    that has a key, and the fewest other verbs. Empty: there is none.
+    """
     sizes = {
         action.name: len(calls)
         for panel in state.panels
         for action in panel.actions
-        if (calls := state.calls(action.name)) and any(_does(found, call) for call in calls)
+        if (calls := state.calls(action.name)) and any(_does(verb, value, call) for call in calls)
     }
-    if not sizes:
-        return ""
-    name = min(sizes, key=lambda each: (not state.keys.get(each), sizes[each]))
-    key = state.keys.get(name, "")
-    return f"{clean(state.label(name))} ({key})" if key else f"“{clean(state.label(name))}”"
+    return min(sizes, key=lambda name: (not state.keys.get(name), sizes[name]), default="")
 
 
-def _does(found: re.Match[str], call: FilledCall) -> bool:
-    value = found["value"]
-    return call.verb == found["verb"] and (
-        value is None or _plain(value) in map(_plain, call.args.values())
-    )
+def _does(verb: str, value: str | None, call: FilledCall) -> bool:
+    return call.verb == verb and (value is None or _plain(value) in map(_plain, call.args.values()))
 
 
 def _plain(value: Json) -> str:

@@ -13,6 +13,7 @@ from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet
 from woz_tui.console.study.questionnaires import items_of
 from woz_tui.console.theme import Appearance
+from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import ENGLISH
@@ -81,7 +82,8 @@ async def test_the_stop_goes_through_it_and_it_goes_on_where_it_was() -> None:
         await seat.press("escape")
         assert seat.feed.last(r.AskStop) is not None
         await seat.until(lambda: seat.console.dialog is None)
-        await seat.tell(studied.answered("pleasant", 6.0))
+        await seat.tell(studied.answered("pleasant", 6.0), m.StopPressed(source="key"))
+        await seat.tell(m.StopConfirmed(confirmed=["head"], missing=[], elapsed_us=3_000))
         await seat.press("ctrl+r", "asterisk", "q")
         await seat.until(lambda: isinstance(seat.console.dialog, QuestionnaireDialog))
         await seat.settle()

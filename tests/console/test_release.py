@@ -85,6 +85,18 @@ async def test_a_release_before_the_confirmation_waits_for_it() -> None:
         assert seat.console.dialog is None
 
 
+async def test_a_release_right_behind_the_stop_does_not_overtake_its_confirmation() -> None:
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.press("escape")
+        await seat.until(lambda: "STOP SENT" in seat.text("StopBar"))
+        await seat.press("ctrl+r")
+        assert released(seat) == 0
+        await seat.tell(PRESSED)
+        assert released(seat) == 0
+        await seat.tell(confirmation())
+        assert released(seat) == 1
+
+
 async def test_a_release_before_the_confirmation_asks_if_somebody_is_missing() -> None:
     async with sitting(scenes.welcome(robots())) as seat:
         await seat.tell(PRESSED)

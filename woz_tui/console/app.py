@@ -480,6 +480,11 @@ class Console(ScreenApp):
         screen = self.screen_stack[-1] if self.screen_stack else None
         return screen if isinstance(screen, Dialog) else None
 
+    @property
+    def stop_pending(self) -> bool:
+        """Whether a stop was sent from here that has not been answered yet."""
+        return self._stop_asked is not None
+
     def open_dialog(self, dialog: Dialog) -> None:
         """Give the keyboard to a dialog, unless the robot is played meanwhile."""
         while dialog.plays and self.dialog is not None:

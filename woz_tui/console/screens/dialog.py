@@ -104,6 +104,10 @@ class ConsoleApp(Protocol):
     def dialog(self) -> Dialog | None:
         """The dialog on top."""
 
+    @property
+    def stop_pending(self) -> bool:
+        """Whether a stop was sent from here that has not been answered yet."""
+
     def open_dialog(self, dialog: Dialog) -> None:
         """Put it on top."""
 

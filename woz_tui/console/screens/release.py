@@ -15,7 +15,7 @@ from woz_tui.protocol.requests import AskRelease
 def open_release(app: ConsoleApp) -> None:
     """Release the stop, or ask first if somebody may still move."""
     stop = app.state.stop
-    if stop is None or (stop.settled and not stop.missing):
+    if not app.stop_pending and (stop is None or (stop.settled and not stop.missing)):
         app.requests.ask(AskRelease(source="key"))
     elif not isinstance(app.dialog, ReleaseDialog):
         app.open_dialog(ReleaseDialog())
@@ -37,9 +37,7 @@ class ReleaseDialog(LiveReportDialog):
     def lines(self) -> list[Row]:
         """Who did not confirm, who did."""
         stop = self.state.stop
-        if stop is None:
-            return []
-        if not stop.settled:
+        if stop is None or not stop.settled:
             return [
                 (("The robot has not confirmed the stop yet.", "warn"),),
                 (("It is released as soon as all have confirmed.", "plain"),),
@@ -63,12 +61,15 @@ class ReleaseDialog(LiveReportDialog):
     def refreshed(self) -> None:
         """Follow the confirmations; close when the stop is released."""
         stop = self.state.stop
-        if stop is None:
+        missing = () if stop is None else stop.missing
+        self._named = self._named or bool(missing)
+        if self.console_app.stop_pending:
+            super().refreshed()
+        elif stop is None:
             self.leave()
-        elif stop.settled and not stop.missing and not self._named:
+        elif stop.settled and not self._named:
             self.action_release()
         else:
-            self._named = self._named or bool(stop.missing)
             super().refreshed()
 
     def action_release(self) -> None:

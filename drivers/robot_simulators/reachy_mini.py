@@ -121,6 +121,7 @@ class ReachyMiniSimulator(WebRobot):
         played: Files that were played, in order.
         face, doa: What it sees and hears, where there are no visitors.
         media: Whether it has sound, camera and microphones.
+        released: Whether it has let go of camera and microphones; sounds are played all the same.
         oddities: What it answers otherwise than it should.
     """
 
@@ -137,6 +138,7 @@ class ReachyMiniSimulator(WebRobot):
         self.face: tuple[float, float] | None = None
         self.doa: tuple[float, bool] | None = (math.pi / 2, False)
         self.media = True
+        self.released = False
         self.simulated = True
         self.wobbling = False
         self.tracking = 0.0
@@ -166,7 +168,8 @@ class ReachyMiniSimulator(WebRobot):
             web.post(
                 "/api/move/play/recorded-move-dataset/{owner}/{name}/{move}", self._play_recorded
             ),
-            web.post("/api/media/release", self._answer(lambda: {"status": "ok"})),
+            web.post("/api/media/release", self._release),
+            web.post("/api/media/acquire", self._release),
             web.get("/api/media/status", self._answer(self._media)),
             web.post("/api/media/play_sound", self._play_sound),
             web.post("/api/media/stop_sound", self._stop_sound),
@@ -245,7 +248,7 @@ class ReachyMiniSimulator(WebRobot):
             "simulation_enabled": False,
             "mockup_sim_enabled": self.simulated,
             "no_media": not self.media,
-            "media_released": False,
+            "media_released": self.released,
             "camera_specs_name": "",
             "backend_status": {"motor_control_mode": self.motors, "error": None},
             "error": None,
@@ -273,7 +276,8 @@ class ReachyMiniSimulator(WebRobot):
         return [{"uuid": move} for move in self._moves]
 
     def _media(self) -> dict[str, bool]:
-        return {"available": self.media, "released": False, "no_media": not self.media}
+        available = self.media and not self.released
+        return {"available": available, "released": self.released, "no_media": not self.media}
 
     def _volume(self) -> dict[str, Any]:
         return {"volume": self.volume, "platform": "Linux", "device": "simulated"}
@@ -289,7 +293,7 @@ class ReachyMiniSimulator(WebRobot):
         return {"angle": angle, "speech_detected": speech}
 
     def _tracked(self) -> dict[str, Any]:
-        face = self._seen_face() if self.tracking and self.media else None
+        face = self._seen_face() if self.tracking else None
         x, y = face or (None, None)
         roll, now = (None, None) if face is None else (0.0, self.time.now())
         target = {"detected": face is not None, "x": x, "y": y, "roll": roll, "ts": now}
@@ -297,6 +301,8 @@ class ReachyMiniSimulator(WebRobot):
 
     def _seen_face(self) -> tuple[float, float] | None:
         """From -1, the picture's left edge and top, to 1."""
+        if not self.media or self.released:
+            return None
         if self.visitors is None:
             return self.face
         person = self.visitors.at(self.time.now())
@@ -307,7 +313,7 @@ class ReachyMiniSimulator(WebRobot):
 
     def _aimed(self) -> WirePose:
         """The target, drawn towards a face that is tracked."""
-        face = self._seen_face() if self.tracking >= 0.5 and self.media else None
+        face = self._seen_face() if self.tracking >= 0.5 else None
         if face is None:
             return self.target
         yaw = self.pose.head[5] - 0.2 * face[0] * _HALF_VIEW
@@ -487,6 +493,11 @@ class ReachyMiniSimulator(WebRobot):
             self.target = self.pose
         self.motors = mode
         return web.json_response({"status": f"motors changed to {mode} mode"})
+
+    async def _release(self, request: web.Request) -> web.Response:
+        await self._body(request)
+        self.released = self.media and request.path.endswith("release")
+        return web.json_response({"status": "ok"})
 
     def _begin_sound(self, file: str, seconds: float) -> None:
         if self.media:

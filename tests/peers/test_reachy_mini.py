@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import re
 import signal
 import sys
 import wave
@@ -18,6 +19,7 @@ from typing import Any
 import aiohttp
 import pytest
 import pytest_asyncio
+from aiohttp import web
 from robot_simulators.reachy_mini import ReachyMiniSimulator
 from woz_drivers.reachy_mini import (
     ReachyMini,
@@ -381,6 +383,8 @@ POSTS: tuple[tuple[str, Any], ...] = (
     ("move/stop", {"uuid": "0b9b0a3e-0000-4000-8000-000000000000"}),
     ("motors/set_mode/enabled", None),
     ("motors/set_mode/limp", None),
+    ("media/release", None),
+    ("media/acquire", None),
     ("media/play_sound", {"file": "nothing.wav"}),
     ("media/stop_sound", None),
     ("media/wobbling/enable", None),
@@ -450,6 +454,39 @@ async def test_the_simulated_robot_answers_as_the_daemon_does(daemon: VendorsDae
             del status["simulation_enabled"], status["mockup_sim_enabled"]
         del answers["state/full"][1]["timestamp"]
     assert {name: ours[name] for name in theirs} == theirs
+
+
+@on_the_mockup
+async def test_the_simulated_robot_has_no_route_that_the_daemon_lacks(
+    daemon: VendorsDaemon,
+) -> None:
+    url = f"http://{daemon.address}/openapi.json"
+    async with aiohttp.ClientSession() as session, session.get(url) as answer:
+        paths = (await answer.json())["paths"]
+    for route in ReachyMiniSimulator().routes():
+        if isinstance(route, web.RouteDef) and route.path.startswith("/api/"):
+            ours = re.sub(r"{\w+}", "enable", route.path)
+            fitting = [path for path in paths if re.fullmatch(re.sub("{.*?}", ".+", path), ours)]
+            assert any(route.method.lower() in paths[path] for path in fitting), route
+
+
+@pytest.mark.parametrize("options", [("--no-media",), ()])
+async def test_a_daemon_that_never_had_media_is_silent_and_has_let_go_of_them(
+    options: tuple[str, ...], tmp_path: Path
+) -> None:
+    """Without its option it looks for a plugin, does not find it, and goes on."""
+    _write_hello(tmp_path)
+    daemon = VendorsDaemon("mockup", tmp_path, options)
+    await daemon.start()
+    try:
+        it = Played(daemon, tmp_path, release_media=True)
+        await it.driver.open()
+        await it.becomes(Health.CONNECTED)
+        assert (await it.do("say", text="Hello."))["heard"] is False
+        await it.driver.close()
+        assert [text for _, text, _ in it.context.notices if "camera" in text] == []
+    finally:
+        await daemon.end()
 
 
 VENDORS_CLIENT = """

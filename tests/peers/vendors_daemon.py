@@ -22,8 +22,10 @@ STARTS_S = 60.0
 class VendorsDaemon:
     """A daemon on a port of its own; `start` again after its end takes the same port."""
 
-    def __init__(self, backend: str, folder: Path) -> None:
-        self._option = BACKENDS[backend]
+    def __init__(
+        self, backend: str, folder: Path, options: tuple[str, ...] = ("--no-media",)
+    ) -> None:
+        self._options = (BACKENDS[backend], "--headless", *options)
         self._folder = folder
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
@@ -38,7 +40,7 @@ class VendorsDaemon:
     async def start(self) -> None:
         """Return when it moves its robot."""
         daemon = place("reachy-mini") / "bin" / "reachy-mini-daemon"
-        options = (self._option, "--headless", "--no-media", "--dataset-update-interval", "0")
+        options = (*self._options, "--dataset-update-interval", "0")
         with (self._folder / "daemon.log").open("ab") as log:
             self._process = await asyncio.create_subprocess_exec(
                 *(str(daemon), *options, "--fastapi-port", str(self._port)),

@@ -35,6 +35,8 @@ WEB_SOCKET = "/ws/sdk"
 QUICK_S = 0.4
 #: An upload of a sound, and a list of moves that the daemon may have to read from its disk.
 UPLOAD_S, LIST_S = 20.0, 5.0
+#: Its camera and microphones are let go, or opened again, before it answers.
+MEDIA_S = 4.0
 #: It stands still when it has moved by no more than so much, in degrees or millimetres, in so many
 #: seconds, and at least so many poses were seen in them. In the physical simulation the head swings
 #: by half a degree for some tenths of a second after a move was broken off.
@@ -45,7 +47,8 @@ _REMEDY = "look at the daemon's own log; restart the daemon"
 @dataclass(frozen=True, slots=True)
 class DaemonStatus:
     """What the daemon says of itself once a second. `motors`: enabled, disabled or
-    gravity_compensation. `silent`: it has neither sound nor camera.
+    gravity_compensation. `silent`: it has neither sound nor camera; `released`: it has let go of
+    its camera and microphones, and plays sounds all the same.
     """
 
     name: str = ""
@@ -54,6 +57,7 @@ class DaemonStatus:
     motors: str = ""
     simulated: bool = False
     silent: bool = False
+    released: bool = False
     error: str = ""
 
 
@@ -96,6 +100,7 @@ class DaemonLink:
             on_lost=self._lost,
         )
         self.status = DaemonStatus()
+        self._has_media = True
         self._pose: dict[str, float] = {}
         #: Poses of the last moments with the loop time at which each came.
         self._poses: deque[tuple[float, Pose]] = deque(maxlen=32)
@@ -147,7 +152,8 @@ class DaemonLink:
                 f"{self._settings.address} is no daemon of a Reachy Mini, or a very old one",
                 "check the address; update the robot: docs/how-to/reachy-mini.md",
             )
-        self.status = read_status(status)
+        self._has_media = await self._ask_media()
+        self._take_status(status)
         if self.status.state != "running":
             raise DriverError(
                 f"the daemon does not run the robot: {self.status.error or self.status.state}",
@@ -176,7 +182,7 @@ class DaemonLink:
             }:
                 self._pose |= body_from_joints(head, antennas)
             case {"type": "daemon_status"}:
-                self.status = read_status(message)
+                self._take_status(message)
                 self._on_status()
                 return
             case {"type": str()}:
@@ -186,6 +192,22 @@ class DaemonLink:
         if len(self._pose) == len(LIMITS):
             self._poses.append((asyncio.get_running_loop().time(), dict(self._pose)))
             self._complete.set()
+
+    def _take_status(self, message: Mapping[str, Any]) -> None:
+        status = read_status(message)
+        self.status = replace(status, silent=status.silent or not self._has_media)
+
+    async def _ask_media(self) -> bool:
+        """Whether it has sound: one that could not start its media says so nowhere else."""
+        try:
+            status = await self.ask("GET", "media/status")
+        except AnswerError:
+            return True  # an old one
+        return (
+            not isinstance(status, dict)
+            or bool(status.get("available", True))
+            or bool(status.get("released"))
+        )
 
     def still_since(self, began: float) -> bool:
         """Whether poses that came after `began`, in loop time, say that nothing moves."""
@@ -292,6 +314,29 @@ class DaemonLink:
         """Set the loudspeaker's volume; unlike the request of that name it plays no sound."""
         await self._line.send({"type": "set_volume", "volume": percent})
 
+    async def hold_media(self, held: bool) -> None:
+        """Have the daemon take camera and microphones, or let go of them for other programs.
+
+        Raises `DriverError` if it does not. A daemon that never had them has let go of them.
+        """
+        try:
+            await self.ask("POST", f"media/{'acquire' if held else 'release'}", within=MEDIA_S)
+            status = await self.ask("GET", "media/status")
+        except AnswerError as error:
+            if error.status not in (404, 405):
+                raise
+            raise DriverError(
+                "the daemon is too old to let go of its camera and microphones",
+                "update the robot, or start its daemon with --no-media",
+            ) from None
+        otherwise = "released" if held else "available"
+        if not isinstance(status, dict) or status.get(otherwise) is not False:
+            raise DriverError(
+                f"the daemon {'has not taken' if held else 'keeps'} its camera and microphones",
+                _REMEDY,
+            )
+        self.status = replace(self.status, released=status.get("released") is True)
+
     async def installed(self) -> dict[str, list[str]]:
         """The recorded moves of the libraries that are there, by our name of each library."""
         found = {}
@@ -333,6 +378,7 @@ def read_status(status: Mapping[str, Any]) -> DaemonStatus:
         simulated=any(
             status.get(name) is True for name in ("simulation_enabled", "mockup_sim_enabled")
         ),
-        silent=any(status.get(name) is True for name in ("no_media", "media_released")),
+        silent=status.get("no_media") is True,
+        released=status.get("media_released") is True,
         error=text(status.get("error")) or text(backend.get("error")),
     )

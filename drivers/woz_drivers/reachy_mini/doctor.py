@@ -33,7 +33,7 @@ async def examine(probe: Probe) -> list[Finding]:
             place = await simulated.address()
         else:
             place = joined(*settings.place)
-        findings = await _visit(settings.address, f"http://{place}/api/")
+        findings = await _visit(settings, f"http://{place}/api/")
     except DriverError as error:
         findings = [Finding("error", settings.address, error.what, error.remedy)]
     finally:
@@ -41,8 +41,9 @@ async def examine(probe: Probe) -> list[Finding]:
     return [*findings, await synthesiser_finding(probe, settings.voice)]
 
 
-async def _visit(name: str, base: str) -> list[Finding]:
+async def _visit(settings: ReachyMiniSettings, base: str) -> list[Finding]:
     """Findings about a daemon. Raises `DeviceLostError` if it does not answer."""
+    name = settings.address
     timeout = aiohttp.ClientTimeout(total=_WITHIN_S)
     try:
         async with aiohttp.ClientSession(base, timeout=timeout) as session:
@@ -72,10 +73,22 @@ async def _visit(name: str, base: str) -> list[Finding]:
     if status.silent:
         remedy = "start the daemon without --no-media"
         findings.append(Finding("warning", name, "it has no sound and no camera", remedy))
+    elif status.released != settings.release_media:
+        findings.append(_held(name, base, status.released))
     if running:
         text = f"{len(running)} moves run already"
         findings.append(Finding("warning", name, text, "does another program move it? end that"))
     return findings
+
+
+def _held(name: str, base: str, released: bool) -> Finding:
+    """Camera and microphones are not where the session wants them."""
+    if released:
+        text = "another program has made it let go of its camera and microphones"
+        return Finding("warning", name, text, f"end that, or: curl -X POST {base}media/acquire")
+    text = "it has its camera and microphones still: a session has it let go of them"
+    remedy = f"to look at them here: curl -X POST {base}media/release"
+    return Finding("info", name, text, remedy)
 
 
 async def _asked(session: aiohttp.ClientSession, path: str) -> Any:

@@ -44,6 +44,9 @@ from woz_tui.protocol.robot_outline import RobotOutline, Setting
 STOP_S = 0.45
 #: The robot is let go within so many seconds.
 FAREWELL_S = 1.0
+#: At the end other drivers let go of camera and microphones within so many seconds: the daemon,
+#: which takes them back, does not try again.
+_OTHERS_END_S = 0.5
 #: How fast it lies down when it is left alone, in seconds.
 _LIES_DOWN_S = 2.0
 #: The joints have so long to arrive before they are let go, in seconds.
@@ -53,7 +56,7 @@ _DEMO_PAUSE_S = 2.0
 MODES = ("normal", "tracking", "demo")
 _SILENT = (
     "no speech and sounds are heard: the daemon runs without media",
-    "start it without --no-media; with a simulated robot they take their time in silence",
+    "start it without --no-media, or look at its log; with a simulated robot they are silent",
 )
 
 Sent = Mapping[str, Json]
@@ -387,6 +390,10 @@ class ReachyMini(Driver):
                 async with asyncio.timeout(FAREWELL_S):
                     await self._link.ask("POST", "media/tracking/disable")
                     await self._link.ask("POST", "media/wobbling/disable")
+            if self.settings.release_media:
+                with contextlib.suppress(DeviceLostError):
+                    await self._link.pause(_OTHERS_END_S)
+                    await self._hold_media(True)
         await self._link.close()
 
     # -- the daemon ------------------------------------------------------------------------------
@@ -400,6 +407,8 @@ class ReachyMini(Driver):
             await self._link.end_running()
             await self._sounds.stop()
         self._lost = False
+        if self.settings.release_media:
+            await self._hold_media(False)
         await self._switch_wobbling_and_tracking()
         self._senses.begin()
         self.context.mode(self._mode)
@@ -410,6 +419,14 @@ class ReachyMini(Driver):
             self._asking.cancel()
         self._asking = asyncio.create_task(self._ask(), name="reachy-mini questions")
         self._body.follow()
+
+    async def _hold_media(self, held: bool) -> None:
+        try:
+            await self._link.hold_media(held)
+        except DeviceLostError:
+            raise
+        except DriverError as error:
+            self.context.notice("warning", error.what, error.remedy)
 
     async def _switch_wobbling_and_tracking(self) -> None:
         """What moves the head beside its pose: lying down, the daemon switches all of it off."""

@@ -64,8 +64,9 @@ class ReachySenses:
     def sensors(settings: ReachyMiniSettings) -> tuple[str, ...]:
         """Names of the readings."""
         joints = tuple(f"{kind}.{name}" for name in LIMITS for kind in _kinds(settings))
-        face = FACE if settings.face else ()
-        return (*joints, *face, *((*DIRECTION, SPEECH) if settings.direction else ()))
+        face = FACE if settings.looks else ()
+        direction = DIRECTION if settings.direction else ()
+        return (*joints, *face, *direction, *((SPEECH,) if settings.hears_speech else ()))
 
     def begin(self) -> None:
         """Look and listen, again and again."""
@@ -96,8 +97,9 @@ class ReachySenses:
             await self._switch_now(on)
 
     async def _switch_now(self, on: bool) -> None:
-        watches = on or self._settings.face
-        if watches and not self._link.status.silent:
+        watches = on or self._settings.looks
+        status = self._link.status
+        if watches and not (status.silent or status.released):
             weight = 1.0 if on else _WATCHES
             answer = await self._link.ask("POST", "media/tracking/enable", json={"weight": weight})
             there = isinstance(answer, dict) and answer.get("enabled") is True
@@ -106,7 +108,10 @@ class ReachySenses:
             there = False
         self.tracks = on if there else None
         if on and not there:
-            raise DriverError(_ABSENT[FACE[0]], "start the daemon with its media")
+            remedy = "start the daemon with its media"
+            if status.released:
+                remedy = "give it back to the daemon: release_media: false"
+            raise DriverError(_ABSENT[FACE[0]], remedy)
 
     def lost(self) -> None:
         """Nobody knows whether they speak on."""
@@ -159,13 +164,15 @@ class ReachySenses:
                 # On the wire 0 is left, a quarter turn ahead and half a turn right.
                 degrees = 90.0 - math.degrees(angle)
                 self._state(DIRECTION[0], "ok")
-                self._state(SPEECH, "ready", "the microphones tell when somebody speaks")
-                if speech and not self._own_sound():
+                speaks = speech and not self._own_sound()
+                if speaks:
                     self._context.reading(DIRECTION[0], round(degrees, 1), unit="deg", raw=angle)
-                self._speech(speech and not self._own_sound())
+                if self._settings.hears_speech:
+                    self._state(SPEECH, "ready", "the microphones tell when somebody speaks")
+                    self._speech(speaks)
             case None:
-                self._state(DIRECTION[0], "silent", _ABSENT[DIRECTION[0]])
-                self._state(SPEECH, "silent", _ABSENT[DIRECTION[0]])
+                for sensor in (DIRECTION[0], SPEECH)[: 2 if self._settings.hears_speech else 1]:
+                    self._state(sensor, "silent", _ABSENT[DIRECTION[0]])
             case other:
                 raise DriverError(f"the direction of sound is {repr(other)[:60]}")
 
@@ -198,9 +205,9 @@ class ReachySenses:
     # -- faces -----------------------------------------------------------------------------------
 
     async def _see(self) -> None:
-        if not self._settings.face:
+        if not self._settings.looks:
             return
-        if self.tracks is None:
+        if self.tracks is None or self._link.status.released:
             self._state(FACE[0], "silent", _ABSENT[FACE[0]])
             return
         match await self._link.ask("GET", "media/tracking/face"):

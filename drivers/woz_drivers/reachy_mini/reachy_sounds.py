@@ -27,7 +27,7 @@ from woz_tui.protocol.messages import Json
 #: A robot without sound that is no simulation must not seem to speak.
 _NO_SOUND = DriverError(
     "the robot's daemon runs without sound",
-    "start it without --no-media, or let go of its media in the other program",
+    "start it without --no-media, or look at its log",
 )
 
 

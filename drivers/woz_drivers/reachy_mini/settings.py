@@ -39,6 +39,11 @@ class ReachyMiniSettings(Section):
     wobble: Annotated[bool, Doc("the head moves along with speech and sounds")] = True
     face: Annotated[bool, Doc("have the daemon look for a face: presence, face.x, face.y")] = True
     direction: Annotated[bool, Doc("read the direction of sound, and whether it is speech")] = True
+    release_media: Annotated[
+        bool,
+        Doc("have the daemon let go of camera and microphones, for drivers on its computer that"
+            " see faces and hear speech instead of it"),
+    ] = False  # fmt: skip
     rate: Annotated[float, Range(1, 20, "Hz"), Doc("readings a second")] = 5.0
     recorded: Annotated[
         Mapping[str, str],
@@ -72,6 +77,16 @@ class ReachyMiniSettings(Section):
     def playable(self) -> tuple[str, ...]:
         """Everything that `play` takes."""
         return tuple(sorted({*MOVES, *self.recorded}))
+
+    @property
+    def looks(self) -> bool:
+        """Whether the daemon is to look for a face."""
+        return self.face and not self.release_media
+
+    @property
+    def hears_speech(self) -> bool:
+        """Whether it is told when somebody speaks."""
+        return self.direction and not self.release_media
 
     def _address_problems(self) -> Iterator[tuple[str, str]]:
         if self.address != SIMULATED:

@@ -7,10 +7,11 @@ import contextlib
 import itertools
 import math
 import re
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from pathlib import Path
 
 import pytest
+from aiohttp import web
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.visitor import SimulatedVisitors
 from robot_simulators.reachy_mini import ReachyMiniSimulator
@@ -378,12 +379,25 @@ async def test_the_head_wobbles_with_speech_unless_it_is_told_not_to(it: PlayedR
     assert not it.robot.wobbling
 
 
-@pytest.mark.parametrize("simulated", [True, False])
-async def test_without_media_a_real_robot_does_not_seem_to_speak(
-    folder: Path, simulated: bool
-) -> None:
+def robot_without_media() -> ReachyMiniSimulator:
     robot = ReachyMiniSimulator(PacedTime(PACE))
-    robot.media, robot.simulated = False, simulated
+    robot.media = False
+    return robot
+
+
+def robot_whose_media_did_not_start() -> ReachyMiniSimulator:
+    robot = ReachyMiniSimulator(PacedTime(PACE))
+    robot.oddities.answers["/api/media/status"] = '{"available": false, "released": false}'
+    return robot
+
+
+@pytest.mark.parametrize("simulated", [True, False])
+@pytest.mark.parametrize("made", [robot_without_media, robot_whose_media_did_not_start])
+async def test_without_media_a_real_robot_does_not_seem_to_speak(
+    folder: Path, made: Callable[[], ReachyMiniSimulator], simulated: bool
+) -> None:
+    robot = made()
+    robot.simulated = simulated
     async with reachy(folder, robot) as it:
         assert [level for level, text, _ in it.context.notices if "media" in text] == ["warning"]
         if simulated:
@@ -476,6 +490,80 @@ async def test_the_demo_goes_on_until_something_else_is_asked_for(it: PlayedReac
     gotos = len(it.asked("move/goto"))
     await it.driver.stop(Scope.ALL)
     assert len(it.asked("move/goto")) == gotos
+
+
+# -- camera and microphones for other drivers ------------------------------------------------------
+
+
+async def test_its_camera_and_microphones_are_let_go_and_taken_back(folder: Path) -> None:
+    robot = ReachyMiniSimulator(PacedTime(PACE))
+    async with reachy(folder, robot, release_media=True) as it:
+        assert robot.released and not robot.tracking
+        # Other drivers see and hear in its place; it plays sounds, and tells the direction.
+        assert {"presence", "speech"}.isdisjoint(it.driver.sensors(it.driver.settings))
+        robot.doa = (math.radians(60), True)
+        await until(lambda: it.context.of("direction") != [])
+        assert it.context.told == []
+        assert (await it.do("say", text="Hello."))["heard"] is True
+        with pytest.raises(DriverError) as refused:
+            await it.do("mode", mode="tracking")
+        assert "release_media" in refused.value.remedy
+        await robot.close()
+        await it.lost()
+        robot.released = False  # it is another one, which has started with its media
+        await robot.start()
+        await it.connected()
+        assert robot.released
+    assert not robot.released
+
+
+class OldDaemon(ReachyMiniSimulator):
+    """A daemon of before its media could be released."""
+
+    def routes(self) -> Sequence[web.AbstractRouteDef]:
+        """Those of before."""
+        new = ("/api/media/release", "/api/media/acquire", "/api/media/status")
+        return [
+            route
+            for route in super().routes()
+            if isinstance(route, web.RouteDef) and route.path not in new
+        ]
+
+
+def robot_that_refuses() -> ReachyMiniSimulator:
+    robot = ReachyMiniSimulator(PacedTime(PACE))
+    robot.faults.refused["/api/media/release"] = "in use"
+    return robot
+
+
+def robot_that_keeps_them() -> ReachyMiniSimulator:
+    robot = ReachyMiniSimulator(PacedTime(PACE))
+    robot.oddities.answers["/api/media/status"] = '{"available": true, "released": false}'
+    return robot
+
+
+@pytest.mark.parametrize(
+    ("made", "told"),
+    [
+        (lambda: OldDaemon(PacedTime(PACE)), "too old"),
+        (robot_that_refuses, "in use"),
+        (robot_that_keeps_them, "keeps"),
+    ],
+)
+async def test_camera_and_microphones_that_are_not_let_go_cost_nothing_else(
+    folder: Path, made: Callable[[], ReachyMiniSimulator], told: str
+) -> None:
+    async with reachy(folder, made(), release_media=True) as it:
+        [notice] = it.context.notices[:1]
+        assert notice[0] == "warning" and told in notice[1] and notice[2]
+        assert (await it.do("say", text="Hello."))["heard"] is True
+
+
+async def test_a_face_is_nobodys_while_another_program_has_the_camera(it: PlayedReachy) -> None:
+    it.robot.face = (0.0, 0.0)
+    await until(lambda: bool(it.context.of("presence")) and it.context.latest("presence") == 1)
+    it.robot.released = True
+    await until(lambda: ("presence", "silent") in [one[:2] for one in it.context.states])
 
 
 # -- following a body ------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ import contextlib
 import math
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from naoqi_simulator.robot_time import PacedTime
@@ -441,8 +442,8 @@ async def test_a_daemon_without_its_robot_says_why(folder: Path) -> None:
 # -- the doctor ------------------------------------------------------------------------------------
 
 
-async def found(robot: ReachyMiniSimulator, folder: Path) -> list[Finding]:
-    settings = ReachyMiniSettings(robot.address, voice=VOICE)
+async def found(robot: ReachyMiniSimulator, folder: Path, **more: Any) -> list[Finding]:
+    settings = ReachyMiniSettings(robot.address, voice=VOICE, **more)
     return await ReachyMini.examine(Probe("reachy", settings, folder))
 
 
@@ -462,3 +463,13 @@ async def test_the_doctor_names_what_is_missing(folder: Path) -> None:
         assert "torque" in texts["info"].remedy
     [gone, *_] = await found(robot, folder)
     assert (gone.level, bool(gone.remedy)) == ("error", True)
+
+
+async def test_the_doctor_says_who_has_camera_and_microphones(folder: Path) -> None:
+    async with ReachyMiniSimulator() as robot:
+        [held] = [one for one in await found(robot, folder, release_media=True) if one.remedy]
+        assert (held.level, "media/release" in held.remedy) == ("info", True)
+        robot.released = True
+        assert [one for one in await found(robot, folder, release_media=True) if one.remedy] == []
+        [away] = [one for one in await found(robot, folder) if one.remedy]
+        assert (away.level, "media/acquire" in away.remedy) == ("warning", True)

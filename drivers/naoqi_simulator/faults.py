@@ -18,7 +18,10 @@ from naoqi_simulator.robot_time import SimulatorTime
 from naoqi_simulator.service_table import CallRefusedError, Service, ServiceMethod
 
 #: Faults that last until they are cleared, or for some seconds; `NAME:DETAIL` where one is needed.
-LASTING_FAULTS = ("invalid-signature", "slow", "refuse", "says-no", "deaf", "moody")
+LASTING_FAULTS = (
+    *("invalid-signature", "slow", "refuse", "refuse-again"),
+    *("says-no", "deaf", "moody"),
+)
 #: Faults that happen once.
 SUDDEN = ("killed", "frozen")
 #: Faulty or not, this service answers.
@@ -32,6 +35,8 @@ class SimulatedFaults:
         self._time = time_
         self._until: dict[str, float] = {}
         self._detail: dict[str, str] = {}
+        #: Methods that were called since `refuse-again` began.
+        self._called: set[str] = set()
         self._healed = asyncio.Event()
         #: What else happens once, on this kind of robot: it is given what stands after the colon.
         self.happens: dict[str, Callable[[str], None]] = {}
@@ -56,6 +61,7 @@ class SimulatedFaults:
         elif kind in LASTING_FAULTS:
             self._until[kind] = self._time.now() + seconds if seconds > 0 else float("inf")
             self._detail[kind] = detail
+            self._called.clear()
         else:
             raise CallRefusedError(
                 f"no fault {kind!r}; there are none,"
@@ -95,10 +101,12 @@ class SimulatedFaults:
         if self.active("slow"):
             # Real milliseconds: a slow network does not know of the robot's pace.
             await asyncio.sleep(float(self.detail("slow") or 500) / 1000)
-        if self.active("refuse"):
-            methods, _, text = self.detail("refuse").partition("=")
-            if called in methods.split(","):
+        for kind in ("refuse", "refuse-again"):
+            methods, _, text = self.detail(kind).partition("=")
+            spared = kind == "refuse-again" and called not in self._called
+            if self.active(kind) and called in methods.split(",") and not spared:
                 raise CallRefusedError(text or f"{called.replace('.', '::')}\n\tnot now")
+        self._called.add(called)
 
 
 def freeze(seconds: float) -> None:

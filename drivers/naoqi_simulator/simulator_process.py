@@ -113,7 +113,7 @@ Or write `robots: [simulated]`, and the driver starts one by itself.
   {"do": "set", "name": "touched", "value": ["Head/Touch/Front"]}       of a NAO; [] again
   {"do": "set", "name": "temperatures", "value": {"LKneePitch": 78}}    of a NAO, in Celsius
 Faults: killed, frozen, fall and fall:back (NAO), deaf, slow:MS, refuse:SERVICE.METHOD,...=TEXT,
-says-no (moves), moody, invalid-signature (ALMemory), none.
+refuse-again (all but the first call), says-no (moves), moody, invalid-signature (ALMemory), none.
 The service StandIn on the wire does the same.
 """
 

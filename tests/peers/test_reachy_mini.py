@@ -21,11 +21,11 @@ import pytest
 import pytest_asyncio
 from aiohttp import web
 from robot_simulators.reachy_mini import ReachyMiniSimulator
+from woz_drivers import confirmed_stop
 from woz_drivers.reachy_mini import (
     ReachyMini,
     ReachyMiniSettings,
     daemon_link,
-    driver,
     reachy_sounds,
 )
 from woz_drivers.reachy_mini.reachy_pose import HOME
@@ -82,7 +82,7 @@ async def daemon(
 @pytest.fixture(autouse=True)
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a stop must confirm is tested here; how soon it does is measured by the benchmarks."""
-    monkeypatch.setattr(driver, "STOP_S", 10.0)
+    monkeypatch.setattr(confirmed_stop, "STOP_S", 10.0)
     monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
     monkeypatch.setattr(reachy_sounds, "QUICK_S", 10.0)
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Mapping
-from typing import Any
 
+from woz_drivers import confirmed_stop
+from woz_drivers.background import Background, BackgroundTasks
+from woz_drivers.confirmed_stop import confirmed_within, succeeded
 from woz_drivers.furhat import doctor
 from woz_drivers.furhat.furhat_camera import FurhatCamera
 from woz_drivers.furhat.furhat_face import FurhatFace
@@ -37,8 +39,6 @@ from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
 
-#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
-STOP_S = 0.45
 #: How often it is looked what has changed by itself, in seconds.
 _LOOK_S = 1.0
 
@@ -128,7 +128,7 @@ class Furhat(Driver):
             *(self._hearing, FurhatSenses(*about, head), FurhatCamera(*about)),
         )
         self._by_verb = {verb.name: part for part in self._parts for verb in part.verbs(settings)}
-        self._settings_task: asyncio.Task[None] | None = None
+        self._settings_task = Background("reading what changes by itself", context)
         self._shown: dict[str, Json] = {}
         self._closed = False
 
@@ -183,28 +183,22 @@ class Furhat(Driver):
             part.hold()
         if not self._link.ready:
             return None
-        until = asyncio.get_running_loop().time() + STOP_S
-        halts = [asyncio.create_task(part.halt()) for part in self._parts]
-        pending: list[asyncio.Task[Any]] = [*halts]
+        loop = asyncio.get_running_loop()
+        until = loop.time() + confirmed_stop.STOP_S
+        tasks = BackgroundTasks("a stop")
+        halts = [tasks.start(part.halt()) for part in self._parts]
         try:
-            await asyncio.wait(halts, timeout=STOP_S)
+            await asyncio.wait(halts, timeout=until - loop.time())
             # The robot takes requests in order: with this answer it has taken those of the stop.
-            taken = asyncio.create_task(self._link.authenticate(STOP_S))
-            pending.append(taken)
-            ends: dict[str, list[asyncio.Future[Any]]] = {
-                part.name: [taken, halt, *(halt.result() if _done(halt) else ())]
+            taken = tasks.start(self._link.authenticate(confirmed_stop.STOP_S))
+            ends = {
+                part.name: [taken, halt, *(halt.result() if succeeded(halt) else ())]
                 for part, halt in zip(self._parts, halts, strict=True)
                 if part.name
             }
-            every = {end for part_ends in ends.values() for end in part_ends}
-            left = max(0.0, until - asyncio.get_running_loop().time())
-            await asyncio.wait(every, timeout=left)
-            missing = {name for name, part_ends in ends.items() if not all(map(_done, part_ends))}
+            return await confirmed_within(until - loop.time(), ends)
         finally:
-            for task in pending:
-                task.cancel()
-                task.add_done_callback(lambda over: over.cancelled() or over.exception())
-        return StopReport(tuple(sorted(ends.keys() - missing)), tuple(sorted(missing)))
+            tasks.cancel()
 
     async def rest(self) -> None:
         """A neutral face that looks at nobody."""
@@ -218,10 +212,7 @@ class Furhat(Driver):
         """End everything of this driver; the robot stays as it is."""
         self._closed = True
         self._by_verb = {}
-        task, self._settings_task = self._settings_task, None
-        if task is not None:
-            task.cancel()
-            await asyncio.wait([task])
+        await self._settings_task.close()
         for part in self._parts:
             await part.close()
         await self._link.close()
@@ -237,7 +228,7 @@ class Furhat(Driver):
                 raise
             except DriverError as error:
                 self.context.notice("warning", error.what, error.remedy)
-        self._settings_task = asyncio.create_task(self._watch_settings(), name="furhat settings")
+        self._settings_task.start(self._watch_settings())
         self._show()
         words = [self._link.shown, *(str(self._shown.get(name, "")) for name in ("voice", "face"))]
         return ", ".join(word for word in words if word)
@@ -245,9 +236,7 @@ class Furhat(Driver):
     def _lost(self) -> None:
         if self._closed:
             return
-        if self._settings_task is not None:
-            self._settings_task.cancel()
-            self._settings_task = None
+        self._settings_task.cancel()
         for part in self._parts:
             part.lost()
 
@@ -269,7 +258,3 @@ class Furhat(Driver):
         if shown != self._shown:
             self._shown = shown
             self.context.show(SettingsShown(values=shown))
-
-
-def _done(end: asyncio.Future[Any]) -> bool:
-    return end.done() and not end.cancelled() and end.exception() is None

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers import picture_files
+from woz_drivers.background import Background
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import CameraData
@@ -39,7 +40,7 @@ class FurhatCamera(FurhatPart):
         super().__init__(link, settings, context)
         self._pictures = context.feed(PICTURE)
         self._watched = context.feed(WATCHED)
-        self._picture_task: asyncio.Task[None] | None = None
+        self._watching = Background("the camera", context)
         self._trouble = ""
 
     @classmethod
@@ -65,20 +66,15 @@ class FurhatCamera(FurhatPart):
 
     async def connected(self) -> None:
         """Look whether somebody watches."""
-        self._picture_task = asyncio.create_task(self._watch(), name="furhat camera")
+        self._watching.start(self._watch())
 
     def lost(self) -> None:
         """No more pictures."""
-        if self._picture_task is not None:
-            self._picture_task.cancel()
-            self._picture_task = None
+        self._watching.cancel()
 
     async def close(self) -> None:
         """Ask for nothing more."""
-        task, self._picture_task = self._picture_task, None
-        if task is not None:
-            task.cancel()
-            await asyncio.wait([task])
+        await self._watching.close()
 
     async def _take(self) -> bytes:
         """A JPEG picture. Raises `DriverError`."""

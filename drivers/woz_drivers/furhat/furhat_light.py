@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 from collections.abc import Mapping
 
+from woz_drivers.background import Background
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.settings import FurhatSettings
@@ -25,7 +26,7 @@ class FurhatLight(FurhatPart):
         super().__init__(link, settings, context)
         self._color = color({"color": settings.led}, "color") if settings.led else ""
         self._animation = "steady"
-        self._loop: asyncio.Task[None] | None = None
+        self._loop = Background("the light", context)
 
     @classmethod
     def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
@@ -38,7 +39,7 @@ class FurhatLight(FurhatPart):
         animation = word(
             {"animation": job.args.get("animation", "steady")}, "animation", EYE_ANIMATIONS
         )
-        self._end_loop()
+        self._loop.cancel()
         await self._link.send("request.led.set", color=shown)
         self._color, self._animation = shown, animation
         self._begin_loop()
@@ -46,7 +47,7 @@ class FurhatLight(FurhatPart):
 
     def hold(self) -> None:
         """It comes and goes no more, also when the robot is back."""
-        self._end_loop()
+        self._loop.cancel()
         self._animation = "steady"
 
     async def halt(self) -> list[asyncio.Future[object]]:
@@ -63,7 +64,7 @@ class FurhatLight(FurhatPart):
 
     def lost(self) -> None:
         """Nothing blinks until it is back."""
-        self._end_loop()
+        self._loop.cancel()
 
     def shown(self) -> Mapping[str, Json]:
         """The colour, if one was asked for."""
@@ -71,15 +72,12 @@ class FurhatLight(FurhatPart):
 
     async def close(self) -> None:
         """The light stays."""
-        loop = self._loop
-        self._end_loop()
-        if loop is not None:
-            await asyncio.wait([loop])
+        await self._loop.close()
 
     def _begin_loop(self) -> None:
-        self._end_loop()
+        self._loop.cancel()
         if self._animation != "steady":
-            self._loop = asyncio.create_task(self._repeat(), name="furhat light")
+            self._loop.start(self._repeat())
 
     async def _repeat(self) -> None:
         with contextlib.suppress(DeviceLostError):  # it begins anew when the robot is back
@@ -91,8 +89,3 @@ class FurhatLight(FurhatPart):
                     for shown in ("#000000", self._color):
                         await asyncio.sleep(_HALF_S)
                         await self._link.send("request.led.set", color=shown)
-
-    def _end_loop(self) -> None:
-        loop, self._loop = self._loop, None
-        if loop is not None:
-            loop.cancel()

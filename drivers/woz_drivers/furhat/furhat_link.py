@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable, Coroutine
 from typing import Any, Generic, TypeVar
 
+from woz_drivers.background import forget_outcome
 from woz_drivers.furhat.realtime_events import Access, RobotEvent, read_error, read_event
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
@@ -42,7 +43,7 @@ class Exchange(Generic[E]):
         self.number = number
         self.over: asyncio.Future[E] = asyncio.get_running_loop().create_future()
         # Perhaps nobody waits for it any more.
-        self.over.add_done_callback(lambda over: over.cancelled() or over.exception())
+        self.over.add_done_callback(forget_outcome)
         self._last = last
         self._also = also
         self._events: asyncio.Queue[RobotEvent] = asyncio.Queue()

@@ -9,6 +9,7 @@ import contextlib
 import math
 
 from woz_drivers import pcm_audio
+from woz_drivers.background import Background
 from woz_drivers.furhat.furhat_head import FurhatHead, direction_of
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
@@ -45,7 +46,7 @@ class FurhatSenses(FurhatPart):
         self._heard_us = 0
         #: What was told of people too soon after what was published.
         self._waiting: UsersData | None = None
-        self._watching: asyncio.Task[None] | None = None
+        self._watching = Background("reading who is there", context)
         link.on(UsersData, self._users)
         link.on(AudioData, self._sound)
 
@@ -60,7 +61,7 @@ class FurhatSenses(FurhatPart):
         if self._settings.senses.users:
             await self._link.send("request.users.start")
             self._heard_us = self._context.clock.now_us()
-            self._watching = asyncio.create_task(self._watch(), name="furhat users")
+            self._watching.start(self._watch())
         if self._settings.senses.loudness:
             await self._link.send(
                 "request.audio.start", sample_rate=_RATE, microphone=True, speaker=False
@@ -68,19 +69,14 @@ class FurhatSenses(FurhatPart):
 
     def lost(self) -> None:
         """Nothing is known any more."""
-        if self._watching is not None:
-            self._watching.cancel()
-            self._watching = None
+        self._watching.cancel()
         self._waiting = None
         self._head.sees({})
         self._stale(self.sensors(self._settings), "the robot is not connected")
 
     async def close(self) -> None:
         """The robot need not tell us any more."""
-        watching, self._watching = self._watching, None
-        if watching is not None:
-            watching.cancel()
-            await asyncio.wait([watching])
+        await self._watching.close()
 
     def _stale(self, sensors: tuple[str, ...], why: str) -> None:
         for sensor in sensors:

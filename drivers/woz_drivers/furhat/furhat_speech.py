@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers import pcm_audio, wav
+from woz_drivers.background import BackgroundTasks
 from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import (
@@ -64,7 +65,7 @@ class FurhatSpeech(FurhatPart):
         super().__init__(link, settings, context)
         self._spoken: Exchange[SpeakEnded] | None = None
         #: What goes on sending a sound.
-        self._sending: asyncio.Task[None] | None = None
+        self._sending = BackgroundTasks("a sound for the robot")
         self._voice_id = ""
         #: Asked for last, by the robot file or a command: set again after a loss.
         voice = settings.voice
@@ -120,7 +121,7 @@ class FurhatSpeech(FurhatPart):
 
     def hold(self) -> None:
         """Send no more of a sound."""
-        self._end_sending()
+        self._sending.cancel()
 
     async def halt(self) -> list[asyncio.Future[Any]]:
         """Fall silent, whoever speaks through it."""
@@ -219,7 +220,7 @@ class FurhatSpeech(FurhatPart):
 
     async def _send_stop(self) -> None:
         """End it on the robot, if it is there; the next request comes behind this one."""
-        self._end_sending()
+        self._sending.cancel()
         if self._link.ready:
             with contextlib.suppress(DeviceLostError):
                 await self._link.send("request.speak.stop")
@@ -241,19 +242,13 @@ class FurhatSpeech(FurhatPart):
         exchange = await self._begin(
             "request.speak.audio.start", sample_rate=sound.rate, lipsync=lipsync
         )
-        self._sending = asyncio.create_task(self._send_sound(sound), name="furhat sound")
         # How it ends is told by the robot; a robot that is lost is told by the exchange.
-        self._sending.add_done_callback(lambda done: done.cancelled() or done.exception())
+        self._sending.start(self._send_sound(sound))
         try:
             await self._until_over(job, exchange, sound.seconds, 0)
         finally:
-            self._end_sending()
+            self._sending.cancel()
         return {"file": str(job.args["file"]), "volume": volume}
-
-    def _end_sending(self) -> None:
-        sending, self._sending = self._sending, None
-        if sending is not None:
-            sending.cancel()
 
     async def _send_sound(self, sound: wav.Wav) -> None:
         loop = asyncio.get_running_loop()

@@ -18,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+from woz_drivers.background import forget_outcome
 from woz_drivers.wav import Wav
 
 #: So many files may be on their way to a disk that does not answer.
@@ -123,7 +124,7 @@ class SegmentFiles:
         """
         loop = asyncio.get_running_loop()
         done: asyncio.Future[T] = loop.create_future()
-        done.add_done_callback(lambda over: over.cancelled() or over.exception())
+        done.add_done_callback(forget_outcome)
         if most is not None and self._busy >= most:
             done.set_exception(OSError(errno.EBUSY, "the disk has not finished earlier files"))
             return done

@@ -49,7 +49,7 @@ class NaoEyesPart(EyesPart):
         """Show it."""
         if job.verb != "emotion":
             return await super().perform(job)
-        await self._clean_up.settled()
+        await self._cleaned_up()
         emotion, intensity, color = _feeling(job.args)
         await self.show(color, EMOTION_S)
         return {"emotion": emotion, "intensity": intensity}

@@ -51,13 +51,13 @@ class AnimationsPart(NaoqiPart):
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Play it to its end."""
         path = await self._path(text(job.args, "move"))
-        await self._clean_up.settled()
+        await self._cleaned_up()
         self._playing = path
         try:
             await self._robot.call("ALAnimationPlayer", "run", path, within=LONG_S)
         except asyncio.CancelledError:
             # Until then it may go on, and a stop must reach it.
-            self._clean_up.send(self._end(path))
+            self._clean_up.start(self._end(path))
             raise
         except DriverError as error:
             self._playing = ""

@@ -49,7 +49,7 @@ class BasePart(NaoqiPart):
         x, y, turn = (number(job.args, name) for name in ("x", "y", "turn"))
         if x == y == turn == 0.0:
             raise RejectedError("no distance and no turn is given", "give x, y or turn")
-        await self._clean_up.settled()
+        await self._cleaned_up()
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.probe()
         await self._ready()
@@ -81,7 +81,7 @@ class BasePart(NaoqiPart):
             return await self._robot.call(MOTION, "moveTo", x, y, turn, within=within)
         except (asyncio.CancelledError, DriverError):
             # Cut short, or no answer in time: it must not drive on by itself.
-            self._clean_up.send(self._robot.call(MOTION, "stopMove"))
+            self._clean_up.start(self._robot.call(MOTION, "stopMove"))
             raise
 
     async def _why(self) -> tuple[str, str]:

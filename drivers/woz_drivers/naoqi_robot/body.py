@@ -66,7 +66,7 @@ class BodyPart(NaoqiPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Move; ends when the robot is there."""
-        await self._clean_up.settled()
+        await self._cleaned_up()
         match job.verb:
             case "posture":
                 speed = float(str(job.args.get("speed", DEFAULT_SPEED)))
@@ -151,7 +151,7 @@ class BodyPart(NaoqiPart):
         try:
             return await call
         except asyncio.CancelledError:
-            self._clean_up.send(end())
+            self._clean_up.start(end())
             raise
 
     async def _let_go(self, joints: list[str]) -> None:

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers import picture_files
+from woz_drivers.background import Background, apart
 from woz_drivers.naoqi_robot import camera_files
-from woz_drivers.naoqi_robot.background import Background, apart
 from woz_drivers.naoqi_robot.memory import item, number, within
 from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, binary
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
@@ -197,7 +197,7 @@ class CameraPart(NaoqiPart):
                 if subscription
                 else ("unsubscribeAllInstances", SINGLE)
             )
-            self._clean_up.send(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
+            self._clean_up.start(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
         return received, self._context.clock.now_us(), self._context.clock.wall()
 
     async def _first(self, subscription: str) -> CameraFrame:

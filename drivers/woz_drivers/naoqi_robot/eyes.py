@@ -12,6 +12,7 @@ import asyncio
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from woz_drivers.background import forget_outcome
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
@@ -99,7 +100,7 @@ class EyesPart(NaoqiPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Show it; a fade and an animation take their time."""
-        await self._clean_up.settled()
+        await self._cleaned_up()
         match job.verb:
             case "eyes":
                 return await self._color(job)
@@ -231,11 +232,11 @@ class EyesPart(NaoqiPart):
                 )
         playing = asyncio.get_running_loop().create_task(call, name="robot eyes")
         # Cut short on a robot that is gone, nobody asks how it ended.
-        playing.add_done_callback(lambda over: over.cancelled() or over.exception())
+        playing.add_done_callback(forget_outcome)
         try:
             await asyncio.shield(playing)
         except asyncio.CancelledError:
-            self._clean_up.send(self._after(playing, before))
+            self._clean_up.start(self._after(playing, before))
             raise
 
     async def _after(self, playing: asyncio.Task[object], before: EyeColor) -> None:

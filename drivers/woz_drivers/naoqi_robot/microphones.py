@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
-from woz_drivers.naoqi_robot.background import Background
+from woz_drivers.background import Background, BackgroundTasks
 from woz_drivers.naoqi_robot.memory import stamped, within
 from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, Unsubscribe, binary
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
-from woz_drivers.naoqi_robot.parts import CleanUpCalls, NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.parts import WITHIN_S, NaoqiPart, RobotCalls
 from woz_drivers.picture_files import stamp
 from woz_drivers.sound_file import SoundFile
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
@@ -280,7 +280,7 @@ class SoundRecording:
         self._t_us = 0
         self._bad = 0
         self._over = False
-        self._endings = CleanUpCalls()
+        self._endings = BackgroundTasks("ending the sound of the robot")
 
     async def begin(self) -> Mapping[str, Json]:
         """Return when the first sound has come; `t` is the moment of its first sample.
@@ -346,20 +346,20 @@ class SoundRecording:
     async def _leave(self) -> None:
         """Have the robot send nothing more; the service here is gone in any case."""
         self._over = True
-        self._endings.send(self._subscription.end())
-        await self._endings.settled()
+        self._endings.start(self._subscription.end())
+        await self._endings.settled(WITHIN_S)
         await self._endings.close()
 
     def abandon(self) -> None:
         """End it without waiting: what came is in the file."""
         self._over = True
-        self._endings.send(self._subscription.end())
+        self._endings.start(self._subscription.end())
         if self._sound is not None:
             self._sound.end()
 
     async def close(self) -> None:
         """Return when nothing of it is under way any more."""
-        await self._endings.settled()
+        await self._endings.settled(WITHIN_S)
         await self._endings.close()
         if self._sound is not None:
             await self._sound.finish()

@@ -10,9 +10,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
+from woz_drivers import confirmed_stop
+from woz_drivers.background import Background, BackgroundTasks
+from woz_drivers.confirmed_stop import confirmed_within
 from woz_drivers.naoqi_robot import address, tags, text_remarks
 from woz_drivers.naoqi_robot.autonomy import AutonomyPart
-from woz_drivers.naoqi_robot.background import Background
 from woz_drivers.naoqi_robot.base import BasePart
 from woz_drivers.naoqi_robot.body import BodyPart
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
@@ -39,8 +41,6 @@ from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import RobotOutline
 
-#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
-STOP_S = 0.45
 #: The parts have so long to say goodbye to the robot.
 FAREWELL_S = 1.5
 
@@ -102,7 +102,7 @@ class NaoqiRobot(Driver):
         self._stopped = self._waits = False
         self._later = Background("applying the settings", context)
         self._closed = False
-        self._stops: set[asyncio.Task[tuple[str, ...]]] = set()
+        self._stops = BackgroundTasks("a stop")
 
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
@@ -185,41 +185,29 @@ class NaoqiRobot(Driver):
         if not self._present:
             moving = [part.name for part in parts if isinstance(part, BasePart | BodyPart)]
             return StopReport(missing=tuple(moving)) if self._lost_unasked else None
-        until = asyncio.get_running_loop().time() + STOP_S
-        stops = self._stop_all(parts, scope)
-        done, late = await asyncio.wait(stops, timeout=STOP_S)
+        loop = asyncio.get_running_loop()
+        until = loop.time() + confirmed_stop.STOP_S
+        first = self._stop_all(parts, scope)
+        report = await confirmed_within(until - loop.time(), {n: [end] for n, end in first.items()})
+        late = [end for end in first.values() if not end.done()]
         if not late:
             # NAOqi's services do not keep to one order among each other: what was sent just before
             # the stop may have begun behind it. What is sent on its answer comes behind both.
-            left = until - asyncio.get_running_loop().time()
-            await asyncio.wait(self._stop_all(parts, scope), timeout=max(0.0, left))
-        confirmed: list[str] = []
-        missing = [stops[stop].name for stop in late]
-        for stop in late:
-            stop.add_done_callback(self._report_late)
-        for stop in done:
-            error = None if stop.cancelled() else stop.exception()
-            if error is None and not stop.cancelled():
-                confirmed += stop.result()
-            else:
-                log.info("stop of %s: %s", stops[stop].name, error or "the session ends")
-                missing.append(stops[stop].name)
-        return StopReport(tuple(sorted(confirmed)), tuple(sorted(missing)))
+            again = self._stop_all(parts, scope)
+            await asyncio.wait(again.values(), timeout=max(0.0, until - loop.time()))
+            # A line that is too slow for both has confirmed the first.
+            both = {n: [end for end in (first[n], again[n]) if end.done()] for n in first}
+            report = await confirmed_within(0.0, both)
+        for end in late:
+            end.add_done_callback(self._report_late)
+        confirmed = [name for part in report.confirmed for name in first[part].result()]
+        return StopReport(tuple(sorted(confirmed)), report.missing)
 
     def _stop_all(
         self, parts: Sequence[NaoqiPart], scope: Scope
-    ) -> dict[asyncio.Task[tuple[str, ...]], NaoqiPart]:
-        """Ask all at once. Those that come too late go on: a slow line must not keep it moving."""
-        loop = asyncio.get_running_loop()
-        stops = {
-            loop.create_task(part.stop(scope), name=f"stop {part.name}"): part for part in parts
-        }
-        self._stops |= set(stops)
-        for stop in stops:
-            stop.add_done_callback(self._stops.discard)
-            # Nobody waits for those that come too late: how they end has been told as missing.
-            stop.add_done_callback(lambda over: over.cancelled() or over.exception())
-        return stops
+    ) -> dict[str, asyncio.Task[tuple[str, ...]]]:
+        """Ask all at once, by name."""
+        return {part.name: self._stops.start(part.stop(scope)) for part in parts}
 
     def _report_late(self, stop: asyncio.Task[tuple[str, ...]]) -> None:
         """What was missing when the stop was reported ended after all: a step, on a slow line."""
@@ -253,8 +241,7 @@ class NaoqiRobot(Driver):
         self._closed = True
         await self._later.close()
         await self._reading.close()
-        for stop in list(self._stops):
-            stop.cancel()
+        self._stops.cancel()
         closing = [asyncio.ensure_future(part.close()) for part in self._parts]
         _, late = await asyncio.wait(closing, timeout=FAREWELL_S)
         for part in late:

@@ -7,10 +7,10 @@ of them when the robot is there again with fresh services.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
+from woz_drivers.background import BackgroundTasks
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.naoqi_link import Methods, Unsubscribe
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
@@ -110,7 +110,13 @@ class NaoqiPart:
         self._robot = robot
         self._settings = settings
         self._context = context
-        self._clean_up = CleanUpCalls()
+        #: What must still be said to the robot after a job was cut short, without the job waiting.
+        #: The next job of the same kind waits for it: an ending that came late would end that one.
+        self._clean_up = BackgroundTasks(f"{self.name}: ending it on the robot")
+
+    async def _cleaned_up(self) -> None:
+        """Return when nothing of that is on its way, or the robot does not answer."""
+        await self._clean_up.settled(WITHIN_S)
 
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
@@ -174,8 +180,6 @@ async def together(*calls: Any) -> list[Any]:
 #: For calls that end when something has ended on the robot: longer than any of that takes. A robot
 #: that falls silent meanwhile is noticed by the connection.
 LONG_S = 3600.0
-#: What a job's end still has to say may take so long when the session is over.
-FAREWELL_S = 0.5
 
 Call = Coroutine[Any, Any, Any]
 
@@ -243,41 +247,6 @@ async def apply(context: DriverContext, calls: Mapping[str, Call]) -> list[str]:
         else:
             done.append(name)
     return done
-
-
-class CleanUpCalls:
-    """What must still be said to the robot after a job was cut short, without the job waiting.
-
-    The next job of the same kind waits for it: an ending that arrives late would end that one.
-    """
-
-    def __init__(self) -> None:
-        self._tasks: set[asyncio.Task[None]] = set()
-
-    def send(self, call: Call) -> None:
-        """Send it now; a robot that is gone needs no ending."""
-        task = asyncio.get_running_loop().create_task(_quietly(call), name="robot ending")
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-
-    async def settled(self) -> None:
-        """Return when nothing is on its way, or the robot does not answer."""
-        if self._tasks:
-            await asyncio.wait(self._tasks, timeout=WITHIN_S)
-
-    async def close(self) -> None:
-        """Let it arrive if the robot is quick; give up what is left."""
-        if self._tasks:
-            await asyncio.wait(self._tasks, timeout=FAREWELL_S)
-        for task in list(self._tasks):
-            task.cancel()
-        if self._tasks:
-            await asyncio.wait(self._tasks)
-
-
-async def _quietly(call: Call) -> None:
-    with contextlib.suppress(DriverError):
-        await call
 
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import asyncio
 import contextlib
 from typing import Any
 
-from woz_drivers.naoqi_robot.background import Background
+from woz_drivers.background import Background
 from woz_drivers.naoqi_robot.memory import flag, item, within
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls

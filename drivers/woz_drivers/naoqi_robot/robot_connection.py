@@ -29,6 +29,7 @@ from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
+from woz_drivers.background import BackgroundTasks, forget_outcome
 from woz_drivers.naoqi_robot.address import Address, parse
 from woz_drivers.naoqi_robot.naoqi_link import (
     ConnectionRefusedByRobotError,
@@ -95,7 +96,7 @@ class RobotConnection:
         self._line: RobotLine | None = None
         self._keeper: asyncio.Task[None] | None = None
         self._changing = asyncio.Lock()
-        self._changes: set[asyncio.Task[Any]] = set()
+        self._changes = BackgroundTasks("a change of robot")
         self._closed = False
         self._met: set[Address] = set()
         self._absent: dict[Address, frozenset[str]] = {}
@@ -267,11 +268,7 @@ class RobotConnection:
         """Carry a change of robot to its end, even if a stop comes while one is let go: else none
         would be looked for, and the last that was told would be that the old one is there.
         """
-        task = asyncio.create_task(change)
-        self._changes.add(task)
-        task.add_done_callback(self._changes.discard)
-        task.add_done_callback(lambda done: done.cancelled() or done.exception())
-        return await asyncio.shield(task)
+        return await asyncio.shield(self._changes.start(change))
 
     async def _change_to(self, address: Address) -> asyncio.Future[None]:
         async with self._changing:
@@ -295,7 +292,7 @@ class RobotConnection:
     def _keep(self, address: Address) -> asyncio.Future[None]:
         """Look after this robot from now on; the result is that of the first attempt."""
         first: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        first.add_done_callback(lambda done: done.cancelled() or done.exception())
+        first.add_done_callback(forget_outcome)
         self._address = address
         self._keeper = asyncio.create_task(self._keeping(address, first))
         self._keeper.add_done_callback(lambda keeper: self._keeper_ended(keeper, first))

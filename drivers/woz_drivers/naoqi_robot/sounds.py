@@ -75,7 +75,7 @@ class SoundsPart(NaoqiPart):
         """Play it; ends when the sound has ended."""
         path = text(job.args, "file")
         volume = min(max(number(job.args, "volume", 1.0), 0.0), 1.0)
-        await self._clean_up.settled()
+        await self._cleaned_up()
         local = local_file(path, self._folder)
         if local is not None or is_address(path):
             await self._stream(job, path, local, volume)
@@ -158,7 +158,7 @@ class SoundsPart(NaoqiPart):
         try:
             await self._robot.call(PLAYER, method, *words, within=LONG_S)
         except asyncio.CancelledError:
-            self._clean_up.send(self._robot.call(PLAYER, "stopAll"))
+            self._clean_up.start(self._robot.call(PLAYER, "stopAll"))
             raise
         finally:
             self._playing = ""

@@ -122,7 +122,7 @@ class VoicePart(NaoqiPart):
         if not spoken.strip():
             raise RejectedError("there is nothing to say", "write a text")
         self._warn(spoken)
-        await self._clean_up.settled()
+        await self._cleaned_up()
         job.expects(tags.seconds(spoken, self._speed))
         await self._utter(spoken, job.args.get("plain") is True)
         return {"text": spoken}
@@ -134,7 +134,7 @@ class VoicePart(NaoqiPart):
         if not parts:
             raise RejectedError(f"{path} has no text in it", "write something into it")
         self._warn(content)
-        await self._clean_up.settled()
+        await self._cleaned_up()
         for position, part in enumerate(parts):
             job.expects(sum(tags.seconds(left, self._speed) for left in parts[position:]))
             try:
@@ -151,7 +151,7 @@ class VoicePart(NaoqiPart):
         try:
             await self._robot.call(service, "say", spoken, within=LONG_S)
         except asyncio.CancelledError:
-            self._clean_up.send(self._robot.call(TTS, "stopAll"))
+            self._clean_up.start(self._robot.call(TTS, "stopAll"))
             raise
 
     def _warn(self, spoken: str) -> None:

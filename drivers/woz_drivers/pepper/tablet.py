@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.naoqi_robot.background import Background
+from woz_drivers.background import Background
 from woz_drivers.naoqi_robot.memory import number
 from woz_drivers.naoqi_robot.naoqi_link import Unsubscribe
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings

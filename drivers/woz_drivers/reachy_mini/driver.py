@@ -6,6 +6,9 @@ import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 
+from woz_drivers import confirmed_stop
+from woz_drivers.background import Background, BackgroundTasks
+from woz_drivers.confirmed_stop import confirmed_within
 from woz_drivers.reachy_mini import doctor, reachy_pose
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_body import ReachyBody
@@ -40,8 +43,6 @@ from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
 
-#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
-STOP_S = 0.45
 #: The robot is let go within so many seconds.
 FAREWELL_S = 1.0
 #: At the end other drivers let go of camera and microphones within so many seconds: the daemon,
@@ -203,11 +204,11 @@ class ReachyMini(Driver):
         )
         self._wobbles = settings.wobble
         self._mode = MODES[0]
-        self._demo: asyncio.Task[None] | None = None
-        self._leaving: asyncio.Future[None] | None = None
+        self._demo = Background("the demo", context)
+        self._leaving = BackgroundTasks("following faces no more")
         #: Recorded moves by library; None: not asked for, or nobody answered.
         self._installed: Mapping[str, list[str]] | None = None
-        self._asking: asyncio.Task[None] | None = None
+        self._asking = Background("asking what it has", context)
         #: Of the robot's loudspeaker, 0 to 1; None: it does not say.
         self._level: float | None = None
         self._shown: dict[str, Json] = {}
@@ -215,7 +216,7 @@ class ReachyMini(Driver):
         self._lost = False
         self._told_silent = self._asked_library = False
         self._closed = False
-        self._stops: list[asyncio.Future[None]] = []
+        self._stops = BackgroundTasks("a stop")
         self._performers: dict[str, Callable[[Job], Awaitable[Sent]]] = {
             "say": self._sounds.say,
             "sound": self._sounds.sound,
@@ -301,7 +302,7 @@ class ReachyMini(Driver):
         if self._closed:
             raise DeviceLostError("the robot's driver is closed")
         self._link.need()
-        if self._demo is not None and job.verb in _ENDS_DEMO:
+        if job.verb in _ENDS_DEMO:
             await self._end_demo()
         try:
             return await performer(job)
@@ -318,29 +319,12 @@ class ReachyMini(Driver):
         self._body.hold()  # also a robot that comes back while the stop is pressed
         if not self._link.ready:
             return None
-        if self._demo is not None:
-            self._demo.cancel()
-        self._end_late_stops()
-        ended = asyncio.ensure_future(self._body.end_moves())
-        parts = {
-            asyncio.ensure_future(self._stop_motion(ended)): "motion",
-            asyncio.ensure_future(self._stop_sound(ended)): "sound",
-        }
-        # Those that come too late go on: a slow line must not keep it moving.
-        self._stops = [ended, *parts]
-        await asyncio.wait(parts, timeout=STOP_S)
-        confirmed, missing = [], []
-        for part, name in parts.items():
-            if part.done() and not part.cancelled() and part.exception() is None:
-                confirmed.append(name)
-            else:
-                missing.append(name)
-        return StopReport(tuple(confirmed), tuple(missing))
-
-    def _end_late_stops(self) -> None:
-        for stop in self._stops:
-            stop.add_done_callback(lambda over: over.cancelled() or over.exception())
-            stop.cancel()
+        self._demo.cancel()
+        self._stops.cancel()
+        ended = self._stops.start(self._body.end_moves())
+        parts = {"motion": self._stop_motion(ended), "sound": self._stop_sound(ended)}
+        ends = {name: [self._stops.start(stop)] for name, stop in parts.items()}
+        return await confirmed_within(confirmed_stop.STOP_S, ends)
 
     async def _stop_motion(self, ended: asyncio.Future[None]) -> None:
         if self._mode == "demo":
@@ -359,7 +343,7 @@ class ReachyMini(Driver):
 
     async def resume(self) -> None:
         """The stop was released: a body is followed again."""
-        self._end_late_stops()  # what is asked for from now on must not end by them
+        self._stops.cancel()  # what is asked for from now on must not end by them
         self._body.resume()
 
     async def rest(self) -> None:
@@ -377,12 +361,10 @@ class ReachyMini(Driver):
         if self._closed:
             return
         self._closed = True
-        self._end_late_stops()
-        await asyncio.gather(*self._stops, return_exceptions=True)
+        await self._stops.close(0.0)
         await self._end_demo()
-        if self._asking is not None:
-            self._asking.cancel()
-            await asyncio.gather(self._asking, return_exceptions=True)
+        await self._asking.close()
+        self._leaving.cancel()
         await self._senses.close()
         await asyncio.gather(self._body.close(), self._sounds.close())
         if self._link.ready:
@@ -415,9 +397,7 @@ class ReachyMini(Driver):
         if self._link.status.silent and not self._told_silent:
             self._told_silent = True
             self.context.notice("warning", *_SILENT)
-        if self._asking is not None:
-            self._asking.cancel()
-        self._asking = asyncio.create_task(self._ask(), name="reachy-mini questions")
+        self._asking.start(self._ask())
         self._body.follow()
 
     async def _hold_media(self, held: bool) -> None:
@@ -448,8 +428,7 @@ class ReachyMini(Driver):
     def _when_lost(self, error: DeviceLostError) -> None:
         self._mode = MODES[0]
         self._lost = True
-        if self._demo is not None:
-            self._demo.cancel()
+        self._demo.cancel()
         self._body.forget()
         self._senses.lost()
 
@@ -594,7 +573,7 @@ class ReachyMini(Driver):
             self._body.forget()
         if mode == "demo":
             self._body.need_motors()
-            self._demo = asyncio.create_task(self._show(), name="reachy-mini demo")
+            self._demo.start(self._show())
         self._take_mode(mode)
         return {"mode": mode, "was": was}
 
@@ -608,7 +587,7 @@ class ReachyMini(Driver):
         try:
             await self._senses.track(on)
         except (asyncio.CancelledError, DriverError):
-            self._leaving = asyncio.ensure_future(self._leave_tracking())
+            self._leaving.start(self._leave_tracking())
             raise
 
     async def _leave_tracking(self) -> None:
@@ -627,15 +606,12 @@ class ReachyMini(Driver):
         except DeviceLostError:
             return  # which ends the mode, too
         except DriverError as error:
-            self._demo = None
             self._take_mode(MODES[0])
             self.context.notice("warning", f"the demo has ended: {error.what}", error.remedy)
 
     async def _end_demo(self) -> None:
-        demo, self._demo = self._demo, None
-        if demo is not None:
-            demo.cancel()
-            await asyncio.gather(demo, return_exceptions=True)
+        await self._demo.close()
+        if self._mode == "demo":
             self._take_mode(MODES[0])
 
     async def _torque(self, job: Job) -> Sent:

@@ -15,6 +15,7 @@ import random
 from collections.abc import AsyncIterator, Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
+from woz_drivers.background import BackgroundTasks
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_moves import PoseFrame
 from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, Pose, reachable
@@ -79,7 +80,8 @@ class ReachyBody:
         #: What an emotion adds to the pose of the body that is followed.
         self._posture: Pose = {}
         self._streaming: asyncio.Task[None] | None = None
-        self._tidying: set[asyncio.Task[None]] = set()
+        #: What the next command waits for.
+        self._tidying = BackgroundTasks("a move that was cut short")
         #: Held while a move of the daemon is under way.
         self._lane = asyncio.Lock()
         self._stopped = False
@@ -211,8 +213,7 @@ class ReachyBody:
     ) -> None:
         """Have a move begin, and wait for its end; it is ended when it is cancelled or fails."""
         async with self._lane:
-            while self._tidying:
-                await asyncio.wait(set(self._tidying))
+            await self._tidying.settled()
             if not self.following:
                 await self._end_stream()
             if self._stopped:
@@ -229,7 +230,7 @@ class ReachyBody:
             await self._until_over(uuid, seconds)
         except (asyncio.CancelledError, DriverError):
             self._forget_setpoints()
-            self._tidy(self._end_begun(beginning))
+            self._tidying.start(self._end_begun(beginning))
             raise
         finally:
             self._moves -= 1
@@ -247,19 +248,12 @@ class ReachyBody:
 
     async def _end_begun(self, beginning: asyncio.Future[str]) -> None:
         """End a move that may run; where the daemon answers nothing, whatever runs."""
-        with contextlib.suppress(DriverError):
-            try:
-                await self._link.end(await beginning)
-            except (AnswerError, DeviceLostError):
-                return  # refused: nothing has begun; lost: all is ended when it is there again
-            except DriverError:
-                await self._link.end_running()
-
-    def _tidy(self, work: Coroutine[Any, Any, None]) -> None:
-        """Do in the background what the next command waits for."""
-        task = asyncio.get_running_loop().create_task(work, name="reachy-mini ends a move")
-        self._tidying.add(task)
-        task.add_done_callback(self._tidying.discard)
+        try:
+            await self._link.end(await beginning)
+        except (AnswerError, DeviceLostError):
+            return  # refused: nothing has begun; lost: all is ended when it is there again
+        except DriverError:
+            await self._link.end_running()
 
     # -- setpoints -------------------------------------------------------------------------------
 
@@ -421,10 +415,7 @@ class ReachyBody:
     async def close(self) -> None:
         """End what goes on; the robot stays as it is."""
         await self._end_stream()
-        if self._tidying:
-            await asyncio.wait(set(self._tidying), timeout=0.5)
-            for task in self._tidying:
-                task.cancel()
+        await self._tidying.close()
 
     async def _end_stream(self) -> None:
         streaming, self._streaming = self._streaming, None

@@ -6,6 +6,7 @@ import asyncio
 import math
 from collections.abc import Callable
 
+from woz_drivers.background import Background
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_pose import LIMITS, Pose
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
@@ -53,7 +54,7 @@ class ReachySenses:
         self._switches = asyncio.Lock()
         #: The newest of these requests, which comes last.
         self._switching: asyncio.Future[None] | None = None
-        self._polling: asyncio.Task[None] | None = None
+        self._polling = Background("reading the robot's senses", context)
         self._segment = 0
         #: When the segment under way began and speech was heard last; None: nobody speaks.
         self._began_us: int | None = None
@@ -71,10 +72,7 @@ class ReachySenses:
     def begin(self) -> None:
         """Look and listen, again and again."""
         self._states.clear()
-        self._end_polling()
-        self._polling = asyncio.get_running_loop().create_task(
-            self._poll(), name="reachy-mini senses"
-        )
+        self._polling.start(self._poll())
 
     @property
     def may_track(self) -> bool:
@@ -115,7 +113,7 @@ class ReachySenses:
 
     def lost(self) -> None:
         """Nobody knows whether they speak on."""
-        self._end_polling()
+        self._polling.cancel()
         if self._began_us is not None:
             self._end_speech("the robot is not connected")
         for sensor in ("presence", "direction", SPEECH):
@@ -124,18 +122,12 @@ class ReachySenses:
 
     async def close(self) -> None:
         """Look no more; the head is left where it is."""
-        self._end_polling()
-        if self._polling is not None:
-            await asyncio.gather(self._polling, return_exceptions=True)
+        await self._polling.close()
         if self._switching is not None:
             await asyncio.wait({self._switching}, timeout=0.5)
             self._switching.cancel()
         if self._began_us is not None:
             self._end_speech("the session ended")
-
-    def _end_polling(self) -> None:
-        if self._polling is not None:
-            self._polling.cancel()
 
     async def _poll(self) -> None:
         while True:

@@ -9,12 +9,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hashlib
-from collections.abc import Coroutine, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import aiohttp
 
+from woz_drivers.background import BackgroundTasks
 from woz_drivers.reachy_mini.daemon_link import QUICK_S, UPLOAD_S, DaemonLink
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.speech.settings import VoiceChoice
@@ -43,7 +44,7 @@ class ReachySounds:
         self._synthesis = SpeechSynthesis(settings.voice, context.folder, self._voice_moved)
         #: Names of files that the robot has; it forgets them when it is switched off.
         self._sent: set[str] = set()
-        self._tidying: set[asyncio.Task[None]] = set()
+        self._tidying = BackgroundTasks("a sound that was cut short")
         #: Whether something of ours is to be heard now.
         self.audible = False
 
@@ -113,8 +114,7 @@ class ReachySounds:
     async def stop(self) -> None:
         """Fall silent, whoever began the sound; returns when the daemon has confirmed it."""
         await self._link.ask("POST", "media/stop_sound", within=QUICK_S)
-        while self._tidying:
-            await asyncio.wait(set(self._tidying))
+        await self._tidying.settled()
 
     def forget(self) -> None:
         """The robot may have been switched off: it has no file of ours any more."""
@@ -123,17 +123,13 @@ class ReachySounds:
     async def close(self) -> None:
         """End the program of the voice, and wait until a sound that was broken off has ended."""
         await self._synthesis.close()
-        if self._tidying:
-            await asyncio.wait(set(self._tidying), timeout=0.5)
-            for task in self._tidying:
-                task.cancel()
+        await self._tidying.close()
 
     async def _play(self, job: Job, wav: Wav) -> dict[str, Json]:
         status = self._link.status
         if status.silent and not status.simulated:
             raise _NO_SOUND
-        while self._tidying:
-            await asyncio.wait(set(self._tidying))
+        await self._tidying.settled()
         name = "" if status.silent else await self._deliver(wav)
         job.expects(wav.seconds)
         self.audible = True
@@ -142,7 +138,7 @@ class ReachySounds:
             await asyncio.shield(beginning)
             await self._link.pause(wav.seconds)
         except (asyncio.CancelledError, DriverError):
-            self._tidy(self._silence(beginning))
+            self._tidying.start(self._silence(beginning))
             raise
         finally:
             self.audible = False
@@ -166,10 +162,4 @@ class ReachySounds:
     async def _silence(self, beginning: asyncio.Future[None]) -> None:
         """End a sound that may have begun, not before the daemon has answered its beginning."""
         await asyncio.gather(beginning, return_exceptions=True)
-        with contextlib.suppress(DriverError):
-            await self._link.ask("POST", "media/stop_sound", within=QUICK_S)
-
-    def _tidy(self, work: Coroutine[Any, Any, None]) -> None:
-        task = asyncio.get_running_loop().create_task(work, name="reachy-mini falls silent")
-        self._tidying.add(task)
-        task.add_done_callback(self._tidying.discard)
+        await self._link.ask("POST", "media/stop_sound", within=QUICK_S)

@@ -9,6 +9,9 @@ from collections.abc import Coroutine, Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
+from woz_drivers import confirmed_stop
+from woz_drivers.background import Background
+from woz_drivers.confirmed_stop import confirmed_within
 from woz_drivers.ros import doctor, simulated_interface
 from woz_drivers.ros.declarations import (
     EndDeclaration,
@@ -42,8 +45,6 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
 
-#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
-_STOP_S = 0.45
 #: What a topic says must begin so soon after it was asked for, in seconds.
 _BEGINS_S = 5.0
 #: A sensor that is silent for so long, or for so many of its readings, is stale.
@@ -102,7 +103,7 @@ class Ros(Driver):
         self._gaze = (0.0, 0.0)
         #: Verbs that cannot work with this robot, and why.
         self._broken: Mapping[str, Finding] = {}
-        self._watch: asyncio.Task[None] | None = None
+        self._watch = Background("looking after sensors", context)
         self._lost_unexpectedly = False
         self._closed = False
 
@@ -151,7 +152,7 @@ class Ros(Driver):
         """Begin to look for the robot."""
         self._robot.start()
         if self._sensors:
-            self._watch = asyncio.create_task(self._watch_sensors(), name="watching sensors")
+            self._watch.start(self._watch_sensors())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Send what the file says, and return when it has ended. Raises as the contract says."""
@@ -228,7 +229,10 @@ class Ros(Driver):
         for name, verb in self._declared.items():
             if verb.stoppable and (scope is Scope.ALL or self.settings.verbs[name].drives):
                 stops[name] = verb.stop()
-        return await self._confirmed(stops)
+        if not stops:
+            return None
+        ends = {name: [self._robot.later(stop)] for name, stop in stops.items()}
+        return await confirmed_within(confirmed_stop.STOP_S, ends)
 
     def _leftovers(self) -> frozenset[str]:
         """What may be going on since the line was lost."""
@@ -236,16 +240,6 @@ class Ros(Driver):
 
     def _moving(self) -> list[str]:
         return [*(["driving"] if self._base is not None else []), *sorted(self._leftovers())]
-
-    async def _confirmed(self, stops: Mapping[str, Coroutine[Any, Any, None]]) -> StopReport | None:
-        if not stops:
-            return None
-        tasks = {self._robot.later(stop): name for name, stop in stops.items()}
-        # Those that come too late go on: a slow line must not keep it moving.
-        done, _ = await asyncio.wait(tasks, timeout=_STOP_S)
-        good = [tasks[task] for task in done if not task.cancelled() and task.exception() is None]
-        missing = {*tasks.values()} - {*good}
-        return StopReport(tuple(sorted(good)), tuple(sorted(missing)))
 
     async def rest(self) -> None:
         """Stand still; poses are the robot's own affair."""
@@ -256,10 +250,7 @@ class Ros(Driver):
     async def close(self) -> None:
         """Let go; what is being done is ended."""
         first, self._closed = not self._closed, True
-        if self._watch is not None:
-            self._watch.cancel()
-            await asyncio.gather(self._watch, return_exceptions=True)
-            self._watch = None
+        await self._watch.close()
         if first and self._robot.line.ready:
             with suppress(DriverError, TimeoutError):
                 async with asyncio.timeout(1.0):
@@ -554,7 +545,7 @@ class EndTopic:
 
     async def silence(self) -> None:
         """Return when it says that nothing goes on. Raises TimeoutError."""
-        async with asyncio.timeout(_STOP_S):
+        async with asyncio.timeout(confirmed_stop.STOP_S):
             while not self._silent:
                 self._message_came.clear()
                 await self._message_came.wait()

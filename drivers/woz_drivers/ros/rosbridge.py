@@ -20,6 +20,7 @@ from typing import Any
 import aiohttp
 import msgspec
 
+from woz_drivers.background import BackgroundTasks
 from woz_drivers.ros.message_types import plain, wire_name
 from woz_drivers.ros.settings import RosSettings, shown, url
 from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
@@ -137,9 +138,9 @@ class Rosbridge:
         self._spare: aiohttp.ClientWebSocketResponse[bool] | None = None
         self._in_use: set[aiohttp.ClientWebSocketResponse[bool]] = set()
         self._complaints: set[str] = set()
-        self._background: set[asyncio.Task[Any]] = set()
+        self._background = BackgroundTasks("something for the robot")
         #: Those that close connections: they are not broken off.
-        self._closing: set[asyncio.Task[None]] = set()
+        self._closing = BackgroundTasks("closing connections")
 
     # -- its life ------------------------------------------------------------------------------
 
@@ -176,30 +177,18 @@ class Rosbridge:
 
     async def close(self) -> None:
         """Let go of the robot."""
-        for task in tuple(self._background):
-            task.cancel()
-        await asyncio.gather(*self._background, return_exceptions=True)
+        await self._background.close(0.0)
         self._forget(DeviceLostError("the robot's driver is closed"))
         await self.line.close()
         self._hang_up()
-        await asyncio.gather(*self._closing, return_exceptions=True)
+        await self._closing.settled()
         await self._simulated.close()
 
     def later(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
         """Do something that nobody needs to wait for, and whose failure is no surprise. It is
         broken off by `close` only: what it sends after a loss raises `DeviceLostError`.
         """
-        task = asyncio.create_task(work)
-        self._background.add(task)
-        task.add_done_callback(self._background.discard)
-        task.add_done_callback(_look_at)
-        return task
-
-    def _close_later(self, work: Coroutine[Any, Any, Any]) -> None:
-        task = asyncio.create_task(work)
-        self._closing.add(task)
-        task.add_done_callback(self._closing.discard)
-        task.add_done_callback(_look_at)
+        return self._background.start(work)
 
     def need(self) -> None:
         """Raise `DeviceLostError` unless the robot is there and ready."""
@@ -282,7 +271,7 @@ class Rosbridge:
         opened = [*self._in_use, *([self._spare] if self._spare is not None else [])]
         self._spare = None
         if session is not None:
-            self._close_later(_close(session, opened))
+            self._closing.start(_close(session, opened))
 
     # -- messages --------------------------------------------------------------------------------
 
@@ -360,7 +349,7 @@ class Rosbridge:
                 session, f"takes no further connection: {_reason(error)}"
             ) from None
         if self._session is not session:
-            self._close_later(opened.close())
+            self._closing.start(opened.close())
             raise await self._trouble(session, "was lost")
         return opened
 
@@ -407,7 +396,7 @@ class Rosbridge:
         if answered and not opened.closed and self._spare is None and self.line.ready:
             self._spare = opened
             return
-        self._close_later(opened.close())
+        self._closing.start(opened.close())
         if self._spare is None and self.line.ready:
             self.later(self._refill())
 
@@ -416,7 +405,7 @@ class Rosbridge:
         if self._spare is None:
             self._spare = fresh
         else:
-            self._close_later(fresh.close())
+            self._closing.start(fresh.close())
 
     async def call(self, service: str, request: Json, within: float = 3.0) -> Any:
         """The answer of a service.
@@ -582,12 +571,6 @@ def _reason(error: BaseException) -> str:
     if isinstance(error, aiohttp.WSServerHandshakeError):
         return f"{error.status} {error.message}"
     return str(error) or "it does not answer"
-
-
-def _look_at(task: asyncio.Task[Any]) -> None:
-    error = None if task.cancelled() else task.exception()
-    if error is not None and not isinstance(error, DriverError | TimeoutError):
-        log.error("something in the background failed", exc_info=error)
 
 
 async def _read(opened: aiohttp.ClientWebSocketResponse[bool]) -> Mapping[str, Any] | None:

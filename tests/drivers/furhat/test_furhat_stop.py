@@ -9,7 +9,8 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from woz_drivers.furhat import driver, furhat_face, furhat_light, furhat_speech
+from woz_drivers import confirmed_stop
+from woz_drivers.furhat import furhat_face, furhat_light, furhat_speech
 from woz_drivers.furhat.settings import FurhatSensesSettings
 
 from tests.drivers.furhat.acted import SOMEBODY, Acted, acted
@@ -26,13 +27,13 @@ PARTS = ("gaze", "gesture", "speech")
 @pytest.fixture
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine takes its time; that a stop waits no longer is another test's."""
-    monkeypatch.setattr(driver, "STOP_S", 20.0)
+    monkeypatch.setattr(confirmed_stop, "STOP_S", 20.0)
 
 
 @pytest.fixture
 def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """What does not confirm need not be waited for."""
-    monkeypatch.setattr(driver, "STOP_S", 0.15)
+    monkeypatch.setattr(confirmed_stop, "STOP_S", 0.15)
 
 
 @pytest.fixture

@@ -54,7 +54,7 @@ async def test_a_stop_ends_the_walk_on_its_feet(it: Played, scope: Scope) -> Non
 async def test_a_step_that_outlasts_the_stop_is_told_when_it_has_ended(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", 0.05)
+    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.05)
     async with played(tmp_path, kind="nao", pace=0.5) as it:  # a step of 0.6 s
         it.begin("drive", x=5.0)
         await it.robot.called("ALMotion.moveTo")

@@ -27,7 +27,7 @@ async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Play
 @pytest.fixture(autouse=True)
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine takes its time; that a stop waits no longer is another test's."""
-    monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", PATIENCE_S)
 
 
 @pytest.mark.naoqi("ALMotion.moveTo")

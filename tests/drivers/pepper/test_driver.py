@@ -88,7 +88,7 @@ async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path) -> 
 async def test_a_robot_is_not_left_driving_or_speaking(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", PATIENCE_S)
     async with played(tmp_path, pace=2) as it:
         driving = it.begin("drive", x=5.0)
         saying = it.begin("say", text="A long story. " * 100)

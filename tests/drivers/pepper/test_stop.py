@@ -35,7 +35,7 @@ PACE = 1.0
 @pytest.fixture
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine takes its time; that a stop waits no longer is another test's."""
-    monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", PATIENCE_S)
     monkeypatch.setattr("woz_tui.bus.bus.STOP_WAIT_S", PATIENCE_S)
 
 
@@ -89,7 +89,7 @@ async def test_everything_ends_at_once_and_each_part_confirms(tmp_path: Path) ->
 async def test_parts_are_asked_together_and_none_waits_for_the_answer_of_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", 1.0)
+    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 1.0)
     async with played(tmp_path, pace=PACE) as it:
         await busy(it)
         await it.robot.clear()
@@ -133,6 +133,17 @@ async def test_a_part_that_fails_is_named_and_the_others_confirm(tmp_path: Path)
         it.begin("say", text=LONG)
         await it.robot.called("ALAnimatedSpeech.say")
         await it.robot.fault("refuse:ALTextToSpeech.stopAll=cannot")
+        report = await it.stop()
+        assert report.missing == ("speech",)
+        assert set(report.confirmed) == {*ALWAYS} - {"speech"}
+
+
+@pytest.mark.usefixtures("unhurried")
+async def test_a_part_that_fails_when_it_is_asked_once_more_has_not_confirmed(
+    tmp_path: Path,
+) -> None:
+    async with played(tmp_path) as it:
+        await it.robot.fault("refuse-again:ALTextToSpeech.stopAll=cannot")
         report = await it.stop()
         assert report.missing == ("speech",)
         assert set(report.confirmed) == {*ALWAYS} - {"speech"}

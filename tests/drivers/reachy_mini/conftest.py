@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.reachy_mini import ReachyMiniSimulator
+from woz_drivers import confirmed_stop
 from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link, reachy_sounds
-from woz_drivers.reachy_mini import driver as reachy_driver
 from woz_drivers.speech.settings import SynthesisSettings
 from woz_drivers.wav import Wav
 
@@ -101,7 +101,7 @@ async def reachy(
 @pytest.fixture(autouse=True)
 def busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a stop confirms is tested, not how soon on a machine that does other things."""
-    monkeypatch.setattr(reachy_driver, "STOP_S", 20.0)
+    monkeypatch.setattr(confirmed_stop, "STOP_S", 20.0)
     monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
     monkeypatch.setattr(reachy_sounds, "QUICK_S", 10.0)
     monkeypatch.setattr(contract_checks, "PROMPT", 8 * contract_checks.PROMPT)
@@ -110,7 +110,7 @@ def busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """A stop that is never confirmed is told of after a moment."""
-    monkeypatch.setattr(reachy_driver, "STOP_S", 0.3)
+    monkeypatch.setattr(confirmed_stop, "STOP_S", 0.3)
 
 
 @pytest.fixture

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from woz_drivers.ros import driver, rosbridge, velocity_drive
+from woz_drivers import confirmed_stop
+from woz_drivers.ros import rosbridge, velocity_drive
 
 from woz_tui.testing import contract_checks
 
@@ -12,6 +13,6 @@ from woz_tui.testing import contract_checks
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """The simulated server finds its subscribers at once, and a busy machine may be slow."""
     monkeypatch.setattr(rosbridge, "DISCOVERY_S", 0.0)
-    monkeypatch.setattr(driver, "_STOP_S", 8 * driver._STOP_S)
+    monkeypatch.setattr(confirmed_stop, "STOP_S", 8 * confirmed_stop.STOP_S)
     monkeypatch.setattr(velocity_drive, "_SILENT_S", 8 * velocity_drive._SILENT_S)
     monkeypatch.setattr(contract_checks, "PROMPT", 8 * contract_checks.PROMPT)

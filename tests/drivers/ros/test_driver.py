@@ -303,7 +303,7 @@ async def test_a_stop_of_driving_ends_an_action_that_drives() -> None:
 
 
 async def test_a_base_that_rolls_on_has_not_confirmed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("woz_drivers.ros.driver._STOP_S", 0.3)
+    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.3)
     async with played() as it:
         it.robot.interface = {**it.robot.interface, "drive": ""}  # it hears of no velocity
         it.robot._commanded = (math.inf, 0.3, 0.0)
@@ -388,7 +388,7 @@ async def test_a_voice_that_goes_on_has_not_confirmed(monkeypatch: pytest.Monkey
         task = it.begin("say", text="x" * 500)
         await until(lambda: bool(it.sent("/tts")))
         it.robot.interface["speech"].clear()  # it ignores the empty text
-        monkeypatch.setattr("woz_drivers.ros.driver._STOP_S", 0.5)
+        monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.5)
         report = await it.driver.stop(Scope.ALL)
         assert report == StopReport(("driving", "play"), ("say",))
         task.cancel()
@@ -398,7 +398,7 @@ async def test_a_voice_that_goes_on_has_not_confirmed(monkeypatch: pytest.Monkey
 async def test_what_was_not_heard_to_begin_is_not_taken_for_ended(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("woz_drivers.ros.driver._STOP_S", 0.5)
+    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.5)
     async with played() as it:
         it.robot.interface["speech"].clear()  # it begins late
         task = it.begin("say", text="Hello")

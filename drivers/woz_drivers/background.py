@@ -1,15 +1,27 @@
-"""Work in the background: one task of a part, and threads for what may wait for a disk."""
+"""Work in the background: tasks that nobody waits for, and threads for what may wait for a disk."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 import threading
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
-from woz_tui.drivers.contract import DriverContext
+from woz_tui.drivers.contract import DriverContext, DriverError
+
+#: What was begun for a robot may take so long to arrive there when the session is over, in seconds.
+FAREWELL_S = 0.5
+
+log = logging.getLogger(__name__)
 
 _T = TypeVar("_T")
+
+
+def forget_outcome(over: asyncio.Future[Any]) -> None:
+    """Nobody asks how it ended: a failure is not reported as one that was forgotten."""
+    if not over.cancelled():
+        over.exception()
 
 
 class Background:
@@ -51,6 +63,52 @@ class Background:
             self._context.notice("error", text, "connect again; please report it")
 
 
+class BackgroundTasks:
+    """Several tasks at a time, such as what a robot must still hear when a command was cut short.
+
+    That one is cancelled, or fails because the robot is gone, is no surprise and is not told; a
+    mistake of ours is in the program's log.
+    """
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._tasks: set[asyncio.Task[Any]] = set()
+
+    def __bool__(self) -> bool:
+        return bool(self._tasks)
+
+    def start(self, work: Coroutine[Any, Any, _T]) -> asyncio.Task[_T]:
+        """Begin one more."""
+        task = asyncio.get_running_loop().create_task(work, name=self._what)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(self._ended)
+        return task
+
+    async def settled(self, within: float | None = None) -> None:
+        """Return when none is left, or after `within` seconds."""
+        loop = asyncio.get_running_loop()
+        until = None if within is None else loop.time() + within
+        while self._tasks and (until is None or loop.time() < until):
+            await asyncio.wait(self._tasks, timeout=until and until - loop.time())
+
+    def cancel(self) -> None:
+        """Give all up, without waiting for their end."""
+        for task in tuple(self._tasks):
+            task.cancel()
+
+    async def close(self, within: float = FAREWELL_S) -> None:
+        """Return when none is left; after `within` seconds they are given up."""
+        await self.settled(within)
+        self.cancel()
+        await self.settled()
+
+    def _ended(self, task: asyncio.Task[Any]) -> None:
+        error = None if task.cancelled() else task.exception()
+        if error is not None and not isinstance(error, DriverError | TimeoutError):
+            log.error("%s failed", self._what, exc_info=error)
+
+
 async def apart(work: Callable[[], _T]) -> _T:
     """Have a thread of its own do what may wait for a disk; it ends with the work.
 
@@ -58,7 +116,7 @@ async def apart(work: Callable[[], _T]) -> _T:
     """
     loop = asyncio.get_running_loop()
     done: asyncio.Future[_T] = loop.create_future()
-    done.add_done_callback(lambda over: over.cancelled() or over.exception())
+    done.add_done_callback(forget_outcome)
 
     def settle(result: _T | None, error: BaseException | None) -> None:
         if done.done():

@@ -132,7 +132,7 @@ class ByteStream:
             except DriverError as error:
                 trouble = error
             self._listener.ended(trouble)
-            await asyncio.sleep(pauses.after(self.lasted_us / 1_000_000))
+            await asyncio.sleep(pauses.after_run(self.lasted_us / 1_000_000))
 
     async def _run(self) -> DriverError:
         """Run the command until it ends; returns why it did. Raises if it cannot be started."""

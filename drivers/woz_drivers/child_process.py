@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import cast
 
 from woz_drivers import command_lines
+from woz_drivers.retry_pauses import RetryPauses
 from woz_tui.drivers.contract import DriverError
 
 # -- orphan guard --------------------------------------------------------------------------------
@@ -101,17 +102,15 @@ _LIST_S = 8.0
 _KEPT = 4096
 
 
-class RestartPauses:
+class RestartPauses(RetryPauses):
     """How long to wait before a child that ended is started again."""
 
     def __init__(self) -> None:
-        self._next = _FIRST_PAUSE_S
+        super().__init__(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
 
-    def after(self, lasted_s: float) -> float:
+    def after_run(self, lasted_s: float) -> float:
         """Seconds to wait after a run that went well for `lasted_s`."""
-        pause = _FIRST_PAUSE_S if lasted_s >= _WELL_S else self._next
-        self._next = min(2 * pause, _LONGEST_PAUSE_S)
-        return pause
+        return self.after(lasted_s >= _WELL_S)
 
 
 class Child(asyncio.SubprocessProtocol):

@@ -202,7 +202,9 @@ class ResidentProgram:
             if self._pending is not None and not self._pending.answer.done():
                 self._pending.answer.set_exception(trouble)
             self._on_state("lost", trouble.what, trouble.remedy)
-            await asyncio.sleep(pauses.after(0 if loaded_at is None else loop.time() - loaded_at))
+            await asyncio.sleep(
+                pauses.after_run(0 if loaded_at is None else loop.time() - loaded_at)
+            )
 
     async def _load(self) -> Child:
         """It runs and is ready. Raises `DriverError`."""

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from woz_drivers import child_process
 from woz_drivers.child_process import Child
+from woz_drivers.network_address import host_and_port, joined
 from woz_tui.drivers.contract import DeviceLostError, DriverError
 
 #: Stands in a robot file where a robot's address stands otherwise.
@@ -21,6 +22,17 @@ _STARTS_WITHIN_S = 20.0
 _HOPELESS_S = 20.0
 #: Attempts that lie farther apart than this belong to different losses, in seconds.
 _APART_S = 10.0
+
+
+def robot_place(address: str, usual_port: int, examples: str) -> str:
+    """`host:port` of the robot with this address; empty for the simulated one.
+
+    Raises `RejectedError` with what is wrong, and `examples` as its remedy.
+    """
+    written = address.strip()
+    if written.lower() == SIMULATED:
+        return ""
+    return joined(*host_and_port(written, usual_port, examples))
 
 
 class SimulatedProcess:
@@ -55,6 +67,10 @@ class SimulatedProcess:
             await self.close()
             raise
         return self._address
+
+    async def find_place(self, place: str) -> str:
+        """`place` as `robot_place` gives it, or where this one listens. Raises as `address`."""
+        return place or await self.address()
 
     def _hopeless(self) -> bool:
         """Whether attempt follows attempt for so long that it will not come back by itself."""

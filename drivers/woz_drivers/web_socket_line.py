@@ -20,13 +20,11 @@ from typing import Any
 import aiohttp
 import msgspec
 
+from woz_drivers.retry_pauses import RetryPauses
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Health
 
 #: An attempt to connect may take so long, in seconds.
 _CONNECT_S = 3.0
-#: Pauses between attempts, in seconds: doubled up to the longest.
-_FIRST_PAUSE_S = 0.1
-_LONGEST_PAUSE_S = 1.0
 #: From one ping to the next, and the silence after which the robot is lost, in seconds.
 _PING_S = 0.4
 _SILENCE_S = 1.5
@@ -245,15 +243,14 @@ class WebSocketLine:
         return why
 
     async def _keep_open(self) -> None:
-        pause = _FIRST_PAUSE_S
+        pauses = RetryPauses()
         while True:
             try:
                 await self._one_connection()
             except DriverError as error:
                 self._trouble = DeviceLostError(error.what, error.remedy)
                 self._context.health(Health.LOST, error.what, error.remedy)
-            pause = _FIRST_PAUSE_S if self._was_ready else min(2 * pause, _LONGEST_PAUSE_S)
-            await asyncio.sleep(pause)
+            await asyncio.sleep(pauses.after(self._was_ready))
 
     async def _one_connection(self) -> None:
         """Connect, and end with the `DriverError` that says why the robot is lost."""

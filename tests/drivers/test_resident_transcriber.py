@@ -244,5 +244,5 @@ def test_settings_that_contradict_each_other(settings: dict[str, Any], name: str
 
 def test_pauses_grow_until_a_run_goes_well() -> None:
     pauses = RestartPauses()
-    assert [pauses.after(0) for _ in range(7)] == [0.5, 1, 2, 4, 8, 10, 10]
-    assert [pauses.after(60), pauses.after(1)] == [0.5, 1]
+    assert [pauses.after_run(0) for _ in range(7)] == [0.5, 1, 2, 4, 8, 10, 10]
+    assert [pauses.after_run(60), pauses.after_run(1)] == [0.5, 1]

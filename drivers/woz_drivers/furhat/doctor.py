@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 import importlib.util
 import os
-import statistics
 from typing import Any, TypeVar
 
 import aiohttp
 
+from woz_drivers.answer_times import line_finding
 from woz_drivers.furhat.furhat_link import NO_ACCESS, PATH
 from woz_drivers.furhat.realtime_events import (
     Access,
@@ -28,9 +28,6 @@ from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: Seconds for the connection, and for each question.
 _WITHIN_S = 3.0
-_QUESTIONS = 20
-#: A slower line lags visibly behind the wizard's key, in milliseconds.
-_SLOW_MS = 50.0
 
 E = TypeVar("E", bound=RobotEvent)
 
@@ -40,7 +37,7 @@ async def examine(probe: Probe) -> list[Finding]:
     settings: FurhatSettings = probe.settings
     simulated = SimulatedProcess("robot_simulators.furhat", (), probe.folder)
     try:
-        place = settings.place or await simulated.address()
+        place = await simulated.find_place(settings.place)
         return [*await _robot(probe.name, settings, place), *_decoder(probe.name)]
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
@@ -76,7 +73,7 @@ async def _visit(name: str, settings: FurhatSettings, socket: Any) -> list[Findi
         system = SystemStatus()  # others' programs have this question, the vendor's client has not
     kind = "the vendor's virtual robot" if system.virtual else "a robot"
     findings = [
-        await _line(name, socket, auth),
+        await line_finding(name, lambda: _ask(socket, auth, Access)),
         Finding("ok", name, f"{kind} gives access, scope {access.scope or 'unknown'}"),
         _listed(name, "voice", settings.voice.name, voice.voice_id, _names(voice), part=True),
         _listed(name, "face", settings.face, face.face_id, face.face_list or [], part=False),
@@ -101,21 +98,6 @@ async def _ask(socket: Any, request: dict[str, Any], answer: type[E]) -> E:
             event = read_event(message)
             if isinstance(event, answer):
                 return event
-
-
-async def _line(name: str, socket: Any, auth: dict[str, Any]) -> Finding:
-    loop = asyncio.get_running_loop()
-    times_ms = []
-    for _ in range(_QUESTIONS):
-        begun = loop.time()
-        await _ask(socket, auth, Access)
-        times_ms.append((loop.time() - begun) * 1000)
-    median, worst = statistics.median(times_ms), max(times_ms)
-    text = f"answers in {median:.1f} ms (worst of {_QUESTIONS}: {worst:.1f} ms)"
-    if median > _SLOW_MS:
-        remedy = "use a cable, or a wireless network of its own on 5 GHz"
-        return Finding("warning", name, text, remedy)
-    return Finding("ok", name, text)
 
 
 def _names(status: VoiceStatus) -> list[str]:

@@ -197,8 +197,7 @@ class FurhatLink:
     # -- the line ------------------------------------------------------------------------------
 
     async def _find(self) -> WebPlace:
-        place = self._settings.place or await self._simulated.address()
-        return WebPlace(place, PATH)
+        return WebPlace(await self._simulated.find_place(self._settings.place), PATH)
 
     async def _get_ready(self) -> str:
         if not (await self.authenticate()).access:

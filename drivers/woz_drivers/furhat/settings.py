@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers.furhat.furhat_moves import FACE_PARAMETERS, FaceFrame
-from woz_drivers.network_address import host_and_port, joined
 from woz_drivers.simulated.argument_values import color, did_you_mean
-from woz_drivers.simulated_process import SIMULATED
+from woz_drivers.simulated_process import SIMULATED, robot_place
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 
@@ -117,9 +116,7 @@ class FurhatSettings(Section):
     @property
     def place(self) -> str:
         """`host:port` of the robot; empty for the simulated one. Raises `RejectedError`."""
-        if self.address.strip().lower() == SIMULATED:
-            return ""
-        return joined(*host_and_port(self.address.strip(), PORT, _EXAMPLES))
+        return robot_place(self.address, PORT, _EXAMPLES)
 
     def frames(self, move: str) -> tuple[FaceFrame, ...]:
         """A gesture of the robot file."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import shutil
-import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from woz_drivers.answer_times import line_finding
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.address import Address, parse
 from woz_drivers.naoqi_robot.naoqi_link import LinkError, NaoqiLink, ServiceMissingError, open_link
@@ -20,9 +20,6 @@ from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.
 _WITHIN_S = 3.0
-_QUESTIONS = 20
-#: A slower line lags visibly behind the wizard's key, in milliseconds.
-_SLOW_MS = 50.0
 #: Charge below which an experiment of an hour may end early, in percent.
 _LOW = 30
 #: Room for a session's pictures and sounds, in bytes.
@@ -75,7 +72,7 @@ async def _visit(
 ) -> list[Finding]:
     """Findings about a connected robot. Raises `LinkError` if the connection is lost."""
     services = await link.services(_WITHIN_S)
-    findings = [await _line(address, link)]
+    findings = [await line_finding(address.shown, lambda: link.ask(_WITHIN_S))]
     if address.secure:
         findings.append(_certificate(address, link, settings))
     findings.append(_services(address, settings.model.services, services))
@@ -83,21 +80,6 @@ async def _visit(
         if question.service in services:
             findings.append(await _check(address, link, question))
     return findings
-
-
-async def _line(address: Address, link: NaoqiLink) -> Finding:
-    loop = asyncio.get_running_loop()
-    times_ms = []
-    for _ in range(_QUESTIONS):
-        begun = loop.time()
-        await link.ask(_WITHIN_S)
-        times_ms.append((loop.time() - begun) * 1000)
-    median, worst = statistics.median(times_ms), max(times_ms)
-    text = f"answers in {median:.1f} ms (worst of {_QUESTIONS}: {worst:.1f} ms)"
-    if median > _SLOW_MS:
-        remedy = "use a cable, or a wireless network of its own on 5 GHz"
-        return Finding("warning", address.shown, text, remedy)
-    return Finding("ok", address.shown, text)
 
 
 def _certificate(address: Address, link: NaoqiLink, settings: NaoqiSettings) -> Finding:

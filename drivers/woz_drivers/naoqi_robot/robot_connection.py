@@ -45,6 +45,7 @@ from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, WITHIN_S, Refusal, ServiceAbsentError
 from woz_drivers.naoqi_robot.robot_line import HALTS, RobotLine, silence, until_services
 from woz_drivers.naoqi_robot.served_files import ServedFiles
+from woz_drivers.retry_pauses import RetryPauses
 from woz_drivers.simulated_process import SimulatedProcess
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -54,9 +55,6 @@ from woz_tui.drivers.contract import (
     RejectedError,
 )
 
-#: Pauses between attempts, in seconds: doubled up to the longest.
-_FIRST_PAUSE_S = 0.1
-_LONGEST_PAUSE_S = 1.0
 #: How long the parts may take to apply what the settings say, in seconds.
 _APPLIED_WITHIN_S = 10.0
 #: From one question about a setting to the next: twenty at once would keep the robot, and this
@@ -322,10 +320,11 @@ class RobotConnection:
 
     async def _keeping(self, address: Address, first: asyncio.Future[None]) -> None:
         """Connect, watch, connect again; ends when there is no use in trying."""
-        pause = _FIRST_PAUSE_S
+        pauses = RetryPauses()
         self._why = DeviceLostError(f"{address.shown} is not found yet", "wait until it is there")
         self._context.health(Health.CONNECTING, f"connecting to {address.shown}")
         while True:
+            was_ready = False
             try:
                 line = await self._opened(address)
             except ConnectionRefusedByRobotError as refused:
@@ -337,9 +336,7 @@ class RobotConnection:
                 self._report(Health.LOST, error)
             else:
                 was_ready = await self._served(line, first)
-                pause = _FIRST_PAUSE_S if was_ready else pause
-            await asyncio.sleep(pause)
-            pause = min(2 * pause, _LONGEST_PAUSE_S)
+            await asyncio.sleep(pauses.after(was_ready))
 
     async def _opened(self, address: Address) -> RobotLine:
         real = parse(await self._simulated.address()) if address.simulated else address

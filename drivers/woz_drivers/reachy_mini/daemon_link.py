@@ -15,7 +15,6 @@ from typing import Any
 
 import aiohttp
 
-from woz_drivers.network_address import joined
 from woz_drivers.reachy_mini.reachy_moves import LIBRARIES
 from woz_drivers.reachy_mini.reachy_pose import (
     LIMITS,
@@ -26,7 +25,7 @@ from woz_drivers.reachy_mini.reachy_pose import (
     target_message,
 )
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
-from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
+from woz_drivers.simulated_process import SimulatedProcess
 from woz_drivers.web_socket_line import AnswerError, WebPlace, WebSocketLine
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
@@ -84,16 +83,12 @@ class DaemonLink:
         self._on_lost = on_lost
         #: Set while no robot is there.
         self._gone = asyncio.Event()
-        self._simulated = (
-            SimulatedProcess(
-                "robot_simulators.reachy_mini", ("--pace", f"{settings.pace:g}"), context.folder
-            )
-            if settings.address == SIMULATED
-            else None
+        self._simulated = SimulatedProcess(
+            "robot_simulators.reachy_mini", ("--pace", f"{settings.pace:g}"), context.folder
         )
         self._line = WebSocketLine(
             context,
-            "the simulated Reachy Mini" if self._simulated else settings.address,
+            settings.address if settings.place else "the simulated Reachy Mini",
             self._find,
             get_ready=self._opened,
             on_message=self._take,
@@ -129,13 +124,10 @@ class DaemonLink:
     async def close(self) -> None:
         """Let go of it; a simulated one ends."""
         await self._line.close()
-        if self._simulated is not None:
-            await self._simulated.close()
+        await self._simulated.close()
 
     async def _find(self) -> WebPlace:
-        if self._simulated is not None:
-            return WebPlace(await self._simulated.address(), WEB_SOCKET)
-        return WebPlace(joined(*self._settings.place), WEB_SOCKET)
+        return WebPlace(await self._simulated.find_place(self._settings.place), WEB_SOCKET)
 
     def _lost(self, error: DeviceLostError) -> None:
         self._gone.set()

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import asyncio
-import statistics
 from typing import Any
 
 import aiohttp
 import msgspec
 
-from woz_drivers.network_address import joined
+from woz_drivers.answer_times import line_finding
 from woz_drivers.reachy_mini.daemon_link import read_status
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
-from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
+from woz_drivers.simulated_process import SimulatedProcess
 from woz_drivers.speech.doctor import synthesiser_finding
 from woz_drivers.web_socket_line import failure_reason
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Probe
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.
 _WITHIN_S = 3.0
-_QUESTIONS = 20
-#: A slower line lags visibly behind the wizard's key, in milliseconds.
-_SLOW_MS = 50.0
 
 
 async def examine(probe: Probe) -> list[Finding]:
@@ -29,10 +24,7 @@ async def examine(probe: Probe) -> list[Finding]:
     settings: ReachyMiniSettings = probe.settings
     simulated = SimulatedProcess("robot_simulators.reachy_mini", (), probe.folder)
     try:
-        if settings.address == SIMULATED:
-            place = await simulated.address()
-        else:
-            place = joined(*settings.place)
+        place = await simulated.find_place(settings.place)
         findings = await _visit(settings, f"http://{place}/api/")
     except DriverError as error:
         findings = [Finding("error", settings.address, error.what, error.remedy)]
@@ -52,7 +44,7 @@ async def _visit(settings: ReachyMiniSettings, base: str) -> list[Finding]:
                 text = "answers, but is no daemon of a Reachy Mini, or a very old one"
                 return [Finding("error", name, text, "check the address; update the robot")]
             status = read_status(told)
-            findings = [await _line(name, session)]
+            findings = [await line_finding(name, lambda: _asked(session, "motors/status"))]
             running = await _asked(session, "move/running")
     except (aiohttp.ClientError, OSError, TimeoutError, ValueError) as error:
         raise DeviceLostError(
@@ -95,18 +87,3 @@ async def _asked(session: aiohttp.ClientSession, path: str) -> Any:
     async with session.get(path) as answer:
         answer.raise_for_status()
         return msgspec.json.decode(await answer.read())
-
-
-async def _line(name: str, session: aiohttp.ClientSession) -> Finding:
-    loop = asyncio.get_running_loop()
-    times_ms = []
-    for _ in range(_QUESTIONS):
-        begun = loop.time()
-        await _asked(session, "motors/status")
-        times_ms.append((loop.time() - begun) * 1000)
-    median, worst = statistics.median(times_ms), max(times_ms)
-    text = f"answers in {median:.1f} ms (worst of {_QUESTIONS}: {worst:.1f} ms)"
-    if median > _SLOW_MS:
-        remedy = "use a cable, or a wireless network of its own on 5 GHz"
-        return Finding("warning", name, text, remedy)
-    return Finding("ok", name, text)

@@ -6,9 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_drivers.network_address import host_and_port
 from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, MOVES, data_set_and_name
-from woz_drivers.simulated_process import SIMULATED
+from woz_drivers.simulated_process import SIMULATED, robot_place
 from woz_drivers.speech.settings import SynthesisSettings
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, Range, Section, Sibling
@@ -69,9 +68,9 @@ class ReachyMiniSettings(Section):
         return [*found, *self._address_problems(), *self._recorded_problems()]
 
     @property
-    def place(self) -> tuple[str, int]:
-        """Host and port of the daemon. Raises `RejectedError` if `address` is none."""
-        return host_and_port(self.address, PORT, ADDRESS_EXAMPLES)
+    def place(self) -> str:
+        """`host:port` of the daemon; empty for the simulated one. Raises `RejectedError`."""
+        return robot_place(self.address, PORT, ADDRESS_EXAMPLES)
 
     @property
     def playable(self) -> tuple[str, ...]:
@@ -89,11 +88,10 @@ class ReachyMiniSettings(Section):
         return self.direction and not self.release_media
 
     def _address_problems(self) -> Iterator[tuple[str, str]]:
-        if self.address != SIMULATED:
-            try:
-                _ = self.place
-            except RejectedError as error:
-                yield "address", f"{error.what}; {error.remedy}"
+        try:
+            _ = self.place
+        except RejectedError as error:
+            yield "address", f"{error.what}; {error.remedy}"
 
     def _recorded_problems(self) -> Iterator[tuple[str, str]]:
         for path, moves in (("recorded", self.recorded), ("emotions", self.emotions)):

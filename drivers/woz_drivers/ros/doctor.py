@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import statistics
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from woz_drivers.answer_times import line_finding
 from woz_drivers.ros import simulated_interface
 from woz_drivers.ros.declarations import TWIST, TWIST_STAMPED
 from woz_drivers.ros.message_types import MessageTypes, plain
@@ -22,8 +21,6 @@ from woz_tui.system.clock import Clock, RealClock
 #: The robot must be found within so many seconds, looked at within so many more.
 _FOUND_WITHIN_S, _SURVEY_S = 5.0, 8.0
 _QUESTIONS = 10
-#: A slower line lags visibly behind the wizard's key, in milliseconds.
-_SLOW_MS = 50.0
 #: So many names are listed on a line.
 _LISTED = 12
 _TUNNEL = (
@@ -61,8 +58,8 @@ async def examine(probe: Probe) -> list[Finding]:
 
 
 async def _examined(name: str, settings: RosSettings, folder: Path) -> list[Finding]:
-    robot, found, times_ms = await _visit(settings, folder)
-    findings = [_line(robot, times_ms), *_protected(settings)]
+    line, found = await _visit(settings, folder)
+    findings = [line, *_protected(settings)]
     if found.ros:
         level = "ok" if found.ros == settings.ros else "info"
         findings.append(Finding(level, name, f"runs ROS {found.ros}"))
@@ -78,7 +75,7 @@ async def _examined(name: str, settings: RosSettings, folder: Path) -> list[Find
     return findings
 
 
-async def _visit(settings: RosSettings, folder: Path) -> tuple[str, Survey, list[float]]:
+async def _visit(settings: RosSettings, folder: Path) -> tuple[Finding, Survey]:
     """Connect, look at everything, leave. Raises `DriverError`."""
     context = _DoctorContext(folder)
 
@@ -95,14 +92,8 @@ async def _visit(settings: RosSettings, folder: Path) -> tuple[str, Survey, list
     robot.start()
     try:
         await _until_found(context)
-        loop = asyncio.get_running_loop()
-        times_ms = []
-        for _ in range(_QUESTIONS):
-            begun = loop.time()
-            with suppress(TimeoutError):
-                await robot.wait_until_processed()
-            times_ms.append((loop.time() - begun) * 1000)
-        return robot.shown, await survey(robot, settings, all_services=True), times_ms
+        line = await line_finding(robot.shown, robot.wait_until_processed, _QUESTIONS)
+        return line, await survey(robot, settings, all_services=True)
     finally:
         await robot.close()
 
@@ -118,14 +109,6 @@ async def _until_found(context: _DoctorContext) -> None:
                     raise DeviceLostError(detail, remedy)
     except TimeoutError:
         raise DeviceLostError("the robot does not answer", "is rosbridge running?") from None
-
-
-def _line(robot: str, times_ms: list[float]) -> Finding:
-    median, worst = statistics.median(times_ms), max(times_ms)
-    text = f"answers in {median:.1f} ms (worst of {len(times_ms)}: {worst:.1f} ms)"
-    if median > _SLOW_MS:
-        return Finding("warning", robot, text, "use a cable, or a wireless network of its own")
-    return Finding("ok", robot, text)
 
 
 def _protected(settings: RosSettings) -> Iterator[Finding]:
@@ -167,7 +150,7 @@ def _some(names: list[str]) -> str:
 
 async def draft(settings: RosSettings) -> str:
     """A robot file with what the robot offers. Raises `DriverError`."""
-    _, found, _ = await _visit(settings, Path())
+    _, found = await _visit(settings, Path())
     return "\n".join(_drafted(settings, found)) + "\n"
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
-from woz_drivers.naoqi_robot import robot_checks
+from woz_drivers import answer_times
 from woz_drivers.pepper import doctor
 from woz_drivers.pepper.pepper_model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings, TabletSettings
@@ -28,7 +28,7 @@ def texts(findings: list[Finding], level: str) -> str:
 async def test_a_robot_that_is_well(
     robot: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(robot_checks, "_SLOW_MS", 10_000.0)  # a busy machine is no slow network
+    monkeypatch.setattr(answer_times, "_SLOW_MS", 10_000.0)  # a busy machine is no slow network
     await robot.clear()
     findings = await examined(tmp_path, robot.address)
     fine = texts(findings, "ok")

@@ -10,6 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+#: Lowest and highest angle (rad), highest speed (rad/s) by joint.
+Ranges = Mapping[str, tuple[float, float, float]]
+
 
 @dataclass(frozen=True, slots=True)
 class BodyPlan:
@@ -29,7 +32,7 @@ class BodyPlan:
     """
 
     robot: str
-    joints: Mapping[str, tuple[float, float, float]]
+    joints: Ranges
     chains: Mapping[str, tuple[str, ...]]
     stiffened: frozenset[str] | None
     breathing: Mapping[str, tuple[str, ...]]
@@ -57,8 +60,51 @@ class BodyPlan:
         return self.families.get(posture, "Standing")
 
 
-#: Lowest and highest angle (rad), highest speed (rad/s).
-JOINTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
+# -- what bodies with two arms have in common ------------------------------------------------------
+
+_ARM = ("ShoulderPitch", "ShoulderRoll", "ElbowYaw", "ElbowRoll", "WristYaw", "Hand")
+_L_ARM, _R_ARM = (tuple(f"{side}{joint}" for joint in _ARM) for side in "LR")
+#: Chains that can breathe, and which single ones they stand for.
+BREATHING: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "Head": ("Head",),
+        "LArm": ("LArm",),
+        "RArm": ("RArm",),
+        "Arms": ("LArm", "RArm"),
+        "Legs": ("Legs",),
+        "Body": ("Head", "LArm", "RArm", "Legs"),
+    }
+)
+#: On the right these turn the other way.
+_MIRRORED = ("Roll", "Yaw")
+
+
+def chains(joints: Ranges, **legs: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Names for several joints; `legs` are those that differ."""
+    whole = dict.fromkeys(("Body", "JointActuators", "Joints"), tuple(joints))
+    arms = {"LArm": _L_ARM, "RArm": _R_ARM, "Arms": _L_ARM + _R_ARM}
+    return {"Head": ("HeadYaw", "HeadPitch"), **arms, **legs, **whole}
+
+
+def posture(joints: Ranges, **angles: float) -> dict[str, float]:
+    """All joints, in radians, within their ranges; 0 where nothing is said. What is there twice is
+    named without its side: both are alike.
+    """
+    found = dict.fromkeys(joints, 0.0)
+    for joint, angle in angles.items():
+        if joint in joints:
+            found[joint] = angle
+        else:
+            turns = -angle if joint.endswith(_MIRRORED) else angle
+            found |= {f"L{joint}": angle, f"R{joint}": turns}
+    return {
+        joint: min(joints[joint][1], max(joints[joint][0], angle)) for joint, angle in found.items()
+    }
+
+
+# -- Pepper's --------------------------------------------------------------------------------------
+
+JOINTS: Ranges = MappingProxyType(
     {
         "HeadYaw": (-2.0857, 2.0857, 7.33998),
         "HeadPitch": (-0.7068, 0.4451, 9.22756),
@@ -80,49 +126,23 @@ JOINTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     }
 )
 _WHEELS = ("WheelFL", "WheelFR", "WheelB")
-_LEFT = ("LShoulderPitch", "LShoulderRoll", "LElbowYaw", "LElbowRoll", "LWristYaw", "LHand")
-_RIGHT = ("RShoulderPitch", "RShoulderRoll", "RElbowYaw", "RElbowRoll", "RWristYaw", "RHand")
+_LEG = ("HipRoll", "HipPitch", "KneePitch")
 
 CHAINS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "Head": ("HeadYaw", "HeadPitch"),
-        "LArm": _LEFT,
-        "RArm": _RIGHT,
-        "Arms": _LEFT + _RIGHT,
-        "Leg": ("HipRoll", "HipPitch", "KneePitch"),
-        "Legs": ("HipRoll", "HipPitch", "KneePitch"),
-        "Body": tuple(JOINTS),
-        "JointActuators": tuple(JOINTS),
-        "Joints": tuple(JOINTS),
-        "Wheels": (),
-        **dict.fromkeys(_WHEELS, ()),
-    }
-)
-#: Chains that can breathe, and which single ones they stand for.
-BREATHING: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "Head": ("Head",),
-        "LArm": ("LArm",),
-        "RArm": ("RArm",),
-        "Arms": ("LArm", "RArm"),
-        "Legs": ("Legs",),
-        "Body": ("Head", "LArm", "RArm", "Legs"),
-    }
+    {**chains(JOINTS, Leg=_LEG, Legs=_LEG), "Wheels": (), **dict.fromkeys(_WHEELS, ())}
 )
 
-_STAND = {
-    **{"HeadYaw": 0.0, "HeadPitch": -0.21},
-    **{"LShoulderPitch": 1.57, "LShoulderRoll": 0.12, "LElbowYaw": -1.22, "LElbowRoll": -0.52},
-    **{"LWristYaw": 0.0, "LHand": 0.6, "HipRoll": 0.0, "HipPitch": -0.04, "KneePitch": 0.0},
-    **{"RShoulderPitch": 1.57, "RShoulderRoll": -0.12, "RElbowYaw": 1.22, "RElbowRoll": 0.52},
-    **{"RWristYaw": 0.0, "RHand": 0.6},
+_STANDS = {
+    **{"HeadPitch": -0.21, "HipPitch": -0.04, "Hand": 0.6},
+    **{"ShoulderPitch": 1.57, "ShoulderRoll": 0.12, "ElbowYaw": -1.22, "ElbowRoll": -0.52},
 }
+_CROUCHES = {"HeadPitch": 0.4, "HipPitch": -1.0, "KneePitch": 0.5}
 POSTURES: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
-        "Stand": _STAND,
-        "StandInit": _STAND | {"HeadPitch": 0.0},
-        "StandZero": {name: min(high, max(low, 0.0)) for name, (low, high, _) in JOINTS.items()},
-        "Crouch": _STAND | {"HeadPitch": 0.4, "HipPitch": -1.0, "KneePitch": 0.5},
+        "Stand": posture(JOINTS, **_STANDS),
+        "StandInit": posture(JOINTS, **_STANDS | {"HeadPitch": 0.0}),
+        "StandZero": posture(JOINTS),
+        "Crouch": posture(JOINTS, **_STANDS | _CROUCHES),
     }
 )
 

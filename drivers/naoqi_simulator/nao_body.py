@@ -10,12 +10,9 @@ of the wire.
 
 from __future__ import annotations
 
-from naoqi_simulator.joints import BodyPlan
+from naoqi_simulator.joints import BREATHING, BodyPlan, chains, posture
 
-_ARM = ("ShoulderPitch", "ShoulderRoll", "ElbowYaw", "ElbowRoll", "WristYaw", "Hand")
 _LEG = ("HipYawPitch", "HipRoll", "HipPitch", "KneePitch", "AnklePitch", "AnkleRoll")
-_HEAD = ("HeadYaw", "HeadPitch")
-_L_ARM, _R_ARM = (tuple(f"{side}{joint}" for joint in _ARM) for side in "LR")
 _L_LEG, _R_LEG = (tuple(f"{side}{joint}" for joint in _LEG) for side in "LR")
 
 _JOINTS = {
@@ -46,23 +43,10 @@ _JOINTS = {
     "RWristYaw": (-1.8238, 1.8238, 24.6229),
     "RHand": (0.0, 1.0, 8.33),
 }
-#: On the right these turn the other way.
-_MIRRORED = ("Roll", "Yaw")
 
 
-def _posture(**left: float) -> dict[str, float]:
-    """Both sides alike; `HeadYaw` and `HeadPitch` as they are; 0 where nothing is said."""
-    found = dict.fromkeys(_JOINTS, 0.0) | {"LHand": 0.3, "RHand": 0.3}
-    for joint, angle in left.items():
-        if joint in _HEAD:
-            found[joint] = angle
-            continue
-        turns = -angle if joint.endswith(_MIRRORED) else angle
-        found |= {f"L{joint}": angle, f"R{joint}": turns}
-    return {
-        joint: min(_JOINTS[joint][1], max(_JOINTS[joint][0], angle))
-        for joint, angle in found.items()
-    }
+def _posture(**angles: float) -> dict[str, float]:
+    return posture(_JOINTS, Hand=0.3, **angles)
 
 
 _ARMS_DOWN = {
@@ -74,27 +58,9 @@ _SITTING = {"HipPitch": -1.53, "KneePitch": 1.4, "AnklePitch": 0.8, "HipYawPitch
 NAO = BodyPlan(
     robot="NAO",
     joints=_JOINTS,
-    chains={
-        "Head": _HEAD,
-        "LArm": _L_ARM,
-        "RArm": _R_ARM,
-        "LLeg": _L_LEG,
-        "RLeg": _R_LEG,
-        "Arms": _L_ARM + _R_ARM,
-        "Legs": _L_LEG + _R_LEG,
-        "Body": tuple(_JOINTS),
-        "JointActuators": tuple(_JOINTS),
-        "Joints": tuple(_JOINTS),
-    },
+    chains=chains(_JOINTS, LLeg=_L_LEG, RLeg=_R_LEG, Legs=_L_LEG + _R_LEG),
     stiffened=None,
-    breathing={
-        "Head": ("Head",),
-        "LArm": ("LArm",),
-        "RArm": ("RArm",),
-        "Arms": ("LArm", "RArm"),
-        "Legs": ("Legs",),
-        "Body": ("Head", "LArm", "RArm", "Legs"),
-    },
+    breathing=BREATHING,
     postures={
         "Stand": _posture(HeadPitch=-0.17, HipYawPitch=-0.17, HipPitch=0.13, **_ARMS_DOWN),
         "StandInit": _posture(HipPitch=-0.44, KneePitch=0.7, AnklePitch=-0.35, **_ARMS_DOWN),

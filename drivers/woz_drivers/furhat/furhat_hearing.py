@@ -19,8 +19,9 @@ from woz_drivers.furhat.realtime_events import (
     ListenStarted,
 )
 from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.noticed_speech import NoticedSpeech
 from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Argument, DriverContext, Job, Verb
-from woz_tui.protocol.messages import Json, SpeechEnded, SpeechStarted, SpeechText
+from woz_tui.protocol.messages import Json
 
 #: It stops listening by itself for these reasons, and goes on after a while; else it is asked to.
 _BY_ITSELF = ("robot_speak",)
@@ -36,9 +37,7 @@ class FurhatHearing(FurhatPart):
         super().__init__(link, settings, context)
         self._wanted = settings.listening.on
         self._listens = False
-        self._segment = 0
-        #: When the segment under way began; None: nobody speaks.
-        self._began: int | None = None
+        self._speech = NoticedSpeech(context)
         #: Whether the last segment has ended before its text came.
         self._textless = False
         #: When it has to be asked to listen again, on the loop's clock; None: it has not.
@@ -154,35 +153,23 @@ class FurhatHearing(FurhatPart):
         self._begin()
 
     def _hears_so_far(self, event: HearPartial) -> None:
-        if self._began is None:
+        if not self._speech.going_on:
             self._begin()
         self._context.reading(SPEECH, None, text=event.text)
 
     def _heard(self, event: HearEnded) -> None:
-        if self._began is None and not self._textless:
+        if not self._speech.going_on and not self._textless:
             self._begin()
         self._cut("")
         self._textless = False
         words = (event.text or "").strip()
         self._context.reading(SPEECH, None, text=words)
-        self._context.tell(SpeechText(driver="", segment=self._segment, text=words))
+        self._speech.understood(words)
 
     def _begin(self) -> None:
-        self._segment += 1
         self._textless = False
-        self._began = self._now()
-        self._context.tell(SpeechStarted(driver="", segment=self._segment, began=self._began))
+        self._speech.begin()
 
     def _cut(self, detail: str) -> None:
         """What is under way ends now."""
-        began, self._began = self._began, None
-        if began is not None:
-            self._textless = True
-            self._context.tell(
-                SpeechEnded(
-                    driver="", segment=self._segment, began=began, ended=self._now(), detail=detail
-                )
-            )
-
-    def _now(self) -> int:
-        return self._context.t(self._context.clock.now_us())
+        self._textless = self._speech.end(detail) or self._textless

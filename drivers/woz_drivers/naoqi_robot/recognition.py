@@ -16,6 +16,7 @@ from woz_drivers.naoqi_robot.memory import flag, item, within
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.senses import NAME, MemoryQuery
+from woz_drivers.noticed_speech import NoticedSpeech
 from woz_tui.drivers.contract import (
     SPEECH,
     SPEECH_TEXT,
@@ -23,7 +24,6 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
 )
-from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 
 SERVICE = "ALSpeechRecognition"
 DETECTED, RECOGNIZED = "SpeechDetected", "WordRecognized"
@@ -45,11 +45,8 @@ class RecognitionPart(NaoqiPart):
         super().__init__(robot, settings, context)
         self._query = MemoryQuery(robot)
         self._polling = Background("reading the robot's speech recognition", context)
-        self._segment = 0
-        #: When the segment under way began; None: nobody speaks.
-        self._began_us: int | None = None
-        #: When the last one ended, and whether its text is still to come.
-        self._ended_us = 0
+        self._speech = NoticedSpeech(context)
+        #: Whether the text of the last segment is still to come.
         self._awaited = False
         #: Whether the robot still says that somebody speaks, though their words are known.
         self._lingers = False
@@ -81,8 +78,7 @@ class RecognitionPart(NaoqiPart):
     def lost(self) -> None:
         """Nobody knows whether they speak on."""
         self._polling.cancel()
-        if self._began_us is not None:
-            self._end("the robot is not connected")
+        self._speech.end("the robot is not connected")
         self._awaited = self._lingers = False
         if self._settings.recognition.phrases:
             self._context.sensor(SPEECH, "stale", "the robot is not connected")
@@ -90,8 +86,7 @@ class RecognitionPart(NaoqiPart):
     async def close(self) -> None:
         """The robot need not listen for us any more."""
         await self._polling.close()
-        if self._began_us is not None:
-            self._end("the session ended")
+        self._speech.end("the session ended")
         if self._settings.recognition.phrases and self._robot.available:
             with contextlib.suppress(DriverError):
                 await self._robot.call(SERVICE, "unsubscribe", NAME, within=_FAREWELL_S)
@@ -127,7 +122,7 @@ class RecognitionPart(NaoqiPart):
         speaks = flag(values[DETECTED]) is True
         if not speaks:
             self._lingers = False
-        if speaks and self._began_us is None and not self._lingers:
+        if speaks and not self._speech.going_on and not self._lingers:
             self._start()
         phrase, confidence = recognised(values[RECOGNIZED])
         if phrase:
@@ -136,46 +131,24 @@ class RecognitionPart(NaoqiPart):
             self._lingers = speaks
             self._publish_text(phrase)
             return
-        if not speaks and self._began_us is not None:
-            self._end()
+        if not speaks:
+            self._speech.end()
         if phrase:
             self._awaited = False  # a guess at words that are not in the list
 
-    # -- telling -------------------------------------------------------------------------------
-
     def _start(self) -> None:
-        self._segment += 1
-        self._began_us = self._now()
         self._awaited = True
-        self._context.tell(SpeechStarted(driver="", segment=self._segment, began=self._began_us))
-
-    def _end(self, detail: str = "") -> None:
-        self._ended_us = self._now()
-        began, self._began_us = self._began_us, None
-        self._context.tell(
-            SpeechEnded(
-                driver="",
-                segment=self._segment,
-                began=self._ended_us if began is None else began,
-                ended=self._ended_us,
-                detail=detail,
-            )
-        )
+        self._speech.begin()
 
     def _publish_text(self, phrase: str) -> None:
         """The text of the segment under way, of the last one, or else of one of its own."""
-        late = self._awaited and self._now() - self._ended_us < _TEXT_WITHIN_US
-        if self._began_us is None and not late:
+        speech = self._speech
+        late = self._awaited and speech.now_us - speech.ended_us < _TEXT_WITHIN_US
+        if not (speech.going_on or late):
             self._start()
-        if self._began_us is not None:
-            self._end()
+        speech.end()
         self._awaited = False
-        delay_us = self._now() - self._ended_us
-        text = SpeechText(driver="", segment=self._segment, text=phrase, took_us=delay_us)
-        self._context.tell(text)
-
-    def _now(self) -> int:
-        return self._context.t(self._context.clock.now_us())
+        speech.understood(phrase, took_us=speech.now_us - speech.ended_us)
 
 
 def recognised(value: Any) -> tuple[str, float]:

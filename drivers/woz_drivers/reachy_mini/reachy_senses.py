@@ -7,13 +7,13 @@ import math
 from collections.abc import Callable
 
 from woz_drivers.background import Background
+from woz_drivers.noticed_speech import NoticedSpeech
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_pose import LIMITS, Pose
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.motion.safety import finite_number
-from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
 
 FACE, DIRECTION = ("presence", "face.x", "face.y"), ("direction",)
 #: The daemon looks for faces only while it follows them, a little at least. With this weight the
@@ -55,9 +55,8 @@ class ReachySenses:
         #: The newest of these requests, which comes last.
         self._switching: asyncio.Future[None] | None = None
         self._polling = Background("reading the robot's senses", context)
-        self._segment = 0
-        #: When the segment under way began and speech was heard last; None: nobody speaks.
-        self._began_us: int | None = None
+        self._speech = NoticedSpeech(context)
+        #: When speech was heard last, in the time of the log.
         self._heard_us = 0
         self._states: dict[str, str] = {}
 
@@ -114,8 +113,7 @@ class ReachySenses:
     def lost(self) -> None:
         """Nobody knows whether they speak on."""
         self._polling.cancel()
-        if self._began_us is not None:
-            self._end_speech("the robot is not connected")
+        self._speech.end("the robot is not connected", self._heard_us)
         for sensor in ("presence", "direction", SPEECH):
             if sensor in self._states:
                 self._state(sensor, "stale", "the robot is not connected")
@@ -126,8 +124,7 @@ class ReachySenses:
         if self._switching is not None:
             await asyncio.wait({self._switching}, timeout=0.5)
             self._switching.cancel()
-        if self._began_us is not None:
-            self._end_speech("the session ended")
+        self._speech.end("the session ended", self._heard_us)
 
     async def _poll(self) -> None:
         while True:
@@ -161,38 +158,20 @@ class ReachySenses:
                     self._context.reading(DIRECTION[0], round(degrees, 1), unit="deg", raw=angle)
                 if self._settings.hears_speech:
                     self._state(SPEECH, "ready", "the microphones tell when somebody speaks")
-                    self._speech(speaks)
+                    self._hear_speech(speaks)
             case None:
                 for sensor in (DIRECTION[0], SPEECH)[: 2 if self._settings.hears_speech else 1]:
                     self._state(sensor, "silent", _ABSENT[DIRECTION[0]])
             case other:
                 raise DriverError(f"the direction of sound is {repr(other)[:60]}")
 
-    def _speech(self, speaks: bool) -> None:
-        now = self._context.clock.now_us()
+    def _hear_speech(self, speaks: bool) -> None:
+        now = self._speech.now_us
         if speaks:
             self._heard_us = now
-            if self._began_us is None:
-                self._segment += 1
-                self._began_us = self._context.t(now)
-                self._context.tell(
-                    SpeechStarted(driver="", segment=self._segment, began=self._began_us)
-                )
-        elif self._began_us is not None and now - self._heard_us > _SILENCE_S * 1e6:
-            self._end_speech("")
-
-    def _end_speech(self, why: str) -> None:
-        began, self._began_us = self._began_us, None
-        assert began is not None
-        self._context.tell(
-            SpeechEnded(
-                driver="",
-                segment=self._segment,
-                began=began,
-                ended=max(began, self._context.t(self._heard_us)),
-                detail=why,
-            )
-        )
+            self._speech.begin()
+        elif now - self._heard_us > _SILENCE_S * 1e6:
+            self._speech.end(heard_us=self._heard_us)
 
     # -- faces -----------------------------------------------------------------------------------
 

@@ -41,6 +41,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
 #: How often missing programs are looked for, in seconds.
@@ -54,29 +55,15 @@ SYNTHESISER = "synthesiser"
 #: Progress is published this often at most, in microseconds.
 _PROGRESS_US = 500_000
 
-_SAY = Verb(
+_SAY = common_verb(
     "say",
     "speak a text",
-    (
-        Argument("text", "text", "what to say", required=True),
-        *VOICE_ARGUMENTS,
-        Argument("volume", "number", "how loud, 0 to 1", range=Range(0, 1)),
-    ),
-    lane="voice",
+    *VOICE_ARGUMENTS,
+    Argument("volume", "number", "how loud, 0 to 1", range=Range(0, 1)),
     limit_s=_LONGEST_SPEECH_S + 5,
 )
-_SOUND = Verb(
-    "sound",
-    "play a WAV file",
-    (Argument("file", "file", "relative to the experiment's folder", required=True),),
-    lane="sound",
-)
-_VOLUME = Verb(
-    "volume",
-    "set how loud the next sounds are",
-    (Argument("level", "number", "0 to 1", required=True, range=Range(0, 1)),),
-    lane="volume",
-)
+_SOUND = common_verb("sound", "play a WAV file")
+_VOLUME = common_verb("volume", "set how loud the next sounds are", lane="volume")
 
 
 class Speech(Driver):

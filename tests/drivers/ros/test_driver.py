@@ -14,7 +14,8 @@ from typing import Any
 
 import pytest
 from naoqi_simulator.robot_time import PacedTime
-from robot_simulators.rosbridge import RosbridgeSimulator, SimulatedGoal
+from robot_simulators.ros_robot import SimulatedGoal
+from robot_simulators.rosbridge import RosbridgeSimulator
 from woz_drivers.ros import __main__ as draft_program
 from woz_drivers.ros import doctor, velocity_drive
 from woz_drivers.ros.driver import Ros

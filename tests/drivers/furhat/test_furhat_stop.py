@@ -266,6 +266,6 @@ async def test_a_session_hears_which_part_did_not_confirm(it: Acted) -> None:
     (confirmed,) = [one for one in messages if isinstance(one, StopConfirmed)]
     assert confirmed.missing == ["it"]
     assert "gesture" not in confirmed.parts.get("it", [])
-    assert not it.robot.speaking
+    await until(lambda: not it.robot.speaking)
     bus.release("key")
     await bus.drain(2)

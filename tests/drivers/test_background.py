@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 from woz_drivers.background import BackgroundTasks
-from woz_drivers.confirmed_stop import confirmed_within
+from woz_drivers.confirmed_stop import Ends, confirmed_within
 
 from woz_tui.drivers.contract import DriverError, StopReport
 
@@ -54,7 +54,7 @@ async def test_a_part_has_confirmed_when_all_that_belongs_to_it_has_ended_well()
     tasks, gate = BackgroundTasks("a stop"), asyncio.Event()
     well, late = tasks.start(asyncio.sleep(0)), tasks.start(gate.wait())
     refused = tasks.start(fails(DriverError("refused")))
-    ends = {"speech": [well], "motion": [well, refused], "driving": [well, late]}
+    ends: Ends = {"speech": [well], "motion": [well, refused], "driving": [well, late]}
     assert await confirmed_within(0.05, ends) == StopReport(("speech",), ("driving", "motion"))
     gate.set()  # what is late goes on
     assert await late

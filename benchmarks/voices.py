@@ -71,6 +71,11 @@ class _Say:
     def expects(self, seconds: float) -> None:
         self.expected.append(seconds)
 
+    def goes_on(self) -> Callable[[str], None]:
+        return lambda why: None
+
+    def mark(self, sort: str, text: str = "") -> None: ...
+
 
 class Clocked:
     """Milliseconds by name."""

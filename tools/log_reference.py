@@ -162,7 +162,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "skipped_commands": ("", "how many commands were not sent again"),
     "social_distance": ("m", "social distance"),
     "software": ("", "name and version of the program"),
-    "sort": ("", "what kind of cue it is: see the line's description"),
+    "sort": ("", "what kind of cue or mark it is: see the line's description"),
     "source": (
         "",
         "where it came from: `key`, `script`, `palette`, `program`, `wizard`, `participant` ...",

@@ -31,6 +31,8 @@ VERBS = (
     Verb("gaze", "", BEHAVIOUR, lane="body", stream=True, limit_s=5.0),
     Verb("turn", "", BEHAVIOUR, lane="body", brief=True, limit_s=5.0),
     Verb("drive", "", BEHAVIOUR, lane="base", drives=True, limit_s=5.0),
+    Verb("pose", "", BEHAVIOUR, lane="body", arrives=True, limit_s=5.0),
+    Verb("aim", "", BEHAVIOUR, lane="body", stream=True, arrives=True, limit_s=5.0),
 )
 
 
@@ -43,6 +45,8 @@ class Scripted:
     stop_raises: Exception | None = None
     stop_tells: StopReport | None = None
     calls: list[tuple[str, str]] = field(default_factory=list)
+    #: What tells how motions end that go on after their command, by command.
+    arrivals: dict[str, Callable[[str], None]] = field(default_factory=dict)
     #: Commands that reached it while the stop was latched: there must be none, ever.
     while_latched: list[str] = field(default_factory=list)
     latched: Callable[[], bool] = field(default=lambda: False)
@@ -66,6 +70,8 @@ class Scripted:
                 raise asyncio.CancelledError
             case "deaf":
                 await self._deaf(seconds)
+            case "goes on":
+                self.arrivals[job.command] = job.goes_on()
             case "expects":
                 job.expects(seconds)
                 await asyncio.sleep(seconds)

@@ -64,7 +64,12 @@ class Head(Bare):
         move = Argument("move", "choice", required=True, choices=("nod", "shake"))
         return (
             Verb("play", "a gesture", (move, Argument("speed", "number", range=Range(0.1, 4)))),
-            Verb("pose", "a pose", (Argument("joints", "joints", required=True), seconds)),
+            Verb(
+                "pose",
+                "a pose",
+                (Argument("joints", "joints", required=True), seconds),
+                arrives=True,
+            ),
             Verb("poses", "poses", (Argument("poses", "poses", required=True),)),
             Verb("home", "go home", (seconds,)),
             Verb("torque", "hold", (Argument("on", "flag", required=True),), lane="control"),

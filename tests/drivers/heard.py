@@ -88,6 +88,13 @@ class Ordered:
         """Remember what the driver announced."""
         self.announced.append(seconds)
 
+    def goes_on(self) -> Callable[[str], None]:
+        """Nobody waits for its motion."""
+        return lambda why: None
+
+    def mark(self, sort: str, text: str = "") -> None:
+        """Nobody follows its words."""
+
 
 async def until(holds: Callable[[], bool]) -> None:
     """Return when `holds()`; for what no message tells, such as the state of a process."""

@@ -227,6 +227,9 @@ def _afternoon() -> list[m.AnyMessage]:
         m.DriverLost(driver="base", detail="no answer", remedy="check the cable"),
         m.Notice(level="warning", text="base is gone", remedy="check the cable"),
         m.ExperimentReloaded(experiment_sha256=SHA, changes=["panels[0]: one action more"]),
+        m.MotionArrived(command="c00001", driver="head"),
+        m.MotionInterrupted(command="c00002", driver="head", reason="stop pressed"),
+        m.CommandMark(command="c00001", driver="voice", sort="word", text="Hello"),
         *COURSE,
         m.ConsoleLost(console="k1", role="wizard", why="left"),
     ]

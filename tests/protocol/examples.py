@@ -269,6 +269,12 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         confidence=0.5,
     ),
     m.SensorChanged(sensor="battery", state="ok", every=10.0),
+    m.MotionArrived(command="c00014", driver="head"),
+    m.MotionInterrupted(
+        command="c00015", driver="head", reason="replaced by a newer one", by="c00016"
+    ),
+    m.CommandMark(command="c00001", driver="voice", sort="word", text="Gott", tells=("condition",)),
+    m.CommandMark(command="c00017", driver="head", sort="stroke"),
 )
 
 _PANELS = [
@@ -292,7 +298,14 @@ _PANELS = [
 
 REQUESTS: tuple[r.AnyRequest, ...] = (
     r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True),
-    r.Hello(ref=2, role="program", name="stimulus", sees="all", via="lab"),
+    r.Hello(
+        ref=2,
+        role="program",
+        name="stimulus",
+        protocol=r.PROTOCOL,
+        sees="all",
+        via="lab",
+    ),
     r.Beat(ref=2),
     r.Beat(ref=3, line_ok=False),
     r.AskAction(ref=4, sent_us=5_400_000_000, action="Hello", source="key", key="h", age_us=2300),
@@ -341,6 +354,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskReplay(ref=29, what="seek", by_s=-5.0),
     r.AskReplay(ref=30, what="go", to="12:34"),
     r.AskPicture(ref=33, driver="eye", width=76, height=40, after=17),
+    r.AskDescribe(ref=39),
     r.AskPicture(ref=34, width=640, height=480, format="sixel", rate=2.5),
     r.AskSound(ref=40, driver="ears", after=32_000),
     r.AskTalk(ref=41),
@@ -400,6 +414,13 @@ def answers() -> list[r.AnyAnswer]:
         ),
         r.Reply(ref=6, ok=False, reason="no participant is set", command="start"),
         r.Reply(ref=17, ok=True, data=["Speech: 'Bye' is new"]),
+        r.Reply(
+            ref=18,
+            ok=False,
+            reason="gaze.yaw must be -180 to 180 degrees, not 200",
+            run="c00018",
+            ended="command.refused",
+        ),
         r.Pulse(t=2_000_000),
         r.Pulse(t=3_000_000, dropped=40),
         r.Pulse(t=3_000_000, rate=0.0),

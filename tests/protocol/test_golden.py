@@ -16,6 +16,7 @@ import pytest
 from tests.protocol import examples, values
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import ActionDone
+from woz_tui.protocol.requests import PROTOCOL as PROTOCOL_VERSION
 from woz_tui.protocol.requests import AskAction, Hello
 
 PROTOCOL = Path(__file__).parents[2] / "docs" / "reference" / "protocol.md"
@@ -158,7 +159,7 @@ def test_the_python_example_talks_to_a_socket(tmp_path: Path) -> None:
             robot.shutdown(socket.SHUT_RDWR)
             said, _ = child.communicate(timeout=20)
     assert requests == [
-        Hello(role="program", stream="actions"),
+        Hello(role="program", protocol=PROTOCOL_VERSION, stream="actions"),
         AskAction(ref=1, action="Hello"),
     ]
     assert said.split() == ["action.done", "Hello"]

@@ -206,6 +206,9 @@ class Bus:
         """From here on no stop reaches it, whatever its `stop` returns."""
         self._connected.discard(driver)
         self._faulted.discard(driver)
+        for (name, _), lane in list(self._lanes.items()):
+            if name == driver:
+                lane.end_motions(f"{driver} is not connected")
 
     def _reaches(self, driver: str, report: StopReport | None) -> bool:
         parts = driver in self._faulted and report is not None and bool(report.confirmed)

@@ -23,6 +23,7 @@ from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import (
     Command,
+    CommandMark,
     Dispatched,
     Done,
     End,
@@ -30,6 +31,8 @@ from woz_tui.protocol.messages import (
     Json,
     LaneFaulted,
     LaneRecovered,
+    MotionArrived,
+    MotionInterrupted,
     Progress,
     Refused,
     Stopped,
@@ -133,13 +136,46 @@ class LaneJob:
         #: What its arguments tell (see `messages.RestrictedMessage`).
         self.tells = pending.command.tells
         self._loop = asyncio.get_running_loop()
+        #: Whether its motion goes on after `perform`, and why it has ended; None: it has not.
+        self.outlasts = False
+        self.motion_end: str | None = None
+        self.on_motion_end: Callable[[LaneJob], None] = lambda job: None
+
+    def goes_on(self) -> Callable[[str], None]:
+        """See `drivers.contract.Job`."""
+        self.outlasts = True
+        return lambda why: self._later(self._end_motion, why)
+
+    def _end_motion(self, why: str) -> None:
+        if self.motion_end is None:
+            self.motion_end = why
+            self.on_motion_end(self)
+
+    def mark(self, sort: str, text: str = "") -> None:
+        """Publish a point within it; may be called from any thread."""
+        self._later(self._publish_mark, sort, text)
+
+    def _publish_mark(self, sort: str, text: str) -> None:
+        if self._pending.end is None:
+            self._pending.hub.publish(
+                CommandMark(
+                    command=self.command,
+                    driver=self._pending.command.driver,
+                    sort=sort,
+                    text=text,
+                    tells=self.tells,
+                )
+            )
+
+    def _later(self, call: Callable[..., None], *args: object) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop has closed: nobody listens any more
+            self._loop.call_soon_threadsafe(call, *args)
 
     def expects(self, seconds: float) -> None:
         """Publish how long it will take; may be called from any thread."""
         if not math.isfinite(seconds):
             return
-        with contextlib.suppress(RuntimeError):  # the loop has closed: nobody counts any more
-            self._loop.call_soon_threadsafe(self._publish, min(max(seconds, 0.0), 86_400.0))
+        self._later(self._publish, min(max(seconds, 0.0), 86_400.0))
 
     def _publish(self, seconds: float) -> None:
         if self._pending.end is not None:
@@ -168,6 +204,8 @@ class Lane:
         self._current: PendingCommand | None = None
         self._task: asyncio.Task[Mapping[str, Json]] | None = None
         self._cancelled = False
+        #: Commands that are done and whose motion goes on.
+        self._moving: dict[str, PendingCommand] = {}
         self.faulted = False
 
     @property
@@ -254,6 +292,8 @@ class Lane:
             timer.cancel()
         pending.timers.clear()
         self._current = pending
+        if pending.verb.arrives:
+            self.end_motions("replaced by a newer one", pending.command.command)
         self._hub.publish(
             Dispatched(
                 command=pending.command.command,
@@ -267,7 +307,7 @@ class Lane:
         self._task = task
         self._cancelled = False
         self._bound(pending, pending.command.limit_s)
-        task.add_done_callback(lambda done: self._ended(pending, done, started_us))
+        task.add_done_callback(lambda done: self._ended(pending, job, done, started_us))
 
     def _bound(self, pending: PendingCommand, limit_s: float) -> None:
         for timer in pending.timers:
@@ -319,20 +359,56 @@ class Lane:
             )
 
     def _ended(
-        self, pending: PendingCommand, task: asyncio.Task[Mapping[str, Json]], started_us: int
+        self,
+        pending: PendingCommand,
+        job: LaneJob,
+        task: asyncio.Task[Mapping[str, Json]],
+        started_us: int,
     ) -> None:
         self._task = None
         self._current = None
-        pending.finish(_outcome(pending, task, self.driver_name, started_us, self._hub.now()))
+        end = _outcome(pending, task, self.driver_name, started_us, self._hub.now())
+        if pending.finish(end) and pending.verb.arrives and isinstance(end, Done):
+            self._follow(pending, job)
         if self.faulted:
             self.faulted = False
             self._hub.publish(LaneRecovered(driver=self.driver_name, lane=self.name))
         self._pump()
 
+    # -- motions -----------------------------------------------------------------------------
+
+    def _follow(self, pending: PendingCommand, job: LaneJob) -> None:
+        """Tell when the motion of a command that is done has arrived."""
+        self._moving[pending.command.command] = pending
+        if not job.outlasts:
+            self._motion_ended(pending, "")
+        elif job.motion_end is not None:
+            self._motion_ended(pending, job.motion_end)
+        else:
+            job.on_motion_end = lambda job: self._motion_ended(pending, job.motion_end or "")
+
+    def _motion_ended(self, pending: PendingCommand, why: str, by: str = "") -> None:
+        command = pending.command.command
+        if self._moving.pop(command, None) is None:
+            return
+        if why:
+            self._hub.publish(
+                MotionInterrupted(command=command, driver=self.driver_name, reason=why, by=by)
+            )
+        else:
+            self._hub.publish(MotionArrived(command=command, driver=self.driver_name))
+
+    def end_motions(self, why: str, by: str = "") -> None:
+        """Tell that the motions of commands that are done will not arrive."""
+        for pending in [*self._moving.values()]:
+            self._motion_ended(pending, why, by)
+
     # -- stopping ----------------------------------------------------------------------------
 
     def stop(self, reason: str, only_driving: bool = False) -> None:
         """End everything waiting and running, or only what drives; the job is cancelled."""
+        if not only_driving:
+            self.end_motions(reason)
         kept = deque(entry for entry in self._waiting if only_driving and not entry[0].verb.drives)
         ended = [pending for pending, _ in self._waiting if all(pending is not k[0] for k in kept)]
         self._waiting = kept

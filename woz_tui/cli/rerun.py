@@ -29,7 +29,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AskStop, Hello
+from woz_tui.protocol.requests import PROTOCOL, AskStop, Hello
 from woz_tui.replay import experiment_origin
 from woz_tui.replay.opened_log import LogError, log_in
 from woz_tui.replay.rerun_plan import RerunPlan, RerunStep, fitted, plan_of, unfit_steps
@@ -407,7 +407,8 @@ def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
     with contextlib.ExitStack() as opened:
         link = opened.enter_context(socket.socket(socket.AF_UNIX))
         link.connect(str(robot.socket))
-        link.sendall(codec.encode(Hello(role="program", name="rerun", stream="actions")))
+        hello = Hello(role="program", name="rerun", protocol=PROTOCOL, stream="actions")
+        link.sendall(codec.encode(hello))
         signals = opened.enter_context(_signals())
         keys = opened.enter_context(single_keys())
         selector = opened.enter_context(selectors.DefaultSelector())

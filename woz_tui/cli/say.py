@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -63,6 +63,13 @@ class _TriedJob:
     def expects(self, seconds: float) -> None:
         """Nobody counts down."""
         self.expected.append(seconds)
+
+    def goes_on(self) -> Callable[[str], None]:
+        """Nothing moves."""
+        return lambda why: None
+
+    def mark(self, sort: str, text: str = "") -> None:
+        """Nobody follows its words."""
 
 
 def add_speakers(parser: ArgumentParser) -> None:

@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.annotated_decoder import names_of, read_partly
-from woz_tui.config.experiment import Action, Panel, Step, Wait
+from woz_tui.config.experiment import ARRIVED, Action, Panel, ParallelCalls, Step, Wait
 from woz_tui.config.experiment_file import ActionEntry, PanelEntry
 from woz_tui.config.keys.chords import KeyNameError, normal_key
 from woz_tui.config.problems import quoted
 from woz_tui.config.session_verbs import WAIT
 from woz_tui.config.verb_calls import CallReader, Vocabulary
-from woz_tui.config.yaml_cursor import Cursor, read_seconds, read_text, texts_of
+from woz_tui.config.yaml_cursor import Cursor, read_seconds, read_text, read_word, texts_of
 from woz_tui.config.yaml_nodes import ListNode, ScalarNode
 from woz_tui.drivers.fields import Range
 
@@ -63,6 +63,12 @@ class StepReader:
         """The verbs of an action that has no steps."""
         return self._calls.read(cursor, table, on, ACTION_FIELDS)
 
+    def until_arrived(self, step: Step | None, until: Cursor | None) -> Step | None:
+        """`step`; if it says `until`, it ends when its motions have arrived."""
+        if until is None or not isinstance(step, ParallelCalls):
+            return step
+        return self._calls.until_arrived(step, until)
+
     def step(self, cursor: Cursor, on: Cursor | None = None) -> Step | None:
         """`{say: Hello, eyes: green}` or `{wait: 0.5}`; `on` if the step names nobody itself."""
         table = cursor.table("a step, such as {say: Hello} or {wait: 0.5}")
@@ -71,7 +77,11 @@ class StepReader:
         if set(table) == {WAIT.name}:
             seconds = read_seconds(table[WAIT.name], _LONGEST_WAIT)
             return Wait(seconds or 0.0)
-        return self._calls.read(cursor, table, table.pop("on", on), ("on", "wait"))
+        until = table.pop("until", None)
+        step = self._calls.read(cursor, table, table.pop("on", on), ("on", "until", "wait"))
+        if until is not None and read_word(until, (ARRIVED,)) is None:
+            return step
+        return self.until_arrived(step, until)
 
 
 class PanelReader:
@@ -156,7 +166,10 @@ class PanelReader:
         on, steps = fields.get("on"), fields.get("steps")
         if steps is None:
             together = self._reader.together(cursor, table, on)
-            return [together] if together is not None else []
+            step = self._reader.until_arrived(together, fields.get("until"))
+            return [step] if step is not None else []
+        if "until" in fields:
+            fields["until"].error("cannot be next to steps; put it into one of the steps")
         for entry in table.values():
             entry.error("cannot be next to steps; put it into one of the steps")
         entries = steps.list("a list of steps, such as [{say: Hello}, {wait: 0.5}]")

@@ -94,12 +94,17 @@ class TextVariants:
         return self.texts.get("" if not self.depends else condition, ())
 
 
+#: What a step may wait for beside the ends of its commands.
+ARRIVED = "arrived"
+
+
 @dataclass(frozen=True, slots=True)
 class Call:
     """One verb, its checked arguments (variables still in place), the driver it goes to.
 
     `choices` are the arguments that are chosen when it is played; they are not in `args` before.
-    `tells` and `unfilled` as in `messages.Command`, once the variables are filled in.
+    `tells` and `unfilled` as in `messages.Command`, once the variables are filled in. `until`: what
+    a step waits for; empty: the command's end; `arrived`: the motion's.
     """
 
     verb: str
@@ -109,6 +114,7 @@ class Call:
     tells: tuple[str, ...] = ()
     unfilled: Mapping[str, Json] = field(default_factory=dict)
     choices: Mapping[str, TextVariants] = field(default_factory=dict)
+    until: str = ""
 
 
 @dataclass(frozen=True, slots=True)

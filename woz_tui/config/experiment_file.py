@@ -10,7 +10,13 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from woz_tui.config.annotated_decoder import names_of
-from woz_tui.config.experiment import ArrowKeySteps, Phase, ProfileEntry, SessionSettings
+from woz_tui.config.experiment import (
+    ARRIVED,
+    ArrowKeySteps,
+    Phase,
+    ProfileEntry,
+    SessionSettings,
+)
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.languages import DEFAULT
 from woz_tui.config.robots import SIMULATED
@@ -45,6 +51,11 @@ class ActionEntry(Entry):
         str, OneOf(WHEN_BUSY), Doc("what the key does while the action is running")
     ] = "queue"
     on: Annotated[Any, ReadApart("on"), Doc("driver or robot; a list for several at once")] = None
+    until: Annotated[
+        str,
+        OneOf((ARRIVED,)),
+        Doc("arrived: the step ends when its motion has arrived, not when the robot has taken it"),
+    ] = ""
     steps: Annotated[
         Any,
         ReadApart("steps"),

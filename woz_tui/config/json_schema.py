@@ -327,7 +327,8 @@ def _action(verbs: Sequence[Verb]) -> Schema:
 
 def _step(verbs: Sequence[Verb]) -> Schema:
     wait = {**SECONDS, "description": WAIT.summary}
-    schema = mapping({**_spoken(verbs), "on": _ON, "wait": wait})
+    until = settings_schema(ActionEntry)["properties"]["until"]
+    schema = mapping({**_spoken(verbs), "on": _ON, "until": until, "wait": wait})
     schema["minProperties"] = 1
     return schema
 

@@ -13,7 +13,7 @@ from woz_tui.config import utterance_template
 from woz_tui.config.annotated_decoder import resolve_path
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import is_choice, read_choice
-from woz_tui.config.experiment import Call, LeftOut, ParallelCalls, TextVariants
+from woz_tui.config.experiment import ARRIVED, Call, LeftOut, ParallelCalls, TextVariants
 from woz_tui.config.problems import ProblemReport, join, listed, quoted
 from woz_tui.config.robots import PLAY, Robots, VerbOffer
 from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
@@ -122,6 +122,23 @@ class CallReader:
             calls += own
         self._same_lane(calls, verbs, chosen)
         return ParallelCalls(tuple(calls), tuple(left_out))
+
+    def until_arrived(self, step: ParallelCalls, until: Cursor) -> ParallelCalls:
+        """`step`, whose motions are waited for; an error if it has none that says so."""
+        arriving = {
+            (offer.verb.name, offer.driver)
+            for name in {call.verb for call in step.calls}
+            for offer in self._vocabulary.offers(name)
+            if offer.verb.arrives
+        }
+        calls = tuple(
+            replace(call, until=ARRIVED) if (call.verb, call.driver) in arriving else call
+            for call in step.calls
+        )
+        if step.calls and calls == step.calls:
+            verbs = ", ".join(f"{call.driver}'s {call.verb}" for call in step.calls)
+            until.error(f"{verbs} does not tell when it has arrived; leave out until")
+        return replace(step, calls=calls)
 
     def _call(self, offer: VerbOffer, entry: Cursor, beside: Mapping[str, Cursor]) -> Call:
         name = offer.verb.name

@@ -19,7 +19,7 @@ import msgspec
 from woz_tui.console.message_feed import Incoming, OnLost, OnMessages
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Notice, SessionEnd
-from woz_tui.protocol.requests import AnyRequest, AskStop, Beat, Hello, Welcome
+from woz_tui.protocol.requests import PROTOCOL, AnyRequest, AskStop, Beat, Hello, Welcome
 from woz_tui.system.clock import Clock, RealClock, boot_id
 
 BEAT_S = 0.5
@@ -66,7 +66,7 @@ class HostConnection:
         self.line_ok = True
         self.round_trip_us: int | None = None
         self._path = path
-        self._hello = Hello(role=role, name=name, take_over=take_over)
+        self._hello = Hello(role=role, name=name, protocol=PROTOCOL, take_over=take_over)
         self._clock = clock or RealClock()
         self._silence_us = round(silence_s * 1_000_000)
         self._on_messages: OnMessages = lambda batch: None

@@ -85,7 +85,9 @@ class Verb:
     the room, or lets somebody talk through it, and must end when nobody watches. `limit_s`: how
     long it may take at most. `brief`: it is done at once, so that a burst of it may wait in its
     lane without anybody noticing.
-    `waits`: it may be queued; else it is refused while its lane is busy.
+    `waits`: it may be queued; else it is refused while its lane is busy. `arrives`: it moves
+    something to a goal, and the log says when that is there (`motion.arrived`): when `perform`
+    returns, unless the driver says that it goes on (`Job.goes_on`).
     """
 
     name: str
@@ -97,6 +99,7 @@ class Verb:
     limit_s: float = 30.0
     brief: bool = False
     waits: bool = True
+    arrives: bool = False
 
 
 class Job(Protocol):
@@ -120,6 +123,16 @@ class Job(Protocol):
 
     def expects(self, seconds: float) -> None:
         """Say that it will take `seconds` more from now; the console counts down."""
+
+    def goes_on(self) -> Callable[[str], None]:
+        """Say that the motion goes on when `perform` returns, of a verb that `arrives`.
+
+        Call what is returned once, from any thread: with an empty text when the motion has arrived,
+        or with the reason why it will not. A stop and a lost device need not be told.
+        """
+
+    def mark(self, sort: str, text: str = "") -> None:
+        """Tell of a point within the command, now; see `messages.CommandMark`. From any thread."""
 
 
 class Health(enum.Enum):

@@ -16,14 +16,26 @@ from woz_tui.drivers.contract import Finding
 from woz_tui.host.client_connection import ClientConnection
 from woz_tui.host.picture_service import PictureService
 from woz_tui.host.sound_service import SoundService
-from woz_tui.protocol.messages import Json, Notice
+from woz_tui.protocol.messages import (
+    ActionDone,
+    ActionEnd,
+    ActionRefused,
+    Done,
+    End,
+    Json,
+    Message,
+    Notice,
+    Refused,
+)
 from woz_tui.protocol.requests import (
+    OLDEST_PROTOCOL,
     AnyRequest,
     AskAction,
     AskAnswer,
     AskAssign,
     AskCancel,
     AskCheck,
+    AskDescribe,
     AskEmptyQueue,
     AskEnd,
     AskKeepTyped,
@@ -60,7 +72,9 @@ from woz_tui.session.variables import MissingValueError, filled_call
 log = logging.getLogger(__name__)
 
 #: What somebody who only watches may ask for (stop and taking over: see `server`).
-WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver)
+WATCHER_MAY = (
+    *(AskDescribe, AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver),
+)
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: What takes its time, because it reads files or asks devices.
@@ -93,6 +107,9 @@ class RequestHandlers:
         self.on_end: Callable[[str], None] = lambda reason: None
         self.on_training: Callable[[], None] | None = None
         self.on_panels: Callable[[], None] = lambda: None
+        #: What has ended while a request is carried out, by run or command; None: none is.
+        self._ends: dict[str, ActionEnd | End] | None = None
+        session.hub.listen(self._note_end)
         #: Called before an experiment is adopted.
         self.on_reload: Callable[[Experiment], None] = lambda experiment: None
 
@@ -104,6 +121,8 @@ class RequestHandlers:
             self._only_watches(client, request)
         elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
             client.refuse(request.ref, "this console can only answer questionnaires")
+        elif isinstance(request, AskDescribe):
+            client.send(Reply(ref=request.ref, ok=True, data=self._session.describe()))
         elif isinstance(request, AskPicture):
             self._pictures.answer(client, request)
         elif isinstance(request, AskSound | AskTalk):
@@ -134,11 +153,30 @@ class RequestHandlers:
             )
 
     def _answer_at_once(self, client: ClientConnection, request: AnyRequest) -> Reply:
+        self._ends = ends = {}
         try:
             run = self._carry_out(client, request)
         except RequestError as error:
-            return _refused(client, request, error)
-        return Reply(ref=request.ref, ok=True, run=run)
+            reply = _refused(client, request, error)
+            if isinstance(request, AskAction | AskVerb | AskScript):
+                runs = [run for run, end in ends.items() if isinstance(end, ActionRefused | Refused)]
+                reply = replace(reply, run=runs[-1] if runs else "")
+            return reply
+        finally:
+            self._ends = None
+        reply, end = Reply(ref=request.ref, ok=True, run=run), ends.get(run)
+        if end is None or client.protocol == OLDEST_PROTOCOL:
+            return reply
+        return _with_end(client, reply, end)
+
+    def _note_end(self, message: Message) -> None:
+        if self._ends is None:
+            return
+        match message:
+            case ActionEnd(run=run):
+                self._ends[run] = message
+            case End(command=command):
+                self._ends[command] = message
 
     def _carry_out(self, client: ClientConnection, request: AnyRequest) -> str:  # noqa: PLR0912, PLR0915
         """Carry `request` out; the id of the run or command that it has begun."""
@@ -386,6 +424,17 @@ def _refused(client: ClientConnection, request: AnyRequest, error: RequestError)
     if client.view is not None and error.conditions:
         hint = f"there are {', '.join(client.view.redactor.labels(error.conditions))}"
     return Reply(ref=request.ref, ok=False, reason=error.reason, hint=hint, command=error.command)
+
+
+def _with_end(client: ClientConnection, reply: Reply, end: ActionEnd | End) -> Reply:
+    """The reply to a request that is over already: one that was refused is not called accepted."""
+    kind = str(end.__struct_config__.tag)
+    if isinstance(end, ActionDone | Done):
+        return replace(reply, ended=kind)
+    seen = end if client.view is None else client.view.redactor.message(end)
+    assert isinstance(seen, ActionEnd | End)
+    hint = seen.remedy if isinstance(seen, End) else ""
+    return replace(reply, ok=False, reason=seen.reason, hint=hint, ended=kind)
 
 
 def _redacted(client: ClientConnection, reply: Reply, instead: Mapping[str, str]) -> Reply:

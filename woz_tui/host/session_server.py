@@ -19,6 +19,7 @@ from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import (
+    OLDEST_PROTOCOL,
     PROTOCOL,
     AnyRequest,
     AskStop,
@@ -198,10 +199,11 @@ class SessionServer:
         self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
-        if hello.protocol != PROTOCOL:
+        if not OLDEST_PROTOCOL <= hello.protocol <= PROTOCOL:
             client.refuse(
                 hello.ref,
-                f"this robot process speaks protocol {PROTOCOL}, not {hello.protocol}",
+                f"this robot process speaks protocols {OLDEST_PROTOCOL} to {PROTOCOL},"
+                f" not {hello.protocol}",
                 "use console and robot process of the same version",
             )
             client.close("protocol")
@@ -301,7 +303,11 @@ class SessionServer:
             told, recent = view.redactor.welcome(told), view.recent
             state = [view.redactor.message(line) for line in session.state.messages(plan=False)]
         return msgspec.structs.replace(
-            told, state=_raw(state), recent=_raw(recent), boot_id=boot_id()
+            told,
+            protocol=client.protocol,
+            state=_raw(state),
+            recent=_raw(recent),
+            boot_id=boot_id(),
         )
 
     def _panels_changed(self) -> None:

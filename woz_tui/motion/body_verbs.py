@@ -76,9 +76,15 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
             Argument("amplitude", "number", "1: as written", default=1.0, range=Range(0, 3)),
             choices=tuple(moves),
         ),
-        common_verb("pose", "", _SECONDS, _EASING, limit_s=30.0),
-        common_verb("poses", "", _EASING, limit_s=120.0),
-        common_verb("home", "", replace(_SECONDS, summary="in how long", default=1.0), _EASING),
+        common_verb("pose", "", _SECONDS, _EASING, limit_s=30.0, arrives=True),
+        common_verb("poses", "", _EASING, limit_s=120.0, arrives=True),
+        common_verb(
+            "home",
+            "",
+            replace(_SECONDS, summary="in how long", default=1.0),
+            _EASING,
+            arrives=True,
+        ),
         common_verb(
             "gaze",
             "look in a direction, or at a point in space",
@@ -89,6 +95,7 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
             _SECONDS,
             _EASING,
             lane="body",
+            arrives=True,
         ),
         common_verb(
             "nudge",

@@ -182,6 +182,29 @@ class Superseded(End, frozen=True, kw_only=True, tag="command.superseded"):
     by: str
 
 
+class MotionArrived(Ack, frozen=True, kw_only=True, tag="motion.arrived"):
+    """The motion that a command began has really arrived. It comes after `command.done`, which of
+    some verbs (a gaze) says only that the goal was taken; `describe` names the verbs that have it.
+    """
+
+
+class MotionInterrupted(Ack, frozen=True, kw_only=True, tag="motion.interrupted"):
+    """The motion that a command began will not arrive; `by` names a command that took its place."""
+
+    reason: str
+    by: str = msgspec.field(default_factory=str)
+
+
+class CommandMark(Ack, frozen=True, kw_only=True, tag="command.mark"):
+    """A command comes to a point of its own. `sort`: word (one begins; `text` has it), bookmark
+    (a mark in the text that was said; `text` is its name) or stroke (the gesture is where its
+    meaning lies).
+    """
+
+    sort: str
+    text: str = ""
+
+
 class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
     """The stop latched. `source` is key, program, console-lost ...; `scope` all or drive."""
 

@@ -23,11 +23,14 @@ from woz_tui.protocol.action_messages import (
     ActionStopped,
     ActionSuperseded,
     Command,
+    CommandMark,
     Dispatched,
     Done,
     End,
     Failed,
     FilledCall,
+    MotionArrived,
+    MotionInterrupted,
     Progress,
     Refused,
     StopConfirmed,
@@ -78,6 +81,7 @@ __all__ = [
     "BreakEnded",
     "BreakStarted",
     "Command",
+    "CommandMark",
     "ConditionsAssigned",
     "CueAnswered",
     "CueGiven",
@@ -89,6 +93,8 @@ __all__ = [
     "FilledCall",
     "Json",
     "Message",
+    "MotionArrived",
+    "MotionInterrupted",
     "PerceptionChanged",
     "PreflightChecked",
     "Progress",
@@ -622,6 +628,9 @@ AnyMessage = (
     | Refused
     | Stopped
     | Superseded
+    | MotionArrived
+    | MotionInterrupted
+    | CommandMark
     | StopPressed
     | StopConfirmed
     | StopReleased

@@ -16,7 +16,8 @@ from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
 
-PROTOCOL = 1
+#: The newest version; older clients are answered as they were before, see `Reply`.
+PROTOCOL, OLDEST_PROTOCOL = 2, 1
 
 
 #: What becomes of a command whose lane is occupied; empty: what the experiment says.
@@ -48,13 +49,14 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     A wizard must send a `beat` at least every second; when three seconds pass without one, driving
     stops. `stream`: everything, actions (no samples) or nothing. While a wizard is attached a
     second one becomes a watcher, unless it says `take_over`: then the first one does. `sees`: a
-    program sees `all`, also what is kept from the wizard, unless it says `wizard`. `via`: set for
+    program sees `all`, also what is kept from the wizard, unless it says `wizard`. `protocol`: the
+    version that the client speaks; one that does not say so speaks the first. `via`: set for
     clients from other machines, by the process that has examined their certificate.
     """
 
     role: str
     name: str = ""
-    protocol: int = PROTOCOL
+    protocol: int = OLDEST_PROTOCOL
     stream: str = "everything"
     take_over: bool = False
     sees: Literal["", "all", "wizard"] = ""
@@ -131,6 +133,10 @@ class AskEmptyQueue(Request, frozen=True, kw_only=True, tag="empty-queue"):
 
 class AskTakeOver(Request, frozen=True, kw_only=True, tag="take-over"):
     """A console that watches plays from now on; refused while another one plays and responds."""
+
+
+class AskDescribe(Request, frozen=True, kw_only=True, tag="describe"):
+    """What can be asked for? The reply's `data` is a `description.Description`."""
 
 
 class AskSet(Request, frozen=True, kw_only=True, tag="set"):
@@ -333,6 +339,7 @@ AnyRequest = (
     | AskCancel
     | AskEmptyQueue
     | AskTakeOver
+    | AskDescribe
     | AskSet
     | AskMarker
     | AskNote
@@ -362,8 +369,10 @@ AnyRequest = (
 class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     """The answer to one request; not part of the session's stream and never logged.
 
-    `run` names what was started. `reason` says why not, `hint` what would help, and
-    `command` which of the console's own keys (its id). `data` carries what the request asked for.
+    `run` names what was started, or what was refused. `reason` says why not, `hint` what would
+    help, and `command` which of the console's own keys (its id). `data` carries what the request
+    asked for. `ended`: the kind of the message with which the run has ended already, so that nobody
+    waits for it. A client of protocol 1 gets `ok` for a verb that the bus refused, and no `ended`.
     """
 
     ref: int
@@ -373,6 +382,7 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     command: str = ""
     run: str = ""
     data: Json = None
+    ended: str = ""
 
 
 class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):

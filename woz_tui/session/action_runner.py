@@ -48,7 +48,7 @@ class CommandRefusal:
 @dataclass
 class ActionRun:
     """One action being played; `pending` are the commands of the present step, of `together`
-    in all. `left`: how it ends after this step, unless something of the step goes wrong.
+    in all, and `arriving` those whose motion it waits for. `left`: how it ends after this step, unless something of the step goes wrong.
     """
 
     id: str
@@ -58,6 +58,7 @@ class ActionRun:
     when_busy: str
     at: int = -1
     pending: set[str] = field(default_factory=set)
+    arriving: set[str] = field(default_factory=set)
     together: int = 0
     timer: asyncio.TimerHandle | None = None
     problem: m.ActionEnd | None = None
@@ -106,6 +107,7 @@ class ActionRunner:
         #: The last of them that a human asked for: what the robot does by itself is not meant when
         #: somebody says that the last one was a mistake.
         self.by_hand = ""
+        hub.listen(self._on_message)
 
     # -- asked for ---------------------------------------------------------------------------
 
@@ -265,6 +267,8 @@ class ActionRunner:
         ]
         # All are pending before the first is submitted: a refusal ends within `submit`.
         run.pending = {command.command for command in commands}
+        pairs = zip(step, commands, strict=True)
+        run.arriving = {command.command for call, command in pairs if call.until}
         run.together = len(commands)
         for command in commands:
             self._bus.submit(command, functools.partial(self._ended, run, command.verb))
@@ -298,9 +302,34 @@ class ActionRunner:
         )
 
     def _ended(self, run: ActionRun, verb: str, end: m.End) -> None:
-        run.pending.discard(end.command)
         if run.problem is None:
             run.problem = self._problem(run, verb, end)
+        if end.command not in run.arriving or not isinstance(end, m.Done):
+            self._settle(run, end.command)
+
+    def _on_message(self, message: m.AnyMessage) -> None:
+        """A step may wait for a motion that goes on after its command."""
+        if not isinstance(message, m.MotionArrived | m.MotionInterrupted):
+            return
+        command = message.command
+        run = next((run for run in self._runs.values() if command in run.arriving), None)
+        if run is None or command not in run.pending:
+            return
+        if isinstance(message, m.MotionInterrupted) and run.problem is None:
+            run.problem = self._not_arrived(run, message)
+        self._settle(run, command)
+
+    def _not_arrived(self, run: ActionRun, message: m.MotionInterrupted) -> m.ActionEnd:
+        if message.by:
+            return _superseded(run, message.by, self.played.get(message.by, message.by))
+        if self._bus.latched:
+            return m.ActionStopped(run=run.id, action=run.action.name, reason=message.reason)
+        reason = f"{message.driver}: {message.reason}"
+        return m.ActionFailed(run=run.id, action=run.action.name, reason=reason)
+
+    def _settle(self, run: ActionRun, command: str) -> None:
+        """One command of the step is over."""
+        run.pending.discard(command)
         if run.pending or run.id not in self._runs:
             return
         over = run.problem or run.left

@@ -10,7 +10,15 @@ from woz_tui.protocol import messages as m
 MOST = 200
 #: What no list of events has a line for: samples, what is shown, what a log says of itself.
 _UNLISTED = (
-    m.Reading | m.Shown | m.EngagementShown | m.ExperimentFiles | m.SessionPlan | m.RerunSent
+    m.Reading
+    | m.Shown
+    | m.EngagementShown
+    | m.ExperimentFiles
+    | m.SessionPlan
+    | m.RerunSent
+    | m.MotionArrived
+    | m.MotionInterrupted
+    | m.CommandMark
 )
 
 

@@ -274,7 +274,7 @@ class Redactor:
             return message
         if isinstance(message, m.Command):
             return replace(message, args={**message.args, **message.unfilled})
-        if isinstance(message, m.Progress) or (
+        if isinstance(message, m.Progress | m.CommandMark) or (
             isinstance(message, m.Notice) and message.level == "info"
         ):
             return None

@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
+import msgspec
+
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call, Experiment, Phase
@@ -22,6 +24,7 @@ from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import ActionRunner, CommandRefusal, RequestOrigin
 from woz_tui.session.action_texts import ActionTexts, no_value, utterances
+from woz_tui.session.description import describe
 from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_manager import DriverManager, make_drivers
 from woz_tui.session.engagement_control import EngagementController
@@ -306,6 +309,12 @@ class Session:
         if refusal is not None:
             raise RequestError(refusal.reason, AGAIN if stale else "")
         return command
+
+    def describe(self) -> m.Json:
+        """What can be asked for: `protocol.description.Description` as plain JSON."""
+        units = {name: reading.unit for name, reading in self.state.readings.items()}
+        plain: m.Json = msgspec.to_builtins(describe(self.experiment, self.bus.verbs, units))
+        return plain
 
     def add_typed_button(self, text: str, on: str) -> bool:
         """Make a button of a sentence that was typed; says whether it is a new one."""

@@ -134,10 +134,22 @@ class PlainJob:
     command: str = "c1"
     expected: list[float] = field(default_factory=list)
     source: str = "key"
+    #: Why each motion that went on ended; empty: it arrived.
+    arrivals: list[str] = field(default_factory=list)
+    #: Sort and text of each mark.
+    marks: list[tuple[str, str]] = field(default_factory=list)
 
     def expects(self, seconds: float) -> None:
         """Keep it."""
         self.expected.append(seconds)
+
+    def goes_on(self) -> Callable[[str], None]:
+        """Keep what is told later."""
+        return self.arrivals.append
+
+    def mark(self, sort: str, text: str = "") -> None:
+        """Keep it."""
+        self.marks.append((sort, text))
 
 
 async def until(true: Callable[[], bool], within: float = 10.0) -> None:

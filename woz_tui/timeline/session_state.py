@@ -694,6 +694,7 @@ CASES: dict[type[m.Message], _Case] = {
     **dict.fromkeys(
         (m.DriverConnecting, m.DriverConnected, m.DriverLost, m.DriverFaulted), S._driver
     ),
+    **dict.fromkeys((m.MotionArrived, m.MotionInterrupted, m.CommandMark), S._stray),
     # Moments, and nothing but moments.
     **dict.fromkeys((m.Marker, m.Note, m.Notice, m.VisitorChanged), S._moment),
     **dict.fromkeys((m.RerunSent, m.RerunSkipped), S._moment),

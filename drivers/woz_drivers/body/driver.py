@@ -71,7 +71,10 @@ class Body(RenderedDriver):
         verbs = self.verbs(settings)
         self._verbs = {verb.name for verb in verbs}
         self._brief = {verb.name for verb in verbs if verb.stream} | BRIEF
+        self._arriving = {verb.name for verb in verbs if verb.arrives}
         self._running: dict[int, asyncio.Future[str]] = {}
+        #: Tells how motions end that go on after their command, by token.
+        self._going_on: dict[int, Callable[[str], None]] = {}
         self._events: asyncio.AbstractEventLoop | None = None
         self._closed = False
 
@@ -136,10 +139,14 @@ class Body(RenderedDriver):
         if not answer.token:
             return sent
         if job.verb in self._brief:
+            if job.verb in self._arriving:
+                self._going_on[answer.token] = job.goes_on()
             return sent if answer.seconds is None else {**sent, "seconds": answer.seconds}
         if answer.seconds is not None:
             job.expects(answer.seconds)
         why = await self._end_of(answer.token)
+        if why:
+            job.goes_on()(why)
         return {**sent, "ended": why} if why else sent
 
     async def stop(self, scope: Scope) -> None:
@@ -260,6 +267,8 @@ class Body(RenderedDriver):
 
     def _ended(self, ended: tuple[EndedInput, ...]) -> None:
         for one in ended:
+            if (tell := self._going_on.pop(one.token, None)) is not None:
+                tell(one.why)
             future = self._running.get(one.token)
             if future is not None and not future.done():
                 future.set_result(one.why)

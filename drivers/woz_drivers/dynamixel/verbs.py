@@ -26,9 +26,9 @@ def servo_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
     if settings.follows:
         return power
     verbs = [
-        common_verb("pose", "", _seconds(1.0)),
-        common_verb("poses"),
-        common_verb("home", "", _seconds(2.0)),
+        common_verb("pose", "", _seconds(1.0), arrives=True),
+        common_verb("poses", arrives=True),
+        common_verb("home", "", _seconds(2.0), arrives=True),
         *power,
     ]
     if names := (*settings.moves, *settings.poses):

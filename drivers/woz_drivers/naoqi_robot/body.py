@@ -52,9 +52,12 @@ class BodyPart(NaoqiPart):
                 (Argument("name", "text", ", ".join(settings.model.postures), True), speed),
                 lane=LANE,
                 limit_s=60.0,
+                arrives=True,
             ),
-            common_verb("pose", "move joints to angles in degrees, together", seconds),
-            common_verb("home", "stand upright again", seconds, limit_s=60.0),
+            common_verb(
+                "pose", "move joints to angles in degrees, together", seconds, arrives=True
+            ),
+            common_verb("home", "stand upright again", seconds, limit_s=60.0, arrives=True),
             common_verb(
                 "torque",
                 "wake up, or go to rest and switch the motors off",

@@ -104,9 +104,9 @@ def _moving(settings: ReachyMiniSettings) -> tuple[Verb, ...]:
     """What a body does in its place, where it follows one."""
     return (
         common_verb("play", choices=settings.playable),
-        common_verb("pose", "take a pose: degrees, and mm for the ways", _SECONDS),
-        common_verb("poses"),
-        common_verb("home", "look ahead, upright", _SECONDS),
+        common_verb("pose", "take a pose: degrees, and mm for the ways", _SECONDS, arrives=True),
+        common_verb("poses", arrives=True),
+        common_verb("home", "look ahead, upright", _SECONDS, arrives=True),
         common_verb(
             "gaze",
             "look in a direction, or at a point in space",

@@ -144,6 +144,8 @@ class SimulatedRobot(Driver):
             "learn_face": self._learn_face,
             "listen_room": self._learn_room,
         }
+        #: Goals of gazes on their way, in degrees by joint, and whom to tell how they end.
+        self._gazes: list[tuple[dict[str, float], Callable[[str], None]]] = []
         self._opened = self._looked = self._pace.now()
         self._stops = {Scope.ALL: 0, Scope.DRIVE: 0}
         self._life: asyncio.Task[None] | None = None
@@ -245,6 +247,7 @@ class SimulatedRobot(Driver):
 
     def _tick(self) -> None:
         now = self._advance()
+        self._tell_arrivals()
         self._faults.expire(now)
         self._report_health(now)
         samples = self._visitor.step(self._world(now)) if self._visitor else []
@@ -375,7 +378,23 @@ class SimulatedRobot(Driver):
         return {"on": self._body.torque}
 
     async def _gaze(self, job: Job) -> Sent:
-        return self._aim({role: at for role, at in job.args.items() if role in self._roles})
+        sent = self._aim({role: at for role, at in job.args.items() if role in self._roles})
+        names = [self._roles[role] for role in sent]
+        goals = {name: self._body.joints[name].goal for name in names}
+        self._gazes.append((goals, job.goes_on()))
+        return sent
+
+    def _tell_arrivals(self) -> None:
+        """Tell of gazes whose joints are there, or have been given another goal."""
+        going_on = []
+        for goals, tell in self._gazes:
+            if any(self._body.joints[name].goal != goal for name, goal in goals.items()):
+                tell("the head has another goal now")
+            elif self._body.still(goals):
+                tell("")
+            else:
+                going_on.append((goals, tell))
+        self._gazes = going_on
 
     async def _nudge(self, job: Job) -> Sent:
         return self._step(job.args)

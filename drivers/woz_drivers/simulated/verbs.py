@@ -162,10 +162,11 @@ def _body(settings: SimulatedSettings) -> tuple[Verb, ...]:
         common_verb("play", "play a gesture by name", choices=sorted(playable_moves(settings)))
     ]
     if settings.joints:
-        moves += [common_verb(name) for name in ("pose", "poses", "home", "torque")]
+        moves += [common_verb(name, arrives=True) for name in ("pose", "poses", "home")]
+        moves.append(common_verb("torque"))
     have = roles(settings)
     if "yaw" in have or "pitch" in have:
-        moves += [common_verb("gaze"), common_verb("nudge")]
+        moves += [common_verb("gaze", arrives=True), common_verb("nudge")]
     if "hip" in have or "roll" in have:
         moves.append(_HIP)
     return tuple(moves)

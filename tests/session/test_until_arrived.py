@@ -1,0 +1,121 @@
+"""Steps that wait until a motion has arrived, not only until the robot has taken it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Puppet, Stage, action, call, experiment, together
+from woz_tui.config.experiment import Panel
+from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.session.action_runner import RequestOrigin
+
+KEY = RequestOrigin("key", "x", "con1")
+
+
+class Slow(Puppet):
+    """Takes a gaze at once and is there after two seconds, unless it is asked for less than 0."""
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        yaw = (Argument("yaw", "number"),)
+        return (
+            Verb("gaze", "", yaw, lane="head", stream=True, arrives=True),
+            Verb("say", "", (Argument("text", "text"),), lane="voice"),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        self.calls.append((job.verb, dict(job.args)))
+        if job.verb == "gaze":
+            tell: Callable[[str], None] = job.goes_on()
+            why = "the neck is stuck" if job.args["yaw"] < 0 else ""
+            asyncio.get_running_loop().call_later(2.0, tell, why)
+        return dict(job.args)
+
+
+def look(yaw: float) -> Any:
+    return replace(call("gaze", yaw=yaw), until="arrived")
+
+
+ACTIONS = (
+    action("Look", together(look(30.0)), together(call("say", text="There"))),
+    action("Stuck", together(look(-30.0)), together(call("say", text="There"))),
+    action("Glance", together(call("gaze", yaw=30.0)), together(call("say", text="There"))),
+)
+
+
+def played(tmp_path: Path, *steps: str) -> Stage:
+    """Plays actions one after the other, a second apart; `stop` is the stop."""
+
+    async def go() -> Stage:
+        made = experiment(tmp_path)
+        spec = replace(made.drivers[0], verbs=Slow.verbs(None))
+        made = replace(made, drivers=(spec,), panels=(Panel("P", ACTIONS, made.panels[0].place),))
+        made = replace(made, script=())
+        stage = Stage(tmp_path, catalogue={"puppet": Slow}, made=made)
+        await stage.session.open()
+        for step in steps:
+            if step == "stop":
+                stage.session.stop("key")
+            else:
+                stage.session.play(step, KEY)
+            await asyncio.sleep(1.0)
+        await asyncio.sleep(10.0)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+def moments(stage: Stage, kind: type[m.Message]) -> list[float]:
+    return [round(line.t / 1e6, 2) for line in stage.lines if isinstance(line, kind)]
+
+
+def ends(stage: Stage) -> list[tuple[str, str]]:
+    return [
+        (line.action, type(line).__name__) for line in stage.lines if isinstance(line, m.ActionEnd)
+    ]
+
+
+def said(stage: Stage) -> list[str]:
+    return [verb for verb, _ in stage.puppet().calls if verb == "say"]
+
+
+def test_the_next_step_begins_when_the_motion_has_arrived(tmp_path: Path) -> None:
+    stage = played(tmp_path, "Look")
+    arrived = moments(stage, m.MotionArrived)
+    requested = moments(stage, m.Command)
+    assert arrived == [2.0]
+    assert requested == [0.0, 2.0]
+    assert ends(stage) == [("Look", "ActionDone")]
+
+
+def test_without_until_it_begins_when_the_motion_was_taken(tmp_path: Path) -> None:
+    assert moments(played(tmp_path, "Glance"), m.Command) == [0.0, 0.0]
+
+
+def test_a_motion_that_does_not_arrive_fails_its_action(tmp_path: Path) -> None:
+    stage = played(tmp_path, "Stuck")
+    assert ends(stage) == [("Stuck", "ActionFailed")]
+    assert not said(stage)
+    (failed,) = [line for line in stage.lines if isinstance(line, m.ActionFailed)]
+    assert failed.reason == "robot: the neck is stuck"
+
+
+def test_a_newer_gaze_replaces_the_action_that_waits_for_the_older(tmp_path: Path) -> None:
+    stage = played(tmp_path, "Look", "Glance")
+    assert ends(stage)[0] == ("Look", "ActionSuperseded")
+    assert ("Glance", "ActionDone") in ends(stage)
+    assert len(said(stage)) == 1
+
+
+def test_a_stop_ends_an_action_that_waits_for_its_motion(tmp_path: Path) -> None:
+    stage = played(tmp_path, "Look", "stop")
+    assert ends(stage) == [("Look", "ActionStopped")]
+    assert not said(stage)

@@ -13,7 +13,7 @@ import pytest
 
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.cli import attach
-from woz_tui.host import session_sockets
+from woz_tui.system import session_sockets
 
 
 @pytest.fixture

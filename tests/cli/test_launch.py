@@ -15,8 +15,8 @@ from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.cli import main
 from woz_tui.cli.host_start import Launch, LaunchError, host_arguments
-from woz_tui.host import session_sockets
-from woz_tui.host.session_sockets import next_session
+from woz_tui.system import session_sockets
+from woz_tui.system.session_sockets import next_session
 
 pytestmark = pytest.mark.real_clock
 

@@ -15,7 +15,9 @@ POSE = "pose: {joints: {pan: 20}, seconds: 2}"
 def untils(folder: Path, action: str) -> list[list[str]]:
     """What each call of each step waits for."""
     steps = only(folder, action, head=ROBOT).steps
-    return [[call.until for call in step.calls] for step in steps if isinstance(step, ParallelCalls)]
+    return [
+        [call.until for call in step.calls] for step in steps if isinstance(step, ParallelCalls)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -43,9 +45,7 @@ def test_a_step_waits_for_its_motions(tmp_path: Path, action: str, found: list[l
         (f"{{key: a, label: A, until: arrived, steps: [{{{POSE}}}]}}", "next to steps"),
     ],
 )
-def test_an_until_that_means_nothing_is_an_error(
-    tmp_path: Path, action: str, problem: str
-) -> None:
+def test_an_until_that_means_nothing_is_an_error(tmp_path: Path, action: str, problem: str) -> None:
     [error] = errors(tmp_path, panel(action, head=ROBOT))
     assert problem in error
     assert "until" in error

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from tests.e2e.lab import Lab, Log, until
 from tests.e2e.program import Program
-from woz_tui.host.session_sockets import answers
+from woz_tui.system.session_sockets import answers
 
 EXPERIMENT = """\
 title: Crashes

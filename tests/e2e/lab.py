@@ -23,9 +23,9 @@ from typing import Any
 import psutil
 
 from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
-from woz_tui.host.session_sockets import answers
 from woz_tui.log import log_reader
 from woz_tui.log.line_reader import decode
+from woz_tui.system.session_sockets import answers
 
 #: Between two looks at a file or a process, in seconds.
 LOOK_S = 0.02

@@ -15,13 +15,13 @@ from woz_tui.config.experiment import Experiment, SessionSettings
 from woz_tui.drivers.contract import Driver
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.host.session_server import SessionServer
-from woz_tui.host.session_sockets import bind
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.session.typed_actions import Reader
 from woz_tui.system.clock import RealClock
+from woz_tui.system.session_sockets import bind
 
 WAIT_S = 40.0
 

@@ -11,9 +11,9 @@ from tests.host.rig import Peer, served
 from tests.session.rig import Puppet
 from woz_tui.config.experiment import SessionSettings
 from woz_tui.host.experiment_view import ExperimentView, joint_limits
-from woz_tui.host.session_sockets import SessionSocketError, bind
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
+from woz_tui.system.session_sockets import SessionSocketError, bind
 
 
 async def test_hello_gives_the_whole_picture_and_then_the_stream(tmp_path: Path) -> None:

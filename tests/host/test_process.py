@@ -19,8 +19,8 @@ import pytest
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.cli.host_start import Launch
-from woz_tui.host.session_sockets import answers
 from woz_tui.log.file_names import current_path, session_code
+from woz_tui.system.session_sockets import answers
 
 pytestmark = pytest.mark.real_clock
 

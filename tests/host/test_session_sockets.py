@@ -12,7 +12,7 @@ import pytest
 from tests.host.rig import Peer, Served, served
 from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.plugins import PluginError
-from woz_tui.host.session_sockets import SessionSocketError, answers, bind, folder, inode
+from woz_tui.system.session_sockets import SessionSocketError, answers, bind, folder, inode
 
 
 async def back(host: Served, peer: Peer) -> None:

@@ -1,4 +1,4 @@
-"""Protocol 2: a reply says what became of its request. Programs of protocol 1 get what they know."""
+"""Protocol 2: a reply says what became of its request. Protocol 1 is answered as it was."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import Peer, served
+from tests.host.rig import served
 from woz_tui.protocol.requests import OLDEST_PROTOCOL, PROTOCOL
 
 REFUSED: list[dict[str, Any]] = [
@@ -19,7 +19,9 @@ REFUSED: list[dict[str, Any]] = [
 
 
 @pytest.mark.parametrize("fields", REFUSED)
-async def test_a_refused_verb_is_not_called_accepted(tmp_path: Path, fields: dict[str, Any]) -> None:
+async def test_a_refused_verb_is_not_called_accepted(
+    tmp_path: Path, fields: dict[str, Any]
+) -> None:
     async with served(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(protocol=PROTOCOL)
@@ -74,23 +76,17 @@ async def test_what_goes_on_has_no_end_in_its_reply(tmp_path: Path) -> None:
         assert failed["command"] == reply["run"]
 
 
-async def described(peer: Peer) -> dict[str, dict[str, Any]]:
-    data = (await peer.ask("describe"))["data"]
-    return {verb["name"]: verb for verb in data["verbs"] if verb["driver"] == "robot"} | {
-        "sensors": data["sensors"]
-    }
-
-
 @pytest.mark.parametrize("role", ["program", "watcher"])
 async def test_a_session_describes_what_it_can_be_asked_for(tmp_path: Path, role: str) -> None:
     async with served(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(role, protocol=PROTOCOL)
-        verbs = await described(peer)
+        data = (await peer.ask("describe"))["data"]
+        verbs = {verb["name"]: verb for verb in data["verbs"] if verb["driver"] == "robot"}
         assert verbs["say"]["lane"] == "voice"
         assert verbs["say"]["arguments"] == [
             {"name": "text", "kind": "text", "type": "string", "required": True}
         ]
         assert verbs["drive"]["drives"]
         assert verbs["drive"]["arguments"][0]["type"] == "number"
-        assert verbs["sensors"] == [{"name": "distance", "driver": "robot", "unit": "m"}]
+        assert data["sensors"] == [{"name": "distance", "driver": "robot", "unit": "m"}]

@@ -275,6 +275,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     ),
     m.CommandMark(command="c00001", driver="voice", sort="word", text="Gott", tells=("condition",)),
     m.CommandMark(command="c00017", driver="head", sort="stroke"),
+    m.Marker(text="onset", source="program", at=71_249_000),
 )
 
 _PANELS = [
@@ -355,6 +356,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskReplay(ref=30, what="go", to="12:34"),
     r.AskPicture(ref=33, driver="eye", width=76, height=40, after=17),
     r.AskDescribe(ref=39),
+    r.AskMarker(ref=40, text="onset", at=73_999_500),
     r.AskPicture(ref=34, width=640, height=480, format="sixel", rate=2.5),
     r.AskSound(ref=40, driver="ears", after=32_000),
     r.AskTalk(ref=41),
@@ -407,6 +409,7 @@ def answers() -> list[r.AnyAnswer]:
                 },
             ),
             boot_id="6ba7b810-9dad-11d1-80b4-00c04fd430c8",
+            clock_us=5_326_750_000,
         ),
         r.Reply(ref=4, ok=True, run="a00001"),
         r.Reply(

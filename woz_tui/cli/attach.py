@@ -8,7 +8,7 @@ from pathlib import Path
 
 from woz_tui.cli import console_start
 from woz_tui.cli.shared_options import add_keymap, add_pictures, add_theme, builtins
-from woz_tui.host import session_sockets
+from woz_tui.system import session_sockets
 
 
 def add(parser: ArgumentParser) -> None:

@@ -20,9 +20,9 @@ from woz_tui.config.experiment import DriverSpec, ExperimentError, Problem
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Finding, Probe
-from woz_tui.host import session_sockets
 from woz_tui.machine import machine_checks, terminal_check
 from woz_tui.machine.machine_checks import bounded
+from woz_tui.system import session_sockets
 
 #: How long loading the file and examining one driver may take, in seconds.
 LOAD_S = 10.0

@@ -153,13 +153,16 @@ class RequestHandlers:
             )
 
     def _answer_at_once(self, client: ClientConnection, request: AnyRequest) -> Reply:
-        self._ends = ends = {}
+        ends: dict[str, ActionEnd | End] = {}
+        self._ends = ends
         try:
             run = self._carry_out(client, request)
         except RequestError as error:
             reply = _refused(client, request, error)
             if isinstance(request, AskAction | AskVerb | AskScript):
-                runs = [run for run, end in ends.items() if isinstance(end, ActionRefused | Refused)]
+                runs = [
+                    run for run, end in ends.items() if isinstance(end, ActionRefused | Refused)
+                ]
                 reply = replace(reply, run=runs[-1] if runs else "")
             return reply
         finally:
@@ -200,8 +203,8 @@ class RequestHandlers:
                 session.empty_queue(f"{client.role} {client.name}")
             case AskSet(participant=participant, condition=condition, trial=trial):
                 session.set(participant, condition, trial)
-            case AskMarker(text=text):
-                session.mark(text, client.role, tells)
+            case AskMarker(text=text, at=at):
+                session.mark(text, client.role, tells, at)
             case AskNote(text=text):
                 session.note(text, tells)
             case AskMistake(run=wrong, text=text):

@@ -23,7 +23,6 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import Catalogue, installed
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.host.session_server import SessionServer
-from woz_tui.host.session_sockets import bind, next_session, running, socket_path, starting
 from woz_tui.log.file_names import file_stem, name_after
 from woz_tui.log.recorder import Recorder
 from woz_tui.machine.scheduling import ask_for_short_turns
@@ -37,6 +36,7 @@ from woz_tui.session.participant_identity import (
 from woz_tui.session.profile_limits import ProfileLimits
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
+from woz_tui.system.session_sockets import bind, next_session, running, socket_path, starting
 
 if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
     from woz_tui.drivers.contract import Driver

@@ -12,7 +12,6 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.host import session_sockets
 from woz_tui.host.client_connection import LINGER_S, ClientConnection, RequestScheduler, RoleView
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
 from woz_tui.host.request_handlers import RequestHandlers
@@ -34,6 +33,7 @@ from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.redactor import ParticipantRedactor, Redactor, redactor_for
 from woz_tui.session.session import Session
 from woz_tui.session.session_plan import panels_changed, study_settings, welcome
+from woz_tui.system import session_sockets
 from woz_tui.system.clock import boot_id
 
 PULSE_S = 1.0
@@ -308,6 +308,7 @@ class SessionServer:
             state=_raw(state),
             recent=_raw(recent),
             boot_id=boot_id(),
+            clock_us=-session.hub.t(0),
         )
 
     def _panels_changed(self) -> None:

@@ -507,9 +507,12 @@ class VisitorChanged(Message, frozen=True, kw_only=True, tag="visitor.changed"):
 
 
 class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):
-    """A moment worth finding again."""
+    """A moment worth finding again. `at`: the moment itself on the axis of `t`, where a program
+    that measured it says so; -1: this line's.
+    """
 
     text: str = ""
+    at: int = -1
     source: str = msgspec.field(default_factory=lambda: "key")
 
 

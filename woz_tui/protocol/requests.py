@@ -148,9 +148,12 @@ class AskSet(Request, frozen=True, kw_only=True, tag="set"):
 
 
 class AskMarker(Request, frozen=True, kw_only=True, tag="marker"):
-    """Put a marker into the log."""
+    """Put a marker into the log. `at`: the moment that it marks, in microseconds on the axis of
+    `t`, if that was before the request; -1: now.
+    """
 
     text: str = ""
+    at: int = -1
 
 
 class AskNote(Request, frozen=True, kw_only=True, tag="note"):
@@ -405,6 +408,7 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     whole `handshake` and how many `attempts` it has; `phases`: those of the file; `study`: what the
     file says of the study, and how it stands (see `docs/reference/protocol.md`). `boot_id`: of
     the robot process's machine; a client with the same one may stamp its requests with `sent_us`.
+    `clock_us`: CLOCK_MONOTONIC of that machine at `t` = 0, in microseconds.
     """
 
     protocol: int
@@ -425,6 +429,7 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     recent: list[msgspec.Raw] = []
     settings: WelcomeSettings = WelcomeSettings()
     boot_id: str = ""
+    clock_us: int = 0
 
 
 class Pulse(Answer, frozen=True, kw_only=True, tag="pulse"):

@@ -48,7 +48,8 @@ class CommandRefusal:
 @dataclass
 class ActionRun:
     """One action being played; `pending` are the commands of the present step, of `together`
-    in all, and `arriving` those whose motion it waits for. `left`: how it ends after this step, unless something of the step goes wrong.
+    in all, and `arriving` those whose motion it waits for. `left`: how it ends after this step,
+    unless something of the step goes wrong.
     """
 
     id: str

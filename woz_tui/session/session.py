@@ -508,9 +508,13 @@ class Session:
 
     # -- marks and settings ------------------------------------------------------------------
 
-    def mark(self, text: str, source: str, tells: tuple[str, ...] = ()) -> None:
-        """A marker in the log; `tells` as in `messages.RestrictedMessage`."""
-        self.hub.publish(m.Marker(text=text, source=source, tells=tells))
+    def mark(self, text: str, source: str, tells: tuple[str, ...] = (), at: int = -1) -> None:
+        """A marker in the log, of the moment `at` on the axis of `t` (-1: now); `tells` as in
+        `messages.RestrictedMessage`.
+        """
+        if at > self.hub.now():
+            raise RequestError("a marker cannot mark a moment that is still to come")
+        self.hub.publish(m.Marker(text=text, source=source, tells=tells, at=max(-1, at)))
 
     def note(self, text: str, tells: tuple[str, ...] = ()) -> None:
         """A note in the log."""

@@ -1,0 +1,257 @@
+"""The client, at a real session behind a real socket."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import threading
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.host.rig import Served, served
+from tests.session.test_until_arrived import Slow
+from woz_tui import client as woz_client
+from woz_tui.client import (
+    WozClient,
+    WozConnectionError,
+    WozFailedError,
+    WozRefusedError,
+    WozStoppedError,
+    WozSupersededError,
+    blocking,
+    connect,
+)
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+
+#: Nothing here takes nearly as long.
+PATIENCE_S = 40.0
+
+
+@pytest.fixture
+async def host(tmp_path: Path) -> AsyncIterator[Served]:
+    async with served(tmp_path) as made:
+        yield made
+
+
+async def test_saying_returns_when_it_has_been_said(host: Served) -> None:
+    async with connect(host.path, name="stimulus") as woz:
+        done = await woz.say("Hello {participant}")
+        assert done.sent == {"text": "Hello P07"}
+        assert host.puppet().calls == [("say", {"text": "Hello P07"})]
+    [attached] = [line for line in host.lines if isinstance(line, m.ConsoleAttached)]
+    assert (attached.role, attached.name) == ("program", "stimulus")
+
+
+async def test_any_verb_is_a_method_with_its_main_argument_first(host: Served) -> None:
+    async with connect(host.path) as woz:
+        assert (await woz.play("nod")).sent == {"move": "nod"}
+        assert (await woz.play(move="shake", driver="robot")).sent == {"move": "shake"}
+        with pytest.raises(AttributeError, match="no verb 'somersault'"):
+            woz.somersault()
+        with pytest.raises(TypeError, match="move"):
+            await woz.play("nod", "shake")
+
+
+async def test_actions_are_pressed_by_name_or_key(host: Served) -> None:
+    async with connect(host.path) as woz:
+        assert (await woz.press("Hello")).action == "Hello"
+        assert (await woz.press("w")).action == "Welcome"
+
+
+@pytest.mark.parametrize(
+    ("verb", "args", "reason"),
+    [
+        ("say", {}, "needs 'text'"),
+        ("say", {"text": "x", "pitch": 3}, "no argument 'pitch'"),
+        ("somersault", {}, "offers 'somersault'"),
+        ("say", {"text": "{nobody}"}, "has no value"),
+        ("drive", {"x": 1.0}, "no wizard"),
+    ],
+)
+async def test_what_is_refused_raises_why(
+    host: Served, verb: str, args: dict[str, Any], reason: str
+) -> None:
+    async with connect(host.path) as woz:
+        with pytest.raises(WozRefusedError, match=reason):
+            await woz.perform(verb, args)
+        await woz.say("It goes on")
+
+
+async def test_a_failure_raises_what_failed_and_what_to_do(host: Served) -> None:
+    async with connect(host.path) as woz:
+        with pytest.raises(WozFailedError) as failed:
+            await woz.play("fail")
+        assert (failed.value.reason, failed.value.hint) == ("it fell over", "pick it up")
+        with pytest.raises(WozFailedError, match="fell over"):
+            await woz.press("Fall")
+
+
+async def test_the_stop_raises_in_whoever_waits_and_is_confirmed_to_who_pressed(
+    host: Served,
+) -> None:
+    async with connect(host.path) as woz, connect(host.path) as other:
+        run = await woz.begin("say", text="a long sentence")
+        action = await woz.begin_action("Map")
+        assert (await other.stop()).confirmed == ["robot"]
+        for stopped in (run, action):
+            with pytest.raises(WozStoppedError):
+                await stopped
+        with pytest.raises(WozRefusedError, match="stop is pressed"):
+            await woz.say("Hello")
+        await other.release()
+        await woz.say("Hello")
+
+
+async def test_what_is_replaced_says_so(host: Served) -> None:
+    async with connect(host.path) as woz:
+        run = await woz.begin("play", move="nod")
+        newer = await woz.begin("play", move="shake", when_busy="replace")
+        with pytest.raises(WozSupersededError):
+            await run
+        assert isinstance(await newer, m.Done)
+
+
+async def test_giving_up_waiting_cuts_it_short(host: Served) -> None:
+    async with connect(host.path) as woz:
+        waiting = asyncio.create_task(woz.say("a long sentence"))
+        await host.published(lambda line: isinstance(line, m.Dispatched))
+        waiting.cancel()
+        stopped = await host.published(lambda line: isinstance(line, m.Stopped))
+        assert isinstance(stopped, m.Stopped)
+        with pytest.raises(asyncio.CancelledError):
+            await waiting
+
+
+async def test_what_was_begun_can_be_cancelled(host: Served) -> None:
+    async with connect(host.path) as woz:
+        run = await woz.begin("say", text="a long sentence")
+        await run.cancel()
+        with pytest.raises(WozStoppedError):
+            await run
+
+
+async def test_messages_come_as_they_are_and_end_with_the_session(host: Served) -> None:
+    async with connect(host.path) as woz:
+        marks, everything = woz.messages(m.Marker), woz.messages()
+        await woz.mark("onset")
+        await woz.note("the phone rang")
+        host.host.end("test")
+        await host.session.close("test", rest=False)
+        await host.host.close()
+        assert [line.text async for line in marks if isinstance(line, m.Marker)] == ["onset"]
+        kinds = [type(line) async for line in everything]
+        assert kinds[0] is m.Marker
+        assert kinds[-1] is m.SessionEnd
+
+
+async def test_messages_can_begin_with_what_holds(host: Served) -> None:
+    async with connect(host.path) as woz:
+        stream = woz.messages(m.DriverConnected, held=True)
+        connected = await anext(stream)
+        assert isinstance(connected, m.DriverConnected)
+        assert connected.driver == "robot"
+
+
+async def test_a_lost_connection_ends_every_wait(host: Served) -> None:
+    async with connect(host.path) as woz:
+        run, stream = await woz.begin("say", text="a long sentence"), woz.messages(m.Note)
+        await host.host.close()
+        with pytest.raises(WozConnectionError):
+            await run
+        with pytest.raises(WozConnectionError):
+            await anext(stream)
+        with pytest.raises(WozConnectionError):
+            await woz.say("Hello")
+
+
+async def test_where_no_session_is_it_says_so(tmp_path: Path) -> None:
+    with pytest.raises(WozConnectionError, match="no session answers"):
+        async with connect(tmp_path / "nobody"):
+            pass
+
+
+async def test_a_marker_has_the_moment_of_its_call(host: Served) -> None:
+    async with connect(host.path) as woz:
+        assert woz.clock_uncertainty == 0.0
+        before = round(woz.now() * 1e6)
+        woz.mark_soon("onset")
+        after = round(woz.now() * 1e6)
+        marker = await host.published(lambda line: isinstance(line, m.Marker))
+        assert isinstance(marker, m.Marker)
+        assert before <= marker.at <= after <= marker.t
+
+
+async def test_a_marker_of_the_future_is_refused(host: Served) -> None:
+    async with connect(host.path) as woz:
+        with pytest.raises(WozRefusedError, match="still to come"):
+            await woz.request(r.AskMarker(text="x", at=round(woz.now() * 1e6) + 60_000_000))
+
+
+async def test_a_gaze_returns_when_the_head_is_there(tmp_path: Path) -> None:
+    made: Any = None
+    async with served(tmp_path, catalogue={"puppet": Slow}) as host:
+        spec: DriverSpec = host.session.experiment.drivers[0]
+        made = Slow.verbs(None)
+        host.session.bus.offer(spec.name, made)
+        async with connect(host.path) as woz:
+            looking = asyncio.create_task(woz.gaze(yaw=20.0))
+            arrived = await host.published(lambda line: isinstance(line, m.MotionArrived))
+            done = await looking
+            assert isinstance(arrived, m.MotionArrived)
+            assert arrived.command == done.command
+            with pytest.raises(WozFailedError, match="neck is stuck"):
+                await woz.gaze(yaw=-20.0)
+
+
+# -- without asyncio -------------------------------------------------------------------------------
+
+
+async def blocked(program: Any) -> None:
+    """Runs `program` in a thread, as a program without asyncio."""
+    await asyncio.wait_for(asyncio.to_thread(program), PATIENCE_S)
+
+
+async def test_a_program_without_asyncio_has_the_same(host: Served) -> None:
+    def program() -> None:
+        with blocking.connect(host.path) as woz:
+            marks = woz.messages(m.Marker)
+            woz.say("Hello")
+            woz.play("nod")
+            woz.press("Hello")
+            woz.mark("onset")
+            woz.mark_soon("flip")
+            texts = [line.text for line in itertools.islice(marks, 2) if isinstance(line, m.Marker)]
+            assert texts == ["onset", "flip"]
+            with pytest.raises(WozRefusedError, match="needs 'text'"):
+                woz.perform("say")
+            assert woz.stop().confirmed == ["robot"]
+
+    await blocked(program)
+    assert [verb for verb, _ in host.puppet().calls] == ["say", "play", "say", "stop"]
+
+
+async def test_leaving_ends_its_thread(host: Served) -> None:
+    def program() -> None:
+        before = set(threading.enumerate())
+        with blocking.connect(host.path) as woz:
+            assert woz.welcome.title == "Made by hand"
+            assert set(threading.enumerate()) > before
+        assert set(threading.enumerate()) <= before
+        with pytest.raises(WozConnectionError):
+            blocking.connect(host.path.with_name("nobody")).__enter__()
+        assert set(threading.enumerate()) <= before
+
+    await blocked(program)
+
+
+def test_every_coroutine_of_the_client_has_its_twin() -> None:
+    own = {"begin", "begin_action", "open", "close"}
+    for name, method in vars(WozClient).items():
+        if asyncio.iscoroutinefunction(method) and not name.startswith("_"):
+            assert name in own or hasattr(blocking.BlockingWozClient, name), name
+    assert {*woz_client.__all__} >= {"connect", "WozClient", "WozError"}

@@ -1,0 +1,568 @@
+"""A session as a program sees it, for asyncio: verbs and actions to await, messages to follow."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+import weakref
+from collections import OrderedDict, deque
+from collections.abc import AsyncIterator, Callable, Coroutine, Generator, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+
+from woz_tui.client.errors import (
+    WozConnectionError,
+    WozRefusedError,
+    error_of,
+    error_of_motion,
+)
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.description import Description, VerbView
+from woz_tui.protocol.panels import PanelView
+from woz_tui.system import session_sockets
+from woz_tui.system.clock import boot_id
+
+#: Bytes that a line from the robot process may have: a welcome grows with its experiment.
+MOST_BYTES = 16 << 20
+#: Messages that a stream keeps for whoever does not read it; then samples are left out.
+MOST_KEPT = 4096
+#: Ends that are remembered until their request's reply is here.
+_ENDS_KEPT = 256
+
+RunEnd = m.ActionEnd | m.End
+Motion = m.MotionArrived | m.MotionInterrupted
+#: A message of the session, or one of a newer version as it came.
+Incoming = m.Message | dict[str, Any]
+
+
+class WozRun:
+    """An action or a command that was begun; awaiting it waits for its end.
+
+    Attributes:
+        id: As `run` or `command` in messages.
+        end: How it ended; None: it goes on.
+    """
+
+    def __init__(self, client: WozClient, run: str, arrives: bool) -> None:
+        self.id = run
+        self.end: RunEnd | None = None
+        self._client = client
+        self._arrives = arrives
+        self._over: asyncio.Future[RunEnd] = asyncio.get_running_loop().create_future()
+        # Nobody has to wait for it: what went wrong is no news then.
+        self._over.add_done_callback(lambda over: over.cancelled() or over.exception())
+
+    def __await__(self) -> Generator[Any, None, RunEnd]:
+        """Wait until it has ended, and its motion has arrived if it has one.
+
+        Raises:
+            WozFailedError: It did not work.
+            WozStoppedError: The stop or somebody else cut it short.
+            WozSupersededError: Something newer took its place.
+            WozConnectionError: The connection is lost; nobody knows how it goes on.
+        """
+        return asyncio.shield(self._over).__await__()
+
+    async def cancel(self) -> None:
+        """Cut it short. Raises `WozRefusedError` if it is over already."""
+        await self._client.request(r.AskCancel(run=self.id))
+
+    # -- what the connection tells it ------------------------------------------------------------
+
+    def on_end(self, end: RunEnd) -> bool:
+        """How it ended; says whether nothing more is to be heard of it."""
+        self.end = end
+        if self._over.done():
+            return True
+        error = error_of(end)
+        if error is None and self._arrives:
+            return False
+        self._finish(error)
+        return True
+
+    def on_motion(self, motion: Motion) -> None:
+        """How its motion ended."""
+        if not self._over.done():
+            interrupted = isinstance(motion, m.MotionInterrupted)
+            self._finish(error_of_motion(motion) if interrupted else None)  # type: ignore[arg-type]
+
+    def lose(self, error: WozConnectionError) -> None:
+        """The connection is lost."""
+        if not self._over.done():
+            self._over.set_exception(error)
+
+    def _finish(self, error: Exception | None) -> None:
+        if error is not None:
+            self._over.set_exception(error)
+        elif self.end is not None:
+            self._over.set_result(self.end)
+
+
+class MessageStream:
+    """The session's messages from the moment it was made: `async for message in stream`.
+
+    It ends with the session. A connection that is lost raises `WozConnectionError`.
+    """
+
+    def __init__(self, kinds: tuple[type[m.Message], ...], before: Iterable[m.Message]) -> None:
+        self._kinds = kinds
+        self._waiting: deque[Incoming] = deque(filter(self._wants, before))
+        self._more = asyncio.Event()
+        self._over: WozConnectionError | None = None
+        self._ended = False
+        #: Samples that were left out because nobody read.
+        self.dropped = 0
+
+    def __aiter__(self) -> MessageStream:
+        return self
+
+    async def __anext__(self) -> Incoming:
+        while not self._waiting:
+            if self._ended:
+                raise StopAsyncIteration
+            if self._over is not None:
+                raise self._over
+            self._more.clear()
+            await self._more.wait()
+        return self._waiting.popleft()
+
+    # -- what the connection tells it ------------------------------------------------------------
+
+    def add(self, message: Incoming) -> None:
+        """A message came."""
+        if self._wants(message):
+            sample = isinstance(message, m.Message) and codec.is_sample(message)
+            if sample and len(self._waiting) >= MOST_KEPT:
+                self.dropped += 1
+                return
+            self._waiting.append(message)
+        self._ended = self._ended or isinstance(message, m.SessionEnd)
+        self._more.set()
+
+    def close(self, error: WozConnectionError) -> None:
+        """Nothing more will come."""
+        self._over = error
+        self._more.set()
+
+    def _wants(self, message: Incoming) -> bool:
+        return not self._kinds or isinstance(message, self._kinds)
+
+
+@dataclass
+class AwaitedReply:
+    """A request that was sent. `arrives`: whether what it begins has a motion; None: it begins
+    nothing. `run`: what it has begun.
+    """
+
+    reply: asyncio.Future[r.Reply]
+    arrives: bool | None = None
+    run: WozRun | None = None
+
+
+class WozClient:
+    """One connection to a session; `connect` makes it.
+
+    Each verb of the robot is a method, with its main argument first: `await woz.say("Hello")`,
+    `await woz.gaze(yaw=20, seconds=2)`. It returns when the robot has done it and the motion has
+    arrived. Cancelling the wait (`asyncio.timeout`) cuts the verb short.
+
+    Attributes:
+        welcome: What the session was when this connected.
+        description: Its verbs and sensors.
+        panels: Panels and their actions as they are now.
+    """
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._reader = reader
+        self._writer = writer
+        self._refs = 0
+        self._replies: dict[int, AwaitedReply] = {}
+        #: What goes on, and what has ended before its reply came, by run or command.
+        self._runs: dict[str, WozRun] = {}
+        self._ends: OrderedDict[str, RunEnd] = OrderedDict()
+        self._streams: weakref.WeakSet[MessageStream] = weakref.WeakSet()
+        self._lost: WozConnectionError | None = None
+        self._ended = False
+        self._task: asyncio.Task[None] | None = None
+        self._zero_us = 0
+        #: How far `now` may be from the session's own clock, in seconds; 0 on the same machine.
+        self.clock_uncertainty = 0.0
+        self._stamps = False
+        self.welcome: r.Welcome
+        self.description = Description()
+        self.panels: list[PanelView] = []
+
+    # -- verbs and actions -----------------------------------------------------------------------
+
+    async def say(self, text: str, /, **args: m.Json) -> m.Done:
+        """Speak; returns when it has been said. Further arguments: those of the robot's `say`."""
+        return await self.perform("say", {"text": text, **args})
+
+    async def perform(
+        self,
+        verb: str,
+        args: Mapping[str, m.Json] | None = None,
+        /,
+        *,
+        driver: str = "",
+        when_busy: Literal["", "queue", "replace", "refuse"] = "",
+        **more: m.Json,
+    ) -> m.Done:
+        """Carry out any verb; returns when it is done and its motion has arrived.
+
+        `driver`: who, where several offer it. `when_busy`: what to do while its lane is occupied.
+
+        Raises:
+            WozRefusedError: It was not begun; the reason says why.
+            WozError: As awaiting a `WozRun`.
+        """
+        call = {**(args or {}), **more}
+        run = await self.begin(verb, call, driver=driver, when_busy=when_busy)
+        end = await self._to_its_end(run)
+        assert isinstance(end, m.Done)
+        return end
+
+    async def begin(
+        self,
+        verb: str,
+        args: Mapping[str, m.Json] | None = None,
+        /,
+        *,
+        driver: str = "",
+        when_busy: Literal["", "queue", "replace", "refuse"] = "",
+        **more: m.Json,
+    ) -> WozRun:
+        """As `perform`, but returns as soon as it is accepted."""
+        call = {**(args or {}), **more}
+        request = r.AskVerb(verb=verb, args=call, on=driver, when_busy=when_busy)
+        return await self._begin(request, any(view.arrives for view in self._views(verb, driver)))
+
+    async def press(
+        self, action: str, *, when_busy: Literal["", "queue", "replace", "refuse"] = ""
+    ) -> m.ActionDone:
+        """Play an action of the experiment, by its name, its label or its key, to its end.
+
+        Raises as `perform`.
+        """
+        end = await self._to_its_end(await self.begin_action(action, when_busy=when_busy))
+        assert isinstance(end, m.ActionDone)
+        return end
+
+    async def begin_action(
+        self, action: str, *, when_busy: Literal["", "queue", "replace", "refuse"] = ""
+    ) -> WozRun:
+        """As `press`, but returns as soon as it is accepted."""
+        request = r.AskAction(action=self._action(action), when_busy=when_busy)
+        return await self._begin(request, arrives=False)
+
+    def __getattr__(self, verb: str) -> Callable[..., Coroutine[Any, Any, m.Done]]:
+        """Each verb of the robot is a method; a first value without a name is its main argument."""
+        views = self._views(verb) if not verb.startswith("_") else []
+        if not views:
+            raise AttributeError(f"this session has no verb {verb!r}")
+
+        async def perform(*main: m.Json, **args: Any) -> m.Done:
+            names = [argument.name for argument in views[0].arguments]
+            if len(main) > min(1, len(names)):
+                raise TypeError(f"{verb} takes one value without a name: {', '.join(names[:1])}")
+            return await self.perform(verb, dict(zip(names, main, strict=False)), **args)
+
+        return perform
+
+    # -- the rest of a session -------------------------------------------------------------------
+
+    async def mark(self, text: str = "") -> None:
+        """Put a marker into the log."""
+        await self.request(self.marker(text))
+
+    def mark_soon(self, text: str = "") -> None:
+        """Put a marker into the log without waiting; its moment (`at`) is that of this call."""
+        self.send_soon(self.marker(text))
+
+    def marker(self, text: str = "") -> r.AskMarker:
+        """The request for a marker of this moment, to be sent later."""
+        return r.AskMarker(text=text, at=round(self.now() * 1e6))
+
+    def send_soon(self, request: r.AnyRequest) -> None:
+        """Send a request and do not wait for its reply. Raises `WozConnectionError`."""
+        self._write(request)
+
+    async def note(self, text: str) -> None:
+        """Put a note into the log."""
+        await self.request(r.AskNote(text=text))
+
+    async def stop(self) -> m.StopConfirmed:
+        """Stop everything; returns when it is known which drivers confirmed."""
+        stream = self.messages(m.StopConfirmed)
+        await self.request(r.AskStop())
+        async for message in stream:
+            if isinstance(message, m.StopConfirmed):
+                return message
+        raise WozConnectionError("the session ended before the stop was confirmed")
+
+    async def release(self) -> None:
+        """Release the stop. Raises `WozRefusedError` if it is not pressed."""
+        await self.request(r.AskRelease())
+
+    async def request(self, request: r.AnyRequest) -> r.Reply:
+        """Send any request of the protocol; `ref` and stamp are filled in.
+
+        Raises:
+            WozRefusedError: The answer is no.
+            WozConnectionError: No answer will come.
+        """
+        return (await self._ask(request))[0]
+
+    def messages(self, *kinds: type[m.Message], held: bool = False) -> MessageStream:
+        """The session's messages from now on, of these kinds (none: of all).
+
+        `held`: begin with those that still held when this connected: how each driver is, the
+        engagement state, the stop if it is pressed. Samples come only with `connect(samples=True)`.
+        """
+        before = (codec.decode_message(line) for line in self.welcome.state) if held else ()
+        stream = MessageStream(kinds, before)
+        if self._lost is not None:
+            stream.close(self._lost)
+        self._streams.add(stream)
+        return stream
+
+    # -- time --------------------------------------------------------------------------------------
+
+    def now(self) -> float:
+        """Seconds since the session began: the axis of the messages' `t`."""
+        return self.session_time(time.monotonic())
+
+    def session_time(self, monotonic: float) -> float:
+        """A time of `time.monotonic()` in seconds since the session began.
+
+        PsychoPy's `psychopy.clock.getTime()` is the same clock on Linux.
+        """
+        return monotonic - self._zero_us / 1e6
+
+    # -- beginning and ending ----------------------------------------------------------------------
+
+    async def open(self, hello: r.Hello) -> None:
+        """Say hello; `connect` does it. Raises `WozError`."""
+        began = time.monotonic_ns() // 1000
+        self._writer.write(codec.encode(hello))
+        try:
+            line = await self._reader.readline()
+        except (OSError, ValueError) as error:
+            raise WozConnectionError(f"the session did not answer: {error}") from error
+        ended = time.monotonic_ns() // 1000
+        answer = codec.decode_incoming(line) if line else None
+        if isinstance(answer, r.Reply):
+            raise WozRefusedError(answer.reason, answer.hint)
+        if not isinstance(answer, r.Welcome):
+            raise WozConnectionError("the session closed the connection")
+        self.welcome, self.panels = answer, answer.panels
+        self._stamps = bool(answer.boot_id) and answer.boot_id == boot_id()
+        exact = answer.clock_us
+        if self._stamps and began <= exact + answer.t <= ended:
+            self._zero_us = exact
+        else:
+            self._zero_us = (began + ended) // 2 - answer.t
+            self.clock_uncertainty = (ended - began) / 2e6
+        self._task = asyncio.create_task(self._read(), name="woz client")
+        reply = await self.request(r.AskDescribe())
+        self.description = msgspec.convert(reply.data, Description)
+
+    async def close(self) -> None:
+        """Leave; what was begun goes on."""
+        self._writer.close()
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.wait([self._task])
+        self._lose(WozConnectionError("the connection was closed"))
+        with contextlib.suppress(OSError):
+            await self._writer.wait_closed()
+
+    # -- the wire ----------------------------------------------------------------------------------
+
+    async def _begin(self, request: r.AnyRequest, arrives: bool) -> WozRun:
+        _, run = await self._ask(request, arrives)
+        assert run is not None
+        return run
+
+    async def _ask(
+        self, request: r.AnyRequest, arrives: bool | None = None
+    ) -> tuple[r.Reply, WozRun | None]:
+        ref = self._write(request)
+        asked = AwaitedReply(asyncio.get_running_loop().create_future(), arrives)
+        self._replies[ref] = asked
+        reply = await asked.reply
+        if not reply.ok:
+            raise WozRefusedError(reply.reason, reply.hint)
+        return reply, asked.run
+
+    def _write(self, request: r.AnyRequest) -> int:
+        if self._lost is not None:
+            raise self._lost
+        self._refs += 1
+        stamp = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 if self._stamps else 0
+        request = msgspec.structs.replace(request, ref=self._refs, sent_us=stamp)
+        self._writer.write(codec.encode(request))
+        return self._refs
+
+    async def _to_its_end(self, run: WozRun) -> RunEnd:
+        try:
+            return await run
+        except asyncio.CancelledError:
+            self._cancel(run.id)
+            raise
+
+    def _cancel(self, run: str) -> None:
+        """Cut it short, and do not wait: whoever waited has been cancelled."""
+        with contextlib.suppress(WozConnectionError):
+            self._write(r.AskCancel(run=run))
+
+    async def _read(self) -> None:
+        why = "the session closed the connection"
+        try:
+            while line := await self._reader.readline():
+                self._take(codec.decode_incoming(line))
+        except (OSError, ValueError) as error:
+            why = f"the connection is lost: {error}"
+        finally:
+            hint = "" if self._ended else "`woz attach` shows whether it still runs"
+            self._lose(WozConnectionError(why, hint))
+
+    def _take(self, line: Any) -> None:
+        match line:
+            case r.Reply():
+                self._replied(line)
+            case r.PanelsChanged():
+                self.panels = line.panels
+            case m.Message() | dict():
+                self._follow(line)
+                for stream in [*self._streams]:
+                    stream.add(line)
+
+    def _replied(self, reply: r.Reply) -> None:
+        asked = self._replies.pop(reply.ref, None)
+        if asked is None:
+            return
+        if asked.arrives is not None and reply.ok:
+            if asked.reply.cancelled():  # nobody waits for it any more
+                self._cancel(reply.run)
+                return
+            asked.run = run = WozRun(self, reply.run, asked.arrives)
+            early = self._ends.get(run.id)
+            if early is None or not run.on_end(early):
+                self._runs[run.id] = run
+        if not asked.reply.done():
+            asked.reply.set_result(reply)
+
+    def _follow(self, message: Incoming) -> None:
+        match message:
+            case m.ActionEnd(run=run):
+                self._over(run, message)
+            case m.End(command=command):
+                self._over(command, message)
+            case m.MotionArrived(command=command) | m.MotionInterrupted(command=command):
+                moved = self._runs.pop(command, None)
+                if moved is not None:
+                    moved.on_motion(message)
+            case m.SessionEnd():
+                self._ended = True
+
+    def _over(self, run: str, end: RunEnd) -> None:
+        """A run has ended; the reply that names it may come later."""
+        begun = self._runs.get(run)
+        if begun is not None:
+            if begun.on_end(end):
+                del self._runs[run]
+            return
+        self._ends[run] = end
+        if len(self._ends) > _ENDS_KEPT:
+            self._ends.popitem(last=False)
+
+    def _lose(self, error: WozConnectionError) -> None:
+        if self._lost is not None:
+            return
+        self._lost = error
+        for asked in self._replies.values():
+            if not asked.reply.done():
+                asked.reply.set_exception(error)
+        for run in self._runs.values():
+            run.lose(error)
+        for stream in [*self._streams]:
+            stream.close(error)
+
+    # -- what is known -----------------------------------------------------------------------------
+
+    def _views(self, verb: str, driver: str = "") -> list[VerbView]:
+        return [
+            view
+            for view in self.__dict__.get("description", Description()).verbs
+            if view.name == verb and driver in ("", view.driver, view.driver.partition(".")[0])
+        ]
+
+    def _action(self, wanted: str) -> str:
+        actions = [action for panel in self.panels for action in panel.actions]
+        for field in ("name", "label", "key"):
+            for action in actions:
+                if getattr(action, field) == wanted:
+                    return action.name
+        return wanted
+
+
+@contextlib.asynccontextmanager
+async def connect(
+    session: str | Path = "",
+    *,
+    name: str = "program",
+    samples: bool = False,
+    sees: Literal["", "all", "wizard"] = "",
+) -> AsyncIterator[WozClient]:
+    """Connect to a session of this user until the block ends.
+
+    Args:
+        session: Its code (`S01`) or its socket's path; empty: `$WOZ_SOCKET`, or the only one there.
+        name: What the wizard's screen and the log call this program.
+        samples: Whether `messages` has the sensors' readings, too.
+        sees: `wizard`: no more than the wizard sees, for a screen that the wizard can read.
+
+    Raises:
+        WozConnectionError: Nobody answers there, or it is not clear which session is meant.
+        WozRefusedError: The session does not take this program.
+    """
+    path = _socket_of(session)
+    try:
+        reader, writer = await asyncio.open_unix_connection(str(path), limit=MOST_BYTES)
+    except OSError as error:
+        raise WozConnectionError(
+            f"no session answers at {path}: {error.strerror or error}", "`woz run FILE` starts one"
+        ) from error
+    client = WozClient(reader, writer)
+    stream = "everything" if samples else "actions"
+    try:
+        await client.open(
+            r.Hello(role="program", name=name, protocol=r.PROTOCOL, stream=stream, sees=sees)
+        )
+        yield client
+    finally:
+        await client.close()
+
+
+def _socket_of(session: str | Path) -> Path:
+    try:
+        if session:
+            return (
+                Path(session) if "/" in str(session) else session_sockets.socket_path(str(session))
+            )
+        running = session_sockets.running()
+    except session_sockets.SessionSocketError as error:
+        raise WozConnectionError(str(error)) from error
+    if not running:
+        raise WozConnectionError("no session is running", "`woz run FILE` starts one")
+    if len(running) > 1:
+        names = ", ".join(path.stem for path in running)
+        raise WozConnectionError(f"several sessions are running: {names}", "name one of them")
+    return running[0]

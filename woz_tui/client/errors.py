@@ -1,0 +1,56 @@
+"""What goes wrong for a program that plays a robot; all of it is a `WozError`."""
+
+from __future__ import annotations
+
+from woz_tui.protocol import messages as m
+
+
+class WozError(Exception):
+    """Something that was asked for did not happen. `hint`: what helps, if anybody knows."""
+
+    def __init__(self, reason: str, hint: str = "") -> None:
+        super().__init__(f"{reason} ({hint})" if hint else reason)
+        self.reason = reason
+        self.hint = hint
+
+
+class WozRefusedError(WozError):
+    """It was not begun: wrong arguments, the stop, a lock, a profile, too late ..."""
+
+
+class WozFailedError(WozError):
+    """It was tried and did not work, or took too long, or a motion did not arrive."""
+
+
+class WozStoppedError(WozError):
+    """The stop, the wizard or the end of the session cut it short."""
+
+
+class WozSupersededError(WozError):
+    """Something newer took its place."""
+
+
+class WozConnectionError(WozError, ConnectionError):
+    """There is no session to connect to, or the connection to it is lost."""
+
+
+def error_of(end: m.ActionEnd | m.End) -> WozError | None:
+    """The error that an end stands for; None: it went well."""
+    hint = end.remedy if isinstance(end, m.End) else ""
+    match end:
+        case m.ActionDone() | m.Done():
+            return None
+        case m.ActionRefused() | m.Refused():
+            return WozRefusedError(end.reason, hint)
+        case m.ActionStopped() | m.Stopped():
+            return WozStoppedError(end.reason or "stopped", hint)
+        case m.ActionSuperseded() | m.Superseded():
+            return WozSupersededError(end.reason or f"replaced by {end.by}", hint)
+    return WozFailedError(end.reason or "failed", hint)
+
+
+def error_of_motion(end: m.MotionInterrupted) -> WozError:
+    """The error that a motion stands for that does not arrive."""
+    if end.by:
+        return WozSupersededError(end.reason)
+    return WozFailedError(f"the motion does not arrive: {end.reason}")

@@ -91,7 +91,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "missing": ("", "drivers that did not confirm the stop in time"),
     "name": (
         "",
-        "name of a program; absent: not given, or it sees no more than the wizard",
+        "how a program calls itself; absent: it does not say, or it is a console",
     ),
     "right": ("", "cues that were answered rightly"),
     "robot": ("", "the robot that plays instead of the file's own; absent: none"),

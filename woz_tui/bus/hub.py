@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TypeVar
 
 import msgspec
 
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import AnyMessage, Message
+from woz_tui.protocol.messages import ASKED, AnyMessage, Message
 from woz_tui.system.clock import Clock, timestamp
 
 #: What a listener may have of a message; None: nothing of it.
@@ -91,6 +92,17 @@ class Hub:
         self._subscriptions: list[Subscription] = []
         self._undelivered: deque[AnyMessage] = deque()
         self._delivering = False
+        #: The connection whose request is carried out at the moment; empty: none is.
+        self._asked_by = ""
+
+    @contextmanager
+    def asked_by(self, console: str) -> Iterator[None]:
+        """While this lasts, messages say that a request over the connection `console` was why."""
+        self._asked_by = console
+        try:
+            yield
+        finally:
+            self._asked_by = ""
 
     @property
     def seq(self) -> int:
@@ -108,6 +120,8 @@ class Hub:
     def publish(self, message: M) -> M:
         """Stamp `message`, have it recorded, hand it round; returns it as stamped."""
         sample = codec.is_sample(message)
+        if self._asked_by and isinstance(message, ASKED):
+            message = msgspec.structs.replace(message, console=self._asked_by)
         stamped = msgspec.structs.replace(
             message,
             seq=self._seq,

@@ -115,6 +115,8 @@ class EventLine:
     sensor: str = ""
     #: What an action has said so far.
     utterance: str = ""
+    #: The program that asked for it.
+    asker: str = ""
     #: Whether how long it took is kept from the wizard.
     untimed: bool = False
     #: A change of the engagement model: of these there is one line, the last one.
@@ -149,13 +151,12 @@ class EventLine:
         self.mark = outcome.how
         self.took_us = max(0, outcome.t - self.t)
         if outcome.reason:
-            self.detail = outcome.reason
+            self.detail = ": ".join(filter(None, (self.asker, outcome.reason)))
 
 
 #: Messages whose line needs nothing but their fields: mark, text, detail.
 _TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
     m.SessionEnd: ("info", "Session ended", "{0.reason}"),
-    m.StopReleased: ("info", "Stop released", "by {0.source}"),
     m.DriverConnecting: ("driver", "{0.driver} connecting", "{0.detail}"),
     m.DriverConnected: ("done", "{0.driver} connected", "{0.detail}"),
     m.DriverLost: ("error", "{0.driver} lost", "{0.detail}"),
@@ -163,7 +164,6 @@ _TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
     m.LaneFaulted: ("error", "{0.driver}: {0.lane} hangs", "until its job ends"),
     m.LaneRecovered: ("done", "{0.driver}: {0.lane} works again", ""),
     m.ModeChanged: ("info", "{0.driver} mode {0.now}", "{0.why}"),
-    m.Note: ("note", "{0.text}", ""),
     m.ConsoleLost: ("warning", "{0.role} disconnected", "{0.why}"),
 }
 
@@ -190,16 +190,29 @@ def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | N
     if _is_effect(message.action, shown):
         return None  # the state's own line tells of it
     without = f"without {', '.join(message.without)}" if message.without else ""
-    source = ", ".join(filter(None, (_SOURCES.get(message.source, ""), without)))
+    source = ", ".join(filter(None, (_asker(message, shown), without)))
     action = shown.action(message.action)
     return EventLine(
         "running",
         shown.label(message.action),
         source,
         run=message.run,
+        asker=_program(message.console, shown),
         action=message.action,
         stepping=action is not None and bool(action.verbs) and _STEPPING.issuperset(action.verbs),
     )
+
+
+def _asker(message: m.ActionRequested, shown: EventContext) -> str:
+    return _program(message.console, shown) or _SOURCES.get(message.source, "")
+
+
+def _program(console: str, shown: EventContext) -> str:
+    """The program behind a connection, as it calls itself; empty: it is a console."""
+    attached = shown.session.consoles.get(console)
+    if attached is None or attached.role != "program":
+        return ""
+    return f"program {attached.name or console}"
 
 
 def _is_effect(action: str, shown: EventContext) -> bool:
@@ -212,7 +225,9 @@ def _command(message: m.Command, shown: EventContext) -> EventLine | None:
         return None  # its action has a line, or the panel's picture shows it
     if message.driver == "session" and message.verb in ("mark", "note"):
         return None  # so has the marker or the note
-    return EventLine("running", command_words(message), run=message.command)
+    asker = _program(message.console, shown)
+    words = command_words(message)
+    return EventLine("running", words, asker, run=message.command, asker=asker)
 
 
 def _action_end(message: m.ActionEnd, shown: EventContext) -> EventLine | None:
@@ -230,7 +245,7 @@ def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None
     fields = ("participant", "condition", "trial")
     values = ((name, getattr(message, name)) for name in fields)
     parts = [f"{name} {value}" for name, value in values if value is not None]
-    return EventLine("info", ", ".join(parts)) if parts else None
+    return EventLine("info", ", ".join(parts), _program(message.console, shown)) if parts else None
 
 
 def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None:
@@ -252,7 +267,12 @@ def _notice(message: m.Notice, shown: EventContext) -> EventLine:
 def _stop(message: m.StopPressed, shown: EventContext) -> EventLine:
     if message.scope != "all":
         return EventLine("stop", "Driving stopped", message.source)
-    return EventLine("stop", "STOP", f"by {message.source}")
+    return EventLine("stop", "STOP", f"by {_program(message.console, shown) or message.source}")
+
+
+def _released(message: m.StopReleased, shown: EventContext) -> EventLine:
+    who = _program(message.console, shown) or message.source
+    return EventLine("info", "Stop released", f"by {who}")
 
 
 def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
@@ -338,7 +358,12 @@ def _visitor(message: m.VisitorChanged, shown: EventContext) -> EventLine:
 
 def _marker(message: m.Marker, shown: EventContext) -> EventLine:
     _, coder, name = message.source.partition("coder ")
-    return EventLine("marker", f"Code of {name}" if coder else "Marker", message.text)
+    detail = ", ".join(filter(None, (message.text, _program(message.console, shown))))
+    return EventLine("marker", f"Code of {name}" if coder else "Marker", detail)
+
+
+def _note(message: m.Note, shown: EventContext) -> EventLine:
+    return EventLine("note", message.text, _program(message.console, shown))
 
 
 def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
@@ -348,19 +373,22 @@ def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
 
 def _phase(message: m.PhaseChanged, shown: EventContext) -> EventLine:
     heading = shown.heading(message.phase)
-    return EventLine("info", f"Phase {heading}" if heading else "No phase holds")
+    asker = _program(message.console, shown)
+    return EventLine("info", f"Phase {heading}" if heading else "No phase holds", asker)
 
 
 def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:
     if message.source == "phase":
         return None  # the phase has a line
-    return EventLine("info", f"{message.panel} {'locked' if message.locked else 'unlocked'}")
+    what = f"{message.panel} {'locked' if message.locked else 'unlocked'}"
+    return EventLine("info", what, _program(message.console, shown))
 
 
 def _profile(message: m.ProfileChanged, shown: EventContext) -> EventLine:
     return EventLine(
         "info",
         f"Profile {message.profile}" if message.profile else "No profile: everything may be used",
+        _program(message.console, shown),
     )
 
 
@@ -400,6 +428,7 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.RecorderState: _recorder,
     m.Notice: _notice,
     m.StopPressed: _stop,
+    m.StopReleased: _released,
     m.StopConfirmed: _confirmed,
     m.SensorChanged: _sensor,
     m.EngagementChanged: _engagement,
@@ -407,6 +436,7 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.SpeechText: _transcript_line,
     m.VisitorChanged: _visitor,
     m.Marker: _marker,
+    m.Note: _note,
     m.Mistake: _mistake,
     m.PanelLocked: _lock,
     m.PhaseChanged: _phase,

@@ -77,6 +77,8 @@ WATCHER_MAY = (
 )
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
+#: Sources of what the robot process, its drivers and its re-runs do by themselves.
+NOT_OF_CLIENTS = ("engagement", "replay", "phase", "midi", "driver", "body")
 #: What takes its time, because it reads files or asks devices.
 Slow = AskReload | AskKeepTyped | AskPreflight | AskProposal
 #: So many of one kind may wait for each client, while the one before is worked on.
@@ -156,7 +158,8 @@ class RequestHandlers:
         ends: dict[str, ActionEnd | End] = {}
         self._ends = ends
         try:
-            run = self._carry_out(client, request)
+            with self._session.hub.asked_by(client.name):
+                run = self._carry_out(client, _by_a_client(request))
         except RequestError as error:
             reply = _refused(client, request, error)
             if isinstance(request, AskAction | AskVerb | AskScript):
@@ -401,6 +404,13 @@ class RequestHandlers:
             self._session.adopt(experiment, changes, telling)
             self.on_panels()
         return [*changes]
+
+
+def _by_a_client(request: AnyRequest) -> AnyRequest:
+    """`request`, which cannot say that the robot itself is behind it."""
+    if isinstance(request, AskAction | AskVerb | AskPhase) and request.source in NOT_OF_CLIENTS:
+        return replace(request, source="program")
+    return request
 
 
 def _undone(request: AnyRequest) -> str:

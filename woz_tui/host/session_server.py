@@ -196,7 +196,8 @@ class SessionServer:
             self.handlers.answer(client, request)
 
     def _stop(self, client: ClientConnection, request: AskStop) -> None:
-        self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
+        with self.session.hub.asked_by(client.name):
+            self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
         if not OLDEST_PROTOCOL <= hello.protocol <= PROTOCOL:
@@ -229,7 +230,7 @@ class SessionServer:
             m.ConsoleAttached(
                 console=client.name,
                 role=client.role,
-                name=hello.name if sees_all else "",
+                name=hello.name if client.role == "program" else "",
                 sees="all" if sees_all else "",
                 via=hello.via[:LONGEST_VIA],
             )

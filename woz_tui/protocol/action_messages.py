@@ -69,7 +69,8 @@ class Command(RestrictedMessage, frozen=True, kw_only=True, tag="command.request
     `deadline_us`, on the session's `t` axis, is the moment after which it may no longer begin
     (0: none). `limit_s` bounds how long it may run once begun. `when_busy`: queue, replace or
     refuse, if its lane is occupied. `unfilled`: those of `args` that tell what `tells` says, with
-    such variables left in place: `{greeting}`.
+    such variables left in place: `{greeting}`. `console`: the connection over which it came, if it
+    belongs to no action.
     """
 
     command: str
@@ -85,6 +86,7 @@ class Command(RestrictedMessage, frozen=True, kw_only=True, tag="command.request
     limit_s: float = 30.0
     when_busy: str = "queue"
     unfilled: dict[str, Json] = {}
+    console: str = ""
 
     @property
     def passing(self) -> bool:
@@ -206,10 +208,13 @@ class CommandMark(Ack, frozen=True, kw_only=True, tag="command.mark"):
 
 
 class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
-    """The stop latched. `source` is key, program, console-lost ...; `scope` all or drive."""
+    """The stop latched. `source` is key, program, console-lost ...; `scope` all or drive.
+    `console`: the connection over which it came.
+    """
 
     source: str
     scope: str = msgspec.field(default_factory=lambda: "all")
+    console: str = ""
 
 
 class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
@@ -228,6 +233,7 @@ class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
 
 
 class StopReleased(Message, frozen=True, kw_only=True, tag="stop.released"):
-    """A wizard released the stop on purpose."""
+    """A wizard released the stop on purpose. `console`: the connection over which it came."""
 
     source: str
+    console: str = ""

@@ -157,6 +157,7 @@ class SessionChanged(Message, frozen=True, kw_only=True, tag="session.changed"):
     participant: str | None = None
     condition: str | None = None
     trial: int | None = None
+    console: str = ""
 
 
 class SessionEnd(RestrictedMessage, frozen=True, kw_only=True, tag="session.end"):
@@ -514,12 +515,14 @@ class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):
     text: str = ""
     at: int = -1
     source: str = msgspec.field(default_factory=lambda: "key")
+    console: str = ""
 
 
 class Note(RestrictedMessage, frozen=True, kw_only=True, tag="note"):
     """A sentence that a wizard, a watcher or a program typed."""
 
     text: str
+    console: str = ""
 
 
 class Mistake(RestrictedMessage, frozen=True, kw_only=True, tag="mistake"):
@@ -528,6 +531,7 @@ class Mistake(RestrictedMessage, frozen=True, kw_only=True, tag="mistake"):
     run: str
     action: str = ""
     text: str = ""
+    console: str = ""
 
 
 class ScriptMoved(Message, frozen=True, kw_only=True, tag="script.moved"):
@@ -555,6 +559,7 @@ class PhaseChanged(Message, frozen=True, kw_only=True, tag="phase.changed"):
     phase: str = msgspec.field(default_factory=str)
     source: str = msgspec.field(default_factory=lambda: "key")
     planned_us: int = 0
+    console: str = ""
 
 
 class PanelLocked(Message, frozen=True, kw_only=True, tag="panel.locked"):
@@ -563,6 +568,7 @@ class PanelLocked(Message, frozen=True, kw_only=True, tag="panel.locked"):
     panel: str
     locked: bool
     source: str = msgspec.field(default_factory=str)
+    console: str = ""
 
 
 class ProfileChanged(Message, frozen=True, kw_only=True, tag="profile.changed"):
@@ -572,6 +578,7 @@ class ProfileChanged(Message, frozen=True, kw_only=True, tag="profile.changed"):
 
     profile: str = msgspec.field(default_factory=str)
     source: str = msgspec.field(default_factory=lambda: "key")
+    console: str = ""
 
 
 class ExperimentReloaded(Message, frozen=True, kw_only=True, tag="experiment.reloaded"):
@@ -586,8 +593,8 @@ class ExperimentReloaded(Message, frozen=True, kw_only=True, tag="experiment.rel
 
 class ConsoleAttached(Message, frozen=True, kw_only=True, tag="console.attached"):
     """A console or program connected. `role`: wizard, watcher, program or participant; `name`: how
-    it calls itself. `sees` is `all` for a program that gets what is kept from the wizard. `via`:
-    the name of the access file with which it came from another machine.
+    it calls itself (a program's alone). `sees` is `all` for a program that gets what is kept from
+    the wizard. `via`: the name of the access file with which it came from another machine.
     """
 
     console: str
@@ -604,6 +611,12 @@ class ConsoleLost(Message, frozen=True, kw_only=True, tag="console.lost"):
     role: str
     why: str
 
+
+#: Messages that name the connection (`console`) whose request brought them about.
+ASKED = (
+    *(StopPressed, StopReleased, SessionChanged, PanelLocked, ProfileChanged, PhaseChanged),
+    *(Marker, Note, Mistake),
+)
 
 #: Every message that may stand in a log or on the stream.
 AnyMessage = (

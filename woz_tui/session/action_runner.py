@@ -300,6 +300,7 @@ class ActionRunner:
             when_busy=when_busy,
             tells=call.tells,
             unfilled=dict(call.unfilled),
+            console="" if run else origin.console,
         )
 
     def _ended(self, run: ActionRun, verb: str, end: m.End) -> None:

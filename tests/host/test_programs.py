@@ -1,0 +1,197 @@
+"""What a program asks for over the socket is in the log with its name, and within all limits."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.host.rig import Peer, Served, served
+from tests.session.rig import Puppet, experiment
+from woz_tui.config.experiment import Experiment, Phase, Profile, SessionSettings
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.drivers.contract import Job
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.codec import decode_incoming
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.requests import PROTOCOL, Welcome
+
+
+async def program(host: Served, name: str = "stimulus") -> Peer:
+    peer = await host.connect()
+    await peer.hello("program", protocol=PROTOCOL, name=name)
+    return peer
+
+
+class Reader(Puppet):
+    """Looks into the log when it is told to move."""
+
+    log: Path
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        self.calls.append((job.verb, {"logged": f'"{job.command}"' in self.log.read_text()}))
+        return {}
+
+
+async def test_it_is_in_the_log_with_its_source_before_it_moves(tmp_path: Path) -> None:
+    async with served(tmp_path, catalogue={"puppet": Reader}) as host:
+        Reader.log = host.session.recorder.path
+        peer = await program(host)
+        await peer.ask("verb", verb="say", args={"text": "Hello"})
+        await peer.kind("command.done")
+        await peer.ask("action", action="Hello")
+        await peer.kind("action.done")
+        assert host.puppet().calls == [("say", {"logged": True})] * 2
+        lines = [json.loads(line) for line in Reader.log.read_text().splitlines()]
+        requested = [line for line in lines if line["kind"].endswith(".requested")]
+        assert [line["source"] for line in requested] == ["program"] * 3
+        assert [line.get("console") for line in requested] == ["con1", "con1", None]
+
+
+ASKED: list[tuple[str, dict[str, Any], str]] = [
+    ("marker", {"text": "onset"}, "marker"),
+    ("note", {"text": "the phone rang"}, "note"),
+    ("set", {"participant": "P08"}, "session.changed"),
+    ("lock", {"panel": "Base", "locked": True}, "panel.locked"),
+    ("stop", {}, "stop.pressed"),
+    ("phase", {"phase": "opening"}, "phase.changed"),
+    ("profile", {"profile": "child"}, "profile.changed"),
+]
+
+
+def limited(folder: Path) -> Experiment:
+    """With a profile and phases."""
+    made = experiment(folder)
+    return replace(
+        made,
+        profiles={"child": Profile(name="child", actions=frozenset({"Hello"}))},
+        phases=(
+            Phase(name="opening", panels=("Base",), lock_others=True),
+            Phase(name="closing", panels=("Speech",), after=("opening",)),
+        ),
+        session=SessionSettings(),
+    )
+
+
+@pytest.mark.parametrize(("kind", "fields", "says"), ASKED)
+async def test_the_log_names_the_connection_of_everything_asked_for(
+    tmp_path: Path, kind: str, fields: dict[str, Any], says: str
+) -> None:
+    made = limited(tmp_path)
+    made = replace(made, phases=tuple(replace(each, after=()) for each in reversed(made.phases)))
+    async with served(tmp_path, made=made) as host:
+        peer = await program(host)
+        reply = await peer.ask(kind, **fields)
+        assert reply["ok"], reply
+        [line] = [line for line in peer.seen if line["kind"] == says]
+        assert line["console"] == "con1"
+
+
+async def test_nobody_is_named_for_what_the_robot_does_by_itself(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await program(host)
+        await peer.ask("marker", text="onset")
+        host.session.mark("by a driver", "midi")
+        own = await peer.until(lambda line: line.get("text") == "by a driver")
+        assert "console" not in own
+
+
+@pytest.mark.parametrize("source", ["engagement", "replay", "phase", "midi"])
+async def test_a_program_cannot_claim_that_the_robot_did_it(tmp_path: Path, source: str) -> None:
+    async with served(tmp_path) as host:
+        peer = await program(host)
+        await peer.ask("verb", verb="play", args={"move": "nod"}, source=source)
+        await peer.ask("action", action="Hello", source=source)
+        requested = [line for line in peer.seen if line["kind"].endswith(".requested")]
+        assert {line["source"] for line in requested} == {"program"}
+
+
+# -- limits ----------------------------------------------------------------------------------------
+
+
+async def test_a_profile_binds_a_program(tmp_path: Path) -> None:
+    made = replace(limited(tmp_path), phases=())
+    async with served(tmp_path, made=made) as host:
+        peer = await program(host)
+        await peer.ask("profile", profile="child")
+        assert (await peer.ask("action", action="Hello"))["ok"]
+        for kind, fields in (
+            ("action", {"action": "Map"}),
+            ("verb", {"verb": "play", "args": {"move": "nod"}}),
+        ):
+            reply = await peer.ask(kind, **fields)
+            assert not reply["ok"]
+            assert "not in the profile child" in reply["reason"]
+
+
+async def test_locks_and_phases_bind_a_program(tmp_path: Path) -> None:
+    made = limited(tmp_path)
+    speech, base = made.panels
+    made = replace(made, panels=(speech, replace(base, covers=("play",))))
+    async with served(tmp_path, made=made) as host:
+        peer = await program(host)
+        assert "in the phase" in (await peer.ask("action", action="Hello"))["reason"]
+        await peer.ask("lock", panel="Base", locked=True)
+        assert "is locked" in (await peer.ask("action", action="Go"))["reason"]
+        covered = await peer.ask("verb", verb="play", args={"move": "nod"})
+        assert not covered["ok"]
+        assert "is locked" in covered["reason"]
+        assert (await peer.ask("phase"))["ok"]
+        assert (await peer.ask("action", action="Hello"))["ok"]
+
+
+async def test_the_stop_and_the_dead_mans_switch_bind_a_program(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer, wizard = await program(host), await host.connect()
+        drive = {"verb": "drive", "args": {"x": 1.0}}
+        assert "no wizard" in (await peer.ask("verb", **drive))["reason"]
+        await wizard.hello("wizard")
+        assert (await peer.ask("verb", **drive))["ok"]
+        await wizard.say(kind="beat", line_ok=False)
+        assert (await peer.kind("command.stopped"))["command"]
+        assert not (await peer.ask("verb", **drive))["ok"]
+        await wizard.say(kind="beat")
+        await wizard.ask("stop")
+        for kind, fields in (
+            ("verb", drive),
+            ("verb", {"verb": "say", "args": {"text": "x"}}),
+            ("action", {"action": "Hello"}),
+        ):
+            assert "stop is pressed" in (await peer.ask(kind, **fields))["reason"]
+
+
+# -- the wizard's screen ---------------------------------------------------------------------------
+
+
+async def seen_by_wizard(wizard: Peer, welcome: dict[str, Any]) -> list[tuple[str, str]]:
+    """Text and detail of the lines on the wizard's list of events."""
+    state = ConsoleState()
+    first = decode_incoming(json.dumps(welcome).encode())
+    assert isinstance(first, Welcome)
+    state.apply([first], 0)
+    later = wizard.seen[wizard.seen.index(welcome) + 1 :]
+    decoded = [decode_incoming(json.dumps(line).encode()) for line in later]
+    state.apply([line for line in decoded if isinstance(line, m.Message)], 0)
+    return [(event.text, event.detail) for event in state.events]
+
+
+async def test_the_wizards_screen_says_which_program_asked(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        wizard = await host.connect()
+        welcome = await wizard.hello("wizard", protocol=PROTOCOL)
+        peer = await program(host)
+        await peer.ask("action", action="Hello")
+        await peer.ask("verb", verb="play", args={"move": "nod"}, source="key")
+        await peer.ask("marker", text="onset")
+        await peer.ask("lock", panel="Base", locked=True)
+        await peer.ask("stop")
+        await peer.ask("release")
+        await wizard.kind("stop.released")
+        lines = await seen_by_wizard(wizard, welcome)
+        named = [text for text, detail in lines if "stimulus" in detail]
+        for begin in ("Hello", "Play nod", "Marker", "Base locked", "STOP", "Stop released"):
+            assert any(text.lower().startswith(begin.lower()) for text in named), (begin, lines)

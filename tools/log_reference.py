@@ -18,7 +18,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "answered": ("", "number of answered items"),
     "answered_us": ("µs", "from the display of the item to its answer; absent: not measured"),
     "args": ("", "the verb's arguments as requested"),
-    "at": ("µs", "moment, on the `t` axis, that is marked; absent: this line's"),
+    "at": ("µs", "moment, on the `t` axis, that is meant; of a marker absent: this line's"),
     "attempt": ("", "number of times this handshake asked for a name; absent: 0"),
     "attention": ("", "what distracts the robot; absent: nothing"),
     "bad": ("", "fields of this line that were not finite numbers and were replaced by null"),

@@ -52,7 +52,7 @@ async def test_any_verb_is_a_method_with_its_main_argument_first(host: Served) -
         assert (await woz.play("nod")).sent == {"move": "nod"}
         assert (await woz.play(move="shake", driver="robot")).sent == {"move": "shake"}
         with pytest.raises(AttributeError, match="no verb 'somersault'"):
-            woz.somersault()
+            await woz.somersault()
         with pytest.raises(TypeError, match="move"):
             await woz.play("nod", "shake")
 
@@ -206,6 +206,24 @@ async def test_a_gaze_returns_when_the_head_is_there(tmp_path: Path) -> None:
             assert arrived.command == done.command
             with pytest.raises(WozFailedError, match="neck is stuck"):
                 await woz.gaze(yaw=-20.0)
+
+
+async def test_it_begins_at_its_moment_or_is_refused(host: Served) -> None:
+    async with connect(host.path) as woz:
+        at = woz.now() + 0.3
+        await woz.say("Now", at=at)
+        [begun] = [line for line in host.lines if isinstance(line, m.Dispatched)]
+        assert begun.t >= at * 1e6
+        with pytest.raises(WozRefusedError, match="too late"):
+            await woz.press("Hello", at=at)
+
+
+async def test_what_is_foretold_comes_typed(host: Served) -> None:
+    async with connect(host.path) as woz:
+        foretold = await woz.predict("say", text="Hello")
+        assert foretold.duration_us is None
+        assert [command.verb for command in foretold.commands] == ["say"]
+        assert len((await woz.predict_action("Welcome")).commands) == 2
 
 
 # -- without asyncio -------------------------------------------------------------------------------

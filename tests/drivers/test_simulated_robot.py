@@ -38,6 +38,25 @@ async def test_it_works_in_real_time(tmp_path: Path) -> None:
     assert max(abs(reading.value or 0) for reading in context.of("setpoint.pan")) <= 90
 
 
+async def test_a_gaze_arrives_when_the_head_is_there(it: Rig) -> None:
+    job = PlainJob("gaze", {"yaw": 60.0})
+    await it.perform(job)
+    await it.pace.advance(0.1)
+    assert job.arrivals == []
+    await it.pace.advance(3.0)
+    assert job.arrivals == [""]
+    assert it.context.latest("joint.pan") == pytest.approx(60.0, abs=0.5)
+
+
+async def test_a_gaze_whose_head_is_moved_otherwise_does_not_arrive(it: Rig) -> None:
+    job = PlainJob("gaze", {"yaw": 60.0})
+    await it.perform(job)
+    it.begin("nudge", yaw=-20.0)
+    await it.pace.advance(3.0)
+    assert len(job.arrivals) == 1
+    assert job.arrivals[0] != ""
+
+
 async def test_speaking_takes_time_by_its_length_and_says_so(it: Rig) -> None:
     job = PlainJob("say", {"text": "Good morning, Ann. Nice to see you."})
     task = asyncio.create_task(it.perform(job))

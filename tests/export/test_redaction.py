@@ -132,7 +132,7 @@ def test_without_redaction_all_of_it_is_there(tmp_path: Path) -> None:
     assert secrets.leaked(content(tmp_path / "out")) == set(secrets.told.values()) - anew
     exported(log, "csv", tmp_path / "csv", samples=True)
     texts = {path for kind, path in secrets.leaked(content(tmp_path / "csv")) if kind == "note"}
-    assert texts == {"text", "tells"}
+    assert texts == {"text", "tells", "console"}
 
 
 def test_the_copy_of_a_log_has_all_that_is_promised(tmp_path: Path) -> None:

@@ -275,7 +275,8 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     ),
     m.CommandMark(command="c00001", driver="voice", sort="word", text="Gott", tells=("condition",)),
     m.CommandMark(command="c00017", driver="head", sort="stroke"),
-    m.Marker(text="onset", source="program", at=71_249_000),
+    m.Marker(text="onset", source="program", at=71_249_000, console="con2"),
+    m.ActionScheduled(run="a00018", action="Hello", at=74_000_000),
 )
 
 _PANELS = [
@@ -356,6 +357,10 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskReplay(ref=30, what="go", to="12:34"),
     r.AskPicture(ref=33, driver="eye", width=76, height=40, after=17),
     r.AskDescribe(ref=39),
+    r.AskPredict(ref=41, action="Hello"),
+    r.AskPredict(ref=42, verb="play", args={"move": "nod"}, on="head"),
+    r.AskAction(ref=43, action="Hello", at=76_000_000),
+    r.AskVerb(ref=44, verb="say", args={"text": "Now"}, at=76_000_000),
     r.AskMarker(ref=40, text="onset", at=73_999_500),
     r.AskPicture(ref=34, width=640, height=480, format="sixel", rate=2.5),
     r.AskSound(ref=40, driver="ears", after=32_000),

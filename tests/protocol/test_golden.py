@@ -15,7 +15,7 @@ import pytest
 
 from tests.protocol import examples, values
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import ActionDone
+from woz_tui.protocol.messages import ASKED, ActionDone, Command
 from woz_tui.protocol.requests import PROTOCOL as PROTOCOL_VERSION
 from woz_tui.protocol.requests import AskAction, Hello
 
@@ -62,6 +62,7 @@ def test_every_field_appears_in_a_golden_line() -> None:
             seen = {field for line in lines if line["kind"] == tag for field in line}
             optional = _OPTIONAL.get(str(tag), set()) | (set() if tag == "action" else _SENT)
             optional |= set() if tag in ("command.requested", "notice") else _TELLS
+            optional |= _CONSOLE if kind in (*ASKED, Command) and tag != "marker" else set()
             missing = set(kind.__struct_encode_fields__) - seen - optional
             assert not missing, f"{name}: no line of kind {tag} shows {missing}"
 
@@ -72,6 +73,8 @@ _STAMP: set[str] = {"seq", "t", "ts"}
 _SENT: set[str] = {"sent_us"}
 #: The same field of all messages with words.
 _TELLS: set[str] = {"tells"}
+#: The same field of all messages that a request brings about.
+_CONSOLE: set[str] = {"console"}
 _END: set[str] = {"reason", "remedy"}
 _OPTIONAL: dict[str, set[str]] = {
     "segment": _STAMP,

@@ -29,7 +29,7 @@ def _waits(
 ) -> Callable[Concatenate[BlockingWozClient, P], T]:
     """The method of `BlockingWozClient` that waits for this one."""
 
-    def waiting(self: BlockingWozClient, *args: P.args, **kwargs: P.kwargs) -> T:
+    def waiting(self: BlockingWozClient, /, *args: P.args, **kwargs: P.kwargs) -> T:
         return self.wait_for(method(self.client, *args, **kwargs))
 
     functools.update_wrapper(waiting, method)
@@ -42,6 +42,8 @@ class BlockingWozClient:
     say = _waits(WozClient.say)
     perform = _waits(WozClient.perform)
     press = _waits(WozClient.press)
+    predict = _waits(WozClient.predict)
+    predict_action = _waits(WozClient.predict_action)
     mark = _waits(WozClient.mark)
     note = _waits(WozClient.note)
     stop = _waits(WozClient.stop)

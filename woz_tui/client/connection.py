@@ -23,7 +23,7 @@ from woz_tui.client.errors import (
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-from woz_tui.protocol.description import Description, VerbView
+from woz_tui.protocol.description import Description, Prediction, VerbView
 from woz_tui.protocol.panels import PanelView
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import boot_id
@@ -35,6 +35,8 @@ MOST_KEPT = 4096
 #: Ends that are remembered until their request's reply is here.
 _ENDS_KEPT = 256
 
+#: What happens while the lane is occupied; empty: what the experiment says.
+Busy = Literal["", "queue", "replace", "refuse"]
 RunEnd = m.ActionEnd | m.End
 Motion = m.MotionArrived | m.MotionInterrupted
 #: A message of the session, or one of a newer version as it came.
@@ -200,9 +202,9 @@ class WozClient:
 
     # -- verbs and actions -----------------------------------------------------------------------
 
-    async def say(self, text: str, /, **args: m.Json) -> m.Done:
+    async def say(self, text: str, /, *, at: float = 0.0, **args: m.Json) -> m.Done:
         """Speak; returns when it has been said. Further arguments: those of the robot's `say`."""
-        return await self.perform("say", {"text": text, **args})
+        return await self.perform("say", {"text": text, **args}, at=at)
 
     async def perform(
         self,
@@ -211,19 +213,21 @@ class WozClient:
         /,
         *,
         driver: str = "",
-        when_busy: Literal["", "queue", "replace", "refuse"] = "",
+        when_busy: Busy = "",
+        at: float = 0.0,
         **more: m.Json,
     ) -> m.Done:
         """Carry out any verb; returns when it is done and its motion has arrived.
 
         `driver`: who, where several offer it. `when_busy`: what to do while its lane is occupied.
+        `at`: when it is to begin, in seconds as `now` counts them (0: now).
 
         Raises:
             WozRefusedError: It was not begun; the reason says why.
             WozError: As awaiting a `WozRun`.
         """
         call = {**(args or {}), **more}
-        run = await self.begin(verb, call, driver=driver, when_busy=when_busy)
+        run = await self.begin(verb, call, driver=driver, when_busy=when_busy, at=at)
         end = await self._to_its_end(run)
         assert isinstance(end, m.Done)
         return end
@@ -235,30 +239,30 @@ class WozClient:
         /,
         *,
         driver: str = "",
-        when_busy: Literal["", "queue", "replace", "refuse"] = "",
+        when_busy: Busy = "",
+        at: float = 0.0,
         **more: m.Json,
     ) -> WozRun:
         """As `perform`, but returns as soon as it is accepted."""
         call = {**(args or {}), **more}
-        request = r.AskVerb(verb=verb, args=call, on=driver, when_busy=when_busy)
+        moment = round(at * 1e6)
+        request = r.AskVerb(verb=verb, args=call, on=driver, when_busy=when_busy, at=moment)
         return await self._begin(request, any(view.arrives for view in self._views(verb, driver)))
 
-    async def press(
-        self, action: str, *, when_busy: Literal["", "queue", "replace", "refuse"] = ""
-    ) -> m.ActionDone:
+    async def press(self, action: str, *, when_busy: Busy = "", at: float = 0.0) -> m.ActionDone:
         """Play an action of the experiment, by its name, its label or its key, to its end.
 
-        Raises as `perform`.
+        `when_busy` and `at` as for `perform`, which raises the same errors.
         """
-        end = await self._to_its_end(await self.begin_action(action, when_busy=when_busy))
+        run = await self.begin_action(action, when_busy=when_busy, at=at)
+        end = await self._to_its_end(run)
         assert isinstance(end, m.ActionDone)
         return end
 
-    async def begin_action(
-        self, action: str, *, when_busy: Literal["", "queue", "replace", "refuse"] = ""
-    ) -> WozRun:
+    async def begin_action(self, action: str, *, when_busy: Busy = "", at: float = 0.0) -> WozRun:
         """As `press`, but returns as soon as it is accepted."""
-        request = r.AskAction(action=self._action(action), when_busy=when_busy)
+        name, moment = self._action(action), round(at * 1e6)
+        request = r.AskAction(action=name, when_busy=when_busy, at=moment)
         return await self._begin(request, arrives=False)
 
     def __getattr__(self, verb: str) -> Callable[..., Coroutine[Any, Any, m.Done]]:
@@ -274,6 +278,24 @@ class WozClient:
             return await self.perform(verb, dict(zip(names, main, strict=False)), **args)
 
         return perform
+
+    async def predict(
+        self, verb: str, args: Mapping[str, m.Json] | None = None, /, **more: m.Json
+    ) -> Prediction:
+        """How a verb would go if it began now: how long, and when its words and strokes would come.
+        Nothing moves; null is what the robot does not know.
+
+        Raises `WozRefusedError` if it would be refused.
+        """
+        call = {**(args or {}), **more}
+        return await self._predicted(r.AskPredict(verb=verb, args=call))
+
+    async def predict_action(self, action: str) -> Prediction:
+        """The same for an action of the experiment."""
+        return await self._predicted(r.AskPredict(action=self._action(action)))
+
+    async def _predicted(self, request: r.AskPredict) -> Prediction:
+        return msgspec.convert((await self.request(request)).data, Prediction)
 
     # -- the rest of a session -------------------------------------------------------------------
 

@@ -312,6 +312,17 @@ class DriverFacts:
     example: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Forecast:
+    """How a command would go, in seconds from its beginning; None: the driver does not know.
+
+    `marks`: time, sort and text of each (see `messages.CommandMark`).
+    """
+
+    seconds: float | None = None
+    marks: tuple[tuple[float, str, str], ...] | None = None
+
+
 class Performer(Protocol):
     """The part of a driver that the bus knows. Both run in the event loop, each call in a task of
     its own.
@@ -423,6 +434,16 @@ class Driver(Performer):
         return []
 
     # -- what happens in a session -----------------------------------------------------------------
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """How a command with these checked arguments would go if it came now, without moving or
+        sounding. It may take its time. By itself nothing is known.
+
+        Raises:
+            RejectedError: It would be rejected.
+            DriverError: It cannot be found out.
+        """
+        return Forecast()
 
     async def open(self) -> None:
         """Begin to look for the hardware, once at the start; return at once. Missing hardware is no

@@ -45,6 +45,7 @@ from woz_tui.protocol.requests import (
     AskNote,
     AskPhase,
     AskPicture,
+    AskPredict,
     AskPreflight,
     AskProfile,
     AskProposal,
@@ -80,7 +81,7 @@ PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: Sources of what the robot process, its drivers and its re-runs do by themselves.
 NOT_OF_CLIENTS = ("engagement", "replay", "phase", "midi", "driver", "body")
 #: What takes its time, because it reads files or asks devices.
-Slow = AskReload | AskKeepTyped | AskPreflight | AskProposal
+Slow = AskReload | AskKeepTyped | AskPredict | AskPreflight | AskProposal
 #: So many of one kind may wait for each client, while the one before is worked on.
 SLOW_WAITING = 16
 
@@ -191,7 +192,7 @@ class RequestHandlers:
         match request:
             case AskAction(action=action, source=source, key=key, when_busy=when_busy):
                 origin = RequestOrigin(source, key, client.name)
-                run = session.play(action, origin, when_busy, stale)
+                run = session.play(action, origin, when_busy, stale, request.at)
             case AskVerb():
                 run = self._verb(client, request, stale)
             case AskScript():
@@ -265,10 +266,7 @@ class RequestHandlers:
         texts = {name: text for name, text in args.items() if isinstance(text, str)}
         call = Call(request.verb, texts, request.on)
         if not stale:
-            try:
-                call = filled_call(call, self._session.values())
-            except MissingValueError as error:
-                raise RequestError(str(error), "to write a brace, double it: {{ or }}") from error
+            call = self._filled(call)
         if tells := self._tells(client):
             call = dataclasses.replace(call, tells=tells, unfilled=dict.fromkeys(texts, "..."))
         run = self._session.send(
@@ -280,6 +278,7 @@ class RequestHandlers:
             stale=stale,
             tells=call.tells,
             unfilled=call.unfilled,
+            at=request.at,
         )
         typed = request.verb == "say" and request.source == "key" and client.role == "wizard"
         if (
@@ -289,6 +288,32 @@ class RequestHandlers:
         ):
             self.on_panels()
         return run
+
+    def _filled(self, call: Call) -> Call:
+        try:
+            return filled_call(call, self._session.values())
+        except MissingValueError as error:
+            raise RequestError(str(error), "to write a brace, double it: {{ or }}") from error
+
+    async def _predict(self, client: ClientConnection, request: AskPredict) -> Json:
+        """Of what is kept from the client neither words nor times."""
+        view = client.view
+
+        def kept(call: Call) -> bool:
+            return view is not None and view.redactor.keeps(call.tells)
+
+        if request.action and not request.verb:
+            prediction = await self._session.predict_action(request.action, kept)
+        elif request.verb and not request.action:
+            args = self._session.bus.hidden(request.verb, request.args)
+            texts = {name: text for name, text in args.items() if isinstance(text, str)}
+            call = self._filled(Call(request.verb, texts, request.on))
+            whole = dataclasses.replace(call, args={**args, **call.args})
+            prediction = await self._session.predict_verb(whole, kept)
+        else:
+            raise RequestError("predict needs either an action or a verb")
+        plain: Json = msgspec.to_builtins(prediction)
+        return plain
 
     def _stale(self, request: AnyRequest) -> str:
         """Why it is too old to move anything; its time in the socket counts."""
@@ -331,6 +356,8 @@ class RequestHandlers:
         #: Lines that may tell the condition, and what stands for them where it is kept.
         instead: dict[str, str] = {}
         try:
+            if isinstance(request, AskPredict):
+                return Reply(ref=request.ref, ok=True, data=await self._predict(client, request))
             data = await self._data(request, instead)
         except RequestError as error:
             return _refused(client, request, error)
@@ -352,7 +379,11 @@ class RequestHandlers:
             return Reply(ref=request.ref, ok=False, reason=f"{type(error).__name__}: {error}")
         return _redacted(client, Reply(ref=request.ref, ok=True, data=data), instead)
 
-    async def _data(self, request: Slow, instead: dict[str, str]) -> Json:
+    async def _data(
+        self,
+        request: AskReload | AskKeepTyped | AskPreflight | AskProposal,
+        instead: dict[str, str],
+    ) -> Json:
         if isinstance(request, AskPreflight):
             return _plain(await preflight(self._session))
         if isinstance(request, AskProposal):

@@ -46,6 +46,8 @@ Args = Mapping[str, Any]
 MOST_POSES, LONGEST_POSE_S = 1000, 86_400.0
 #: A nudge takes at least so long, in seconds: held arrow keys become one even movement.
 NUDGE_S = 0.15
+#: Inputs of which is known beforehand how long they take.
+FORESEEN = frozenset({"play", "pose", "poses", "home", "gaze"})
 #: The move that the mode `demo` plays.
 DEMO = "demo"
 #: Time that counts between two ticks at most, in seconds; whoever slept longer goes on from there.
@@ -153,6 +155,8 @@ class Engine:
         self._breath = Breathing(shape)
         self._sighting: Sighting | None = None
         self._frozen = ""
+        #: Whether the present input is only asked how long it would take.
+        self._predicts = False
         self._t: float | None = None
         self._notices: list[str] = []
         self._failed: set[tuple[str, str]] = set()
@@ -180,6 +184,19 @@ class Engine:
             raise
         except Exception as error:
             raise RejectedError(f"{verb!r} failed inside: {error!r}") from error
+
+    def predict(self, verb: str, args: Mapping[str, Json]) -> float | None:
+        """How many seconds a move, pose or gaze would take if it were asked for now; None: unknown.
+
+        Nothing changes. Raises `RejectedError` as `apply`.
+        """
+        if verb not in FORESEEN:
+            return None
+        self._predicts = True
+        try:
+            return self.apply(verb, args).seconds
+        finally:
+            self._predicts = False
 
     def set_moves(self, moves: Mapping[str, Move]) -> None:
         """Play these moves from now on; one under way goes on as it began."""
@@ -272,6 +289,10 @@ class Engine:
 
     def _play(self, args: Args) -> InputResult:
         move = self._moves[args["move"]]
+        if self._predicts:
+            rate = MovePlayback(move, self._shape, args["speed"], args["amplitude"], 0).rate
+            pace = rate(self._personality["tempo"], self._personality["speed"])
+            return InputResult(seconds=move.length / pace)
         playing = self._joint_controller.play(move, args["speed"], args["amplitude"], self._token())
         self._face.begin_overlay()
         seconds = move.length / playing.rate(self._personality["tempo"], self._personality["speed"])
@@ -338,6 +359,8 @@ class Engine:
     def _go(self, name: str, poses: list[tuple[UsableAngles, float]], args: Args) -> InputResult:
         goals = [(goal.joints, seconds) for goal, seconds in poses]
         easing = args.get("easing", self._shape.easing)
+        if self._predicts:
+            return InputResult(seconds=self._joint_controller.line(name, goals, 0, easing).seconds)
         line = self._joint_controller.go(name, goals, self._token(), easing)
         late = line.seconds - sum(seconds for _, seconds in goals)
         answers = [goal.to_json() for goal, _ in poses]

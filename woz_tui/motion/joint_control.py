@@ -221,12 +221,22 @@ class JointController:
         easing: str = "",
     ) -> LinearMotion:
         """Go through poses, each in its seconds (0: the soonest), from where the body is."""
-        easing = easing if easing in PEAK_SPEEDS else self.easing
-        line = LinearMotion(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
+        line = self.line(name, goals, token, easing)
         self._set_source(line, f"replaced by {name}")
         for goal, _ in goals:
             self.desired.aim(goal)
         return line
+
+    def line(
+        self,
+        name: str,
+        goals: Sequence[tuple[Mapping[str, float], float]],
+        token: int,
+        easing: str = "",
+    ) -> LinearMotion:
+        """The way that `go` would take from here; nothing moves along it."""
+        easing = easing if easing in PEAK_SPEEDS else self.easing
+        return LinearMotion(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
 
     def play(self, move: Move, speed: float, amplitude: float, token: int) -> MovePlayback:
         """Play a move around the pose of this moment, from its beginning."""

@@ -61,3 +61,35 @@ class Description(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
 
     verbs: list[VerbView] = []
     sensors: list[SensorView] = []
+
+
+class PredictedMark(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A point within a command, `at_us` after its beginning; `sort` and `text` as in
+    `messages.CommandMark`.
+    """
+
+    at_us: int
+    sort: str
+    text: str = ""
+
+
+class PredictedCommand(msgspec.Struct, frozen=True, kw_only=True):
+    """One command of what is foretold. Null: nobody knows.
+
+    `begins_us` counts from the beginning of the whole. `marks`: null where the driver cannot say.
+    """
+
+    verb: str
+    driver: str
+    begins_us: int | None
+    duration_us: int | None
+    marks: list[PredictedMark] | None
+
+
+class Prediction(msgspec.Struct, frozen=True, kw_only=True):
+    """How an action or a verb would go if it began now and nothing else went on: the `data` of the
+    reply to `predict`. `duration_us`: of the whole; null: nobody knows.
+    """
+
+    duration_us: int | None
+    commands: list[PredictedCommand]

@@ -43,6 +43,7 @@ from woz_tui.protocol.action_messages import (
 from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
 from woz_tui.protocol.study_messages import (
     ActionHeld,
+    ActionScheduled,
     BreakEnded,
     BreakStarted,
     ConditionsAssigned,
@@ -75,6 +76,7 @@ __all__ = [
     "ActionHeld",
     "ActionRefused",
     "ActionRequested",
+    "ActionScheduled",
     "ActionStopped",
     "ActionSuperseded",
     "ActionsFilled",

@@ -67,7 +67,8 @@ class AskAction(Request, frozen=True, kw_only=True, tag="action"):
     """Play an action of the experiment by name.
 
     `key` is the chord that was pressed, if one was. `age_us`: how old the press already is.
-    `stale`: the console decided not to play it; it is logged as refused.
+    `stale`: the console decided not to play it; it is logged as refused. `at`: the moment on the
+    axis of `t` at which it is to begin, in microseconds (0: now); one that has passed is refused.
     """
 
     action: str
@@ -76,6 +77,7 @@ class AskAction(Request, frozen=True, kw_only=True, tag="action"):
     age_us: int = 0
     stale: bool = False
     when_busy: WhenBusy = ""
+    at: int = 0
 
 
 class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
@@ -83,7 +85,7 @@ class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
 
     Variables in braces (`{participant}`) are filled in, in arguments that are texts.
 
-    `key`, `age_us` and `stale` as for an action.
+    `key`, `age_us`, `stale` and `at` as for an action.
     """
 
     verb: str
@@ -94,6 +96,7 @@ class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
     age_us: int = 0
     stale: bool = False
     when_busy: WhenBusy = ""
+    at: int = 0
 
 
 class AskStop(Request, frozen=True, kw_only=True, tag="stop"):
@@ -137,6 +140,17 @@ class AskTakeOver(Request, frozen=True, kw_only=True, tag="take-over"):
 
 class AskDescribe(Request, frozen=True, kw_only=True, tag="describe"):
     """What can be asked for? The reply's `data` is a `description.Description`."""
+
+
+class AskPredict(Request, frozen=True, kw_only=True, tag="predict"):
+    """How long would it take, and when would what happen? Nothing moves. An action, or a verb with
+    its arguments. The reply's `data` is a `description.Prediction`.
+    """
+
+    action: str = ""
+    verb: str = ""
+    args: dict[str, Json] = {}
+    on: str = ""
 
 
 class AskSet(Request, frozen=True, kw_only=True, tag="set"):
@@ -343,6 +357,7 @@ AnyRequest = (
     | AskEmptyQueue
     | AskTakeOver
     | AskDescribe
+    | AskPredict
     | AskSet
     | AskMarker
     | AskNote

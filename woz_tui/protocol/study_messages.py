@@ -164,6 +164,16 @@ class ActionHeld(Message, frozen=True, kw_only=True, tag="action.held"):
     until: int
 
 
+class ActionScheduled(Message, frozen=True, kw_only=True, tag="action.scheduled"):
+    """An action or a single command waits for the moment `at` for which it was asked, on the axis
+    of `t`; then it is looked at once more, and begins or is refused.
+    """
+
+    run: str
+    action: str
+    at: int
+
+
 class PerceptionChanged(Message, frozen=True, kw_only=True, tag="perception.changed"):
     """What the wizard can see from here on: not what is `hidden`, and of what is `blurred` only
     that it is there.
@@ -274,6 +284,7 @@ StudyMessage = (
     | QuestionnaireEnded
     | ShapingChanged
     | ActionHeld
+    | ActionScheduled
     | PerceptionChanged
     | TrainingChanged
     | CueGiven

@@ -45,6 +45,16 @@ class CommandRefusal:
     reason: str
 
 
+@dataclass(frozen=True, slots=True)
+class LaterStart:
+    """When something is to begin, on the axis of `t`, and what then says why it may not: much can
+    have been locked since it was asked for.
+    """
+
+    at: int
+    why_not: Callable[[], CommandRefusal | None]
+
+
 @dataclass
 class ActionRun:
     """One action being played; `pending` are the commands of the present step, of `together`
@@ -103,6 +113,8 @@ class ActionRunner:
         self._commands = 0
         #: Single commands that wait for their moment after a cue, and who is told of their end.
         self._held: dict[str, tuple[m.Command, Callable[[m.End], None] | None]] = {}
+        #: Runs and commands that wait for the moment for which they were asked.
+        self.scheduled: set[str] = set()
         #: What was asked for, oldest first: run or command id, and the action's or verb's name.
         self.played: dict[str, str] = {}
         #: The last of them that a human asked for: what the robot does by itself is not meant when
@@ -124,10 +136,12 @@ class ActionRunner:
         origin: RequestOrigin,
         when_busy: str = "",
         steps: Steps | None = None,
+        later: LaterStart | None = None,
     ) -> tuple[str, str]:
         """Begin an action: run id, and why it was refused (empty: it was not).
 
-        `steps`: what it does, filled in, where that is not what stands in the file.
+        `steps`: what it does, filled in, where that is not what stands in the file. `later`: it
+        does not begin now.
         """
         without = [each.what for each in action.left_out]
         run_id = self._request(action.name, action.panel, origin, without)
@@ -139,6 +153,9 @@ class ActionRunner:
             return run_id, str(error)
         run = ActionRun(run_id, action, origin, steps, when_busy or action.when_busy)
         self._runs[run_id] = run
+        if later is not None:
+            self._schedule(run_id, action.name, later, lambda: self._begin_late(run, later))
+            return run_id, ""
         calls = calls_in(steps)
         if not self._holds(run_id, action.name, origin, calls, lambda: self._begin(run)):
             self._advance(run)
@@ -151,6 +168,33 @@ class ActionRunner:
         if run.id in self._runs:
             self._advance(run)
 
+    def _begin_late(self, run: ActionRun, later: LaterStart) -> None:
+        if run.id not in self._runs:
+            return
+        if (refusal := later.why_not()) is not None:
+            name, reason = run.action.name, refusal.reason
+            self._finish(run, m.ActionRefused(run=run.id, action=name, reason=reason))
+            return
+        self._advance(run)
+        if run.id in self._runs or isinstance(run.ended, m.ActionDone):
+            self._supersede(run.id, run.action.label, run.origin, calls_in(run.steps))
+
+    def _schedule(self, run: str, name: str, later: LaterStart, begin: Callable[[], None]) -> None:
+        """Call `begin` at its moment."""
+        self.scheduled.add(run)
+        self._hub.publish(m.ActionScheduled(run=run, action=name, at=later.at))
+
+        def due() -> None:
+            wait_us = later.at - self._hub.now()
+            if wait_us > 0:
+                loop.call_later(wait_us / 1_000_000, due)
+                return
+            self.scheduled.discard(run)
+            begin()
+
+        loop = asyncio.get_running_loop()
+        due()
+
     def send(
         self,
         call: Call,
@@ -160,10 +204,12 @@ class ActionRunner:
         on_end: Callable[[m.End], None] | None = None,
         *,
         like: m.Command | None = None,
+        later: LaterStart | None = None,
     ) -> m.Command:
         """Send one command that belongs to no action; with a `refusal` it is only logged.
 
-        `like`: it repeats this command, and is called after the same action in the log.
+        `like`: it repeats this command, and is called after the same action in the log. `later`: it
+        does not begin now.
         """
         command = self._command(call, origin, when_busy=when_busy)
         if like is not None:
@@ -192,6 +238,22 @@ class ActionRunner:
             late = self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0
             return self._bus.submit(msgspec.structs.replace(command, deadline_us=late), ended)
 
+        if later is not None:
+            self._held[command.command] = command, on_end
+            why_not = later.why_not
+
+            def begin() -> None:
+                if command.command not in self._held:
+                    return
+                if (refusal := why_not()) is not None:
+                    self._let_go(command.command, refusal.reason, refusal.code)
+                    return
+                submit()
+                if not refused:
+                    self._supersede(command.command, call.verb, origin, [call])
+
+            self._schedule(command.command, call.verb, later, begin)
+            return command
         if self._holds(command.command, call.verb, origin, [call], submit):
             self._held[command.command] = command, on_end
         else:
@@ -219,10 +281,10 @@ class ActionRunner:
             return False
         return self._delay.hold(run, name, origin.source, begin)
 
-    def _let_go(self, command: str, reason: str) -> None:
+    def _let_go(self, command: str, reason: str, code: str = "stopped") -> None:
         """End a single command that was held without sending it, and log that."""
         held, on_end = self._held.pop(command)
-        self._bus.refuse(held, "stopped", reason, on_end)
+        self._bus.refuse(held, code, reason, on_end)
 
     def _remember(self, played: str, name: str, origin: RequestOrigin) -> None:
         self.played[played] = name
@@ -382,7 +444,7 @@ class ActionRunner:
             return
         needed = self._lanes(calls)
         for run in list(self._runs.values()):
-            if run.id == newer:
+            if run.id == newer or run.id in self.scheduled:
                 continue
             later = run.still_to_come
             speaks = any(call.verb in SPEECH for call in later)

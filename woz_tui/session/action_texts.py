@@ -144,6 +144,13 @@ class ActionTexts:
             self._publish([whole])
         return steps
 
+    def preview(self, action: Action) -> Steps:
+        """The steps of an action as it would be played now; its variants stay where they are.
+
+        Raises `MissingValueError`.
+        """
+        return self._steps(action, self._values(), set())
+
     def calls(self, action: Action) -> list[Call]:
         """All calls of an action as they would be sent now; none while a value is missing."""
         try:

@@ -16,6 +16,7 @@ _UNLISTED = (
     | m.ExperimentFiles
     | m.SessionPlan
     | m.RerunSent
+    | m.ActionScheduled
     | m.MotionArrived
     | m.MotionInterrupted
     | m.CommandMark

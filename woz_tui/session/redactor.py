@@ -309,6 +309,10 @@ class Redactor:
         kept = any(map(self._keeps, call.tells))
         return replace(call, args={**call.args, **call.unfilled}) if kept else call
 
+    def keeps(self, tells: Iterable[str]) -> bool:
+        """Whether what tells this may not be seen."""
+        return any(map(self._keeps, tells))
+
     def _keeps(self, what: str) -> bool:
         return self.perception.keeps(what) or (self.blind and what in _CONDITION)
 

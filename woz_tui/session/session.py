@@ -17,12 +17,19 @@ import msgspec
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call, Experiment, Phase
+from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Ask, Driver, Performer
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import ActionRunner, CommandRefusal, RequestOrigin
+from woz_tui.protocol.description import Prediction
+from woz_tui.session.action_runner import (
+    ActionRunner,
+    CommandRefusal,
+    LaterStart,
+    RequestOrigin,
+)
 from woz_tui.session.action_texts import ActionTexts, no_value, utterances
 from woz_tui.session.description import describe
 from woz_tui.session.driver_context import OnCompletion
@@ -31,6 +38,7 @@ from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
+from woz_tui.session.prediction import Kept, predicted
 from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, panel_refusal
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.repair_control import RepairController
@@ -40,7 +48,7 @@ from woz_tui.session.session_driver import ENGAGEMENT, PERFORMERS, SESSION, VERB
 from woz_tui.session.session_start import publish_reload, publish_start
 from woz_tui.session.study_control import StudyController
 from woz_tui.session.typed_actions import with_sentence, with_typed
-from woz_tui.session.variables import VariableValues
+from woz_tui.session.variables import MissingValueError, VariableValues
 from woz_tui.system.clock import Clock, Standstill, timestamp
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.session_state import SessionState
@@ -49,6 +57,8 @@ from woz_tui.timeline.session_state import SessionState
 CLOCK_TIE_S = 30.0
 log = logging.getLogger(__name__)
 
+#: Requests that may wait for their moment.
+MOST_SCHEDULED = 256
 #: What helps against a press that came too late.
 AGAIN = "press it again"
 #: Seconds between two checkpoints of the log.
@@ -244,14 +254,22 @@ class Session:
         own = {**self.experiment.variables, **self.identity.values(), **self.engagement.values()}
         return self.study.filled(own)
 
-    def play(self, name: str, origin: RequestOrigin, when_busy: str = "", stale: str = "") -> str:
+    def play(
+        self,
+        name: str,
+        origin: RequestOrigin,
+        when_busy: str = "",
+        stale: str = "",
+        at: int = 0,
+    ) -> str:
         """Play the action `name`; its run id. Raises `RequestError`; the refusal is in the log too.
 
-        `stale`: why the press is too old to be played (empty: it is not).
+        `stale`: why the press is too old to be played (empty: it is not). `at`: when it is to
+        begin, on the axis of `t`; 0: now.
         """
         action = self.experiment.action(name)
         panel = action.panel if action else ""
-        reason = stale or self._why_not(name)
+        reason = stale or self._why_not(name) or self._no_moment(at)
         if reason or action is None:
             self.runner.refuse(name, panel, origin, reason)
             self.scripts.publish()
@@ -259,12 +277,29 @@ class Session:
                 raise RequestError(f"{name!r} not played ({stale})", AGAIN)
             raise RequestError(reason, command=self._command_that_would_help(action))
         if not action.steps and action in self.experiment.repairs:
+            if at:
+                raise RequestError(f"{name!r} depends on what was said last: play it now")
             return self.repairs.play(action, origin, when_busy)
-        run, refused = self.runner.play(action, origin, when_busy)
+        later = LaterStart(at, lambda: self._refusal_of(name)) if at else None
+        run, refused = self.runner.play(action, origin, when_busy, later=later)
         self.scripts.publish()
         if refused:
             raise no_value(refused) if refused.startswith("{") else RequestError(refused)
         return run
+
+    def _no_moment(self, at: int) -> str:
+        """Why nothing can be asked for the moment `at` (0: now); empty: it can."""
+        late_us = self.hub.now() - at
+        if at and late_us > 0:
+            return f"too late: it was to begin {late_us / 1_000_000:.3f} s ago"
+        if at and len(self.runner.scheduled) >= MOST_SCHEDULED:
+            return f"{MOST_SCHEDULED} requests wait for their moment already"
+        return ""
+
+    def _refusal_of(self, name: str) -> CommandRefusal | None:
+        """Why an action cannot begin although it could when it was asked for."""
+        reason = self._why_not(name)
+        return CommandRefusal("locked", reason) if reason else None
 
     def _command_that_would_help(self, action: Action | None) -> str:
         """The console's key with which the action could be played; empty: none."""
@@ -297,18 +332,53 @@ class Session:
         stale: str = "",
         tells: tuple[str, ...] = (),
         unfilled: Mapping[str, m.Json] | None = None,
+        at: int = 0,
     ) -> str:
         """Send one verb; the command's id. Raises `RequestError` if no driver can be named.
 
         `stale`: why the press is too old to be sent; the refusal is in the log too. `tells` and
-        `unfilled` as in `messages.Command`.
+        `unfilled` as in `messages.Command`. `at` as for `play`.
         """
         call = replace(self._call(verb, args, on), tells=tells, unfilled=unfilled or {})
         refusal = CommandRefusal("stale", stale) if stale else self._no_verb(verb, args)
-        command = self.runner.send(call, origin, when_busy or "queue", refusal).command
+        later = None
+        if at and refusal is None:
+            refusal = self._no_later_verb(call, at)
+            later = LaterStart(at, lambda: self._no_verb(verb, args))
+        command = self.runner.send(call, origin, when_busy or "queue", refusal, later=later).command
         if refusal is not None:
             raise RequestError(refusal.reason, AGAIN if stale else "")
         return command
+
+    def _no_later_verb(self, call: Call, at: int) -> CommandRefusal | None:
+        """Why a verb cannot be asked for the moment `at`: what the bus would say only then."""
+        known = self.bus.verb(call.driver, call.verb)
+        if late := self._no_moment(at):
+            return CommandRefusal("late", late)
+        if self.bus.latched:
+            return CommandRefusal("stopped", "the stop is pressed")
+        try:
+            if known is not None:
+                checked(known, call.args)
+        except ArgumentError as error:
+            return CommandRefusal("args", str(error))
+        return None
+
+    async def predict_action(self, name: str, kept: Kept) -> Prediction:
+        """How an action would go if it were played now. Raises `RequestError`."""
+        action = self.experiment.action(name)
+        if action is None:
+            raise RequestError(f"there is no action {name!r}")
+        try:
+            steps = self.texts.preview(action)
+        except MissingValueError as error:
+            raise no_value(str(error)) from error
+        return await predicted(steps, self.bus.verb, self.drivers, kept)
+
+    async def predict_verb(self, call: Call, kept: Kept) -> Prediction:
+        """How one verb, filled in, would go if it were sent now. Raises `RequestError`."""
+        call = replace(call, driver=self._driver_for(call.verb, call.driver))
+        return await predicted([(call,)], self.bus.verb, self.drivers, kept)
 
     def describe(self) -> m.Json:
         """What can be asked for: `protocol.description.Description` as plain JSON."""

@@ -17,6 +17,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     DriverFacts,
     Finding,
+    Forecast,
     Health,
     Job,
     Probe,
@@ -148,6 +149,10 @@ class Body(RenderedDriver):
         if why:
             job.goes_on()(why)
         return {**sent, "ended": why} if why else sent
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """Moves, poses and gazes, by the engine's own arithmetic."""
+        return Forecast(self.loop.predict(*self.translated(self.settings, verb, args)))
 
     async def stop(self, scope: Scope) -> None:
         """Stand still, breathing and blinking too, until `resume`.

@@ -352,6 +352,11 @@ class BodyLoop:
             self._touched = True
             return self.engine.apply(verb, args, hand)
 
+    def predict(self, verb: str, args: Mapping[str, Json]) -> float | None:
+        """How many seconds an input would take now. Raises `RejectedError`."""
+        with self._lock:
+            return self.engine.predict(verb, args)
+
     def set_moves(self, moves: Mapping[str, Move]) -> None:
         """Play these moves from now on; one under way goes on as it began."""
         with self._lock:

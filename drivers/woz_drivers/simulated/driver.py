@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
+from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Mapping
 from typing import Any
 
@@ -22,7 +23,8 @@ from woz_drivers.simulated.faults import SLOWNESS, ActiveFaults, Fault
 from woz_drivers.simulated.publishing import Publisher
 from woz_drivers.simulated.simulated_camera import DrawnPerson, SimulatedCamera
 from woz_drivers.simulated.simulated_microphone import SimulatedMicrophone, SpeechMessages
-from woz_drivers.simulated.speech import utterance
+from woz_drivers.simulated.speech import Utterance, utterance, word_times
+from woz_drivers.simulated.verbs import SimulatedMove
 from woz_drivers.simulated.visitor import SimulatedVisitor
 from woz_tui.drivers.contract import (
     SPEECH,
@@ -32,6 +34,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     DriverFacts,
     Finding,
+    Forecast,
     Health,
     Job,
     Probe,
@@ -57,6 +60,8 @@ class RobotTime:
 
 
 Sent = Mapping[str, Any]
+#: Time in seconds from the beginning, sort and text of each mark.
+Marks = tuple[tuple[float, str, str], ...]
 
 #: How long the face takes to change, and a screen or a colour, in seconds.
 FACE_SECONDS, SCREEN_SECONDS = 0.3, 0.1
@@ -300,7 +305,7 @@ class SimulatedRobot(Driver):
             raise RejectedError("nothing to say", "give the utterance a text")
         if self._visitor is not None:  # who hears it
             self._visitor.hear(self._world(self._pace.now()), spoken.seconds, spoken.text)
-        await self._spend(job, spoken.seconds)
+        await self._spend(job, spoken.seconds, marks=_word_marks(spoken))
         return {"text": spoken.text, "seconds": round(spoken.seconds, 3), "volume": self.volume}
 
     async def _sound(self, job: Job) -> Sent:
@@ -334,7 +339,8 @@ class SimulatedRobot(Driver):
         if any(goals for _, goals in poses):
             self._need_torque()
         self._body.trace(poses)
-        await self._move(job, seconds, {name for _, goals in poses for name in goals})
+        names = {name for _, goals in poses for name in goals}
+        await self._move(job, seconds, names, marks=_stroke(move, seconds))
         return {"move": name, "seconds": round(seconds, 3), "amplitude": amplitude}
 
     async def _pose(self, job: Job) -> Sent:
@@ -361,10 +367,12 @@ class SimulatedRobot(Driver):
         await self._move(job, needed, goals)
         return {"joints": self._angles(goals), "seconds": round(needed, 3)}
 
-    async def _move(self, job: Job, seconds: float, names: Collection[str]) -> None:
+    async def _move(
+        self, job: Job, seconds: float, names: Collection[str], marks: Marks = ()
+    ) -> None:
         """Wait until the tracks are through and the joints there; broken off, they stand still."""
         try:
-            await self._spend(job, seconds)
+            await self._spend(job, seconds, marks=marks)
             if not self._body.still(names):
                 await self._spend(job, LAG, lambda: self._body.still(names))
         except (DriverError, asyncio.CancelledError):
@@ -479,19 +487,50 @@ class SimulatedRobot(Driver):
 
     # -- time -----------------------------------------------------------------------------------
 
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """What it takes its time for, with words and strokes, on a robot that is not broken."""
+        pace = self._rate(self._pace.now())
+        match verb:
+            case "say":
+                spoken = utterance(args["text"], self.settings.characters_per_second)
+                seconds, marks = spoken.seconds, _word_marks(spoken)
+            case "play":
+                move = self._moves[args["move"]]
+                seconds = move.seconds / args["speed"]
+                marks = _stroke(move, seconds)
+            case "sound":
+                seconds = sound_seconds(file(args, "file", self.context.folder))
+                marks = ()
+            case "emotion" | "eyes" | "screen":
+                seconds, marks = FACE_SECONDS if verb == "emotion" else SCREEN_SECONDS, ()
+            case _:
+                return Forecast()
+        return Forecast(seconds / pace, tuple((at / pace, sort, text) for at, sort, text in marks))
+
     async def _spend(
-        self, job: Job, seconds: float, done: Callable[[], bool] | None = None
+        self,
+        job: Job,
+        seconds: float,
+        done: Callable[[], bool] | None = None,
+        marks: Marks = (),
     ) -> None:
-        """Let `seconds` of the robot's time pass, less once `done`; raises what breaks it."""
+        """Let `seconds` of the robot's time pass, less once `done`; raises what breaks it. `marks`
+        are told in their time.
+        """
+        coming = deque(marks)
         lane = self._verbs[job.verb].lane
         scopes = (Scope.ALL, Scope.DRIVE) if self._verbs[job.verb].drives else (Scope.ALL,)
         stops = [self._stops[scope] for scope in scopes]
         now = self._advance()
         failing = self._faults.use_up("fail", lane, now) is not None
         job.expects(seconds / self._rate(now))
-        end = self._body.now + (seconds / 2 if failing else seconds)
+        began = self._body.now
+        end = began + (seconds / 2 if failing else seconds)
         while self._body.now < end - 1e-9 and not (done and done()):
-            await self._pace.sleep(min(SLICE, max(BLINK, (end - self._body.now) / self._rate(now))))
+            while coming and began + coming[0][0] <= self._body.now + 1e-9:
+                job.mark(*coming.popleft()[1:])
+            due = min(end, began + coming[0][0]) if coming else end
+            await self._pace.sleep(min(SLICE, max(BLINK, (due - self._body.now) / self._rate(now))))
             now = self._advance()
             self._check_link(lane, now)
             if stops != [self._stops[scope] for scope in scopes]:
@@ -572,6 +611,18 @@ class SimulatedRobot(Driver):
             self._faults.add(kind, seconds, part, now)
         self._report_health(now)
         return args
+
+
+def _word_marks(spoken: Utterance) -> Marks:
+    return tuple((at, "word", word) for at, word in word_times(spoken))
+
+
+def _stroke(move: SimulatedMove, seconds: float) -> Marks:
+    """A gesture's stroke: where it is for the first time as far from home as it goes."""
+    reach = [sum(abs(degrees) for degrees in pose.values()) for _, pose in move.keys]
+    if not any(reach):
+        return ()
+    return ((move.keys[reach.index(max(reach))][0] * seconds, "stroke", ""),)
 
 
 def _alarm(fault: Fault) -> tuple[str, str]:

@@ -58,6 +58,15 @@ def utterance(tagged: str, characters_per_second: float) -> Utterance:
     return Utterance(text, max(SHORTEST, seconds) + pauses)
 
 
+def word_times(spoken: Utterance) -> tuple[tuple[float, str], ...]:
+    """When each word begins, in seconds: by its place among the characters."""
+    length = max(1, len(spoken.text))
+    return tuple(
+        (match.start() / length * spoken.seconds, match.group())
+        for match in re.finditer(r"\S+", spoken.text)
+    )
+
+
 def _pause(tag: re.Match[str]) -> float:
     if tag["name"] == "pau" and tag["value"]:
         return max(0.0, float(tag["value"])) / 1000

@@ -31,6 +31,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     DriverFacts,
     Finding,
+    Forecast,
     Health,
     Job,
     Probe,
@@ -203,6 +204,29 @@ class Speech(Driver):
                     return await self._talk.talk(job, self._audible)
         raise RejectedError(f"{self.name} cannot {job.verb}")
 
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """An utterance or a file: made ready, and measured. Programs that speak by themselves do
+        not say how long they take.
+        """
+        if verb == "sound":
+            content = await asyncio.to_thread(read_wav, self.context.folder / str(args["file"]))
+            return Forecast(content.seconds, ())
+        if verb != "say" or self.settings.speak:
+            return Forecast() if verb == "say" else Forecast(0.0, ())
+        choice = self._voice.choice(args)
+        made = [
+            await self._voice.utterance(sentence, choice)
+            for sentence in self._voice.sentences(spoken_text(str(args["text"])), choice)
+        ]
+        begins = [sum(each.sound.seconds for each in made[:number]) for number in range(len(made))]
+        words = tuple(
+            (begin + one.begin, "word", one.word)
+            for begin, each in zip(begins, made, strict=True)
+            for one in each.words
+        )
+        seconds = sum(each.sound.seconds for each in made)
+        return Forecast(seconds, words if all(each.words for each in made) else None)
+
     async def stop(self, scope: Scope) -> None:
         """Fall silent: every program that makes or plays sound for a job is killed. Nobody talks
         through the robot while no wizard watches.
@@ -316,7 +340,8 @@ class Speech(Driver):
                     for one in utterance.words
                 ]
                 spoken.append(utterance)
-                await self._play(job, utterance.path, utterance.sound, volume)
+                with _telling(job, utterance):
+                    await self._play(job, utterance.path, utterance.sound, volume)
         finally:
             for task in making:
                 task.cancel()
@@ -406,6 +431,18 @@ def _programs(settings: SpeechSettings) -> tuple[str, ...]:
         return (settings.speak_words()[0],)
     words = settings.resident_words() or settings.synthesise_words()
     return (words[0], settings.play_words()[0])
+
+
+@contextlib.contextmanager
+def _telling(job: Job, utterance: PreparedUtterance) -> Iterator[None]:
+    """While it sounds, tell where its words begin."""
+    loop = asyncio.get_running_loop()
+    timers = [loop.call_later(one.begin, job.mark, "word", one.word) for one in utterance.words]
+    try:
+        yield
+    finally:
+        for timer in timers:
+            timer.cancel()
 
 
 @contextlib.asynccontextmanager

@@ -12,7 +12,7 @@ import functools
 import threading
 from collections.abc import Callable, Coroutine, Iterator
 from pathlib import Path
-from typing import Any, Concatenate, Literal, ParamSpec, TypeVar
+from typing import Any, Concatenate, Literal, ParamSpec, TypeVar, overload
 
 from woz_tui.client import connection
 from woz_tui.client.connection import Incoming, WozClient
@@ -22,6 +22,7 @@ from woz_tui.protocol.description import Description
 
 P = ParamSpec("P")
 T = TypeVar("T")
+M = TypeVar("M", bound=m.Message)
 
 
 def _waits(
@@ -84,17 +85,21 @@ class BlockingWozClient:
         marker = self.client.marker(text)
         self._loop.call_soon_threadsafe(self.client.send_soon, marker)
 
-    def messages(self, *kinds: type[m.Message], held: bool = False) -> Iterator[Incoming]:
+    @overload
+    def messages(self, *, held: bool = False) -> Iterator[Incoming]: ...
+    @overload
+    def messages(self, *kinds: type[M], held: bool = False) -> Iterator[M]: ...
+    def messages(self, *kinds: type[m.Message], held: bool = False) -> Iterator[Any]:
         """See `WozClient.messages`; they are collected from this call on."""
 
-        async def begin() -> connection.MessageStream:
+        async def begin() -> connection.MessageStream[Any]:
             return self.client.messages(*kinds, held=held)
 
         stream = self.wait_for(begin())
         return self._follow(stream)
 
-    def _follow(self, stream: connection.MessageStream) -> Iterator[Incoming]:
-        async def following() -> Incoming | None:
+    def _follow(self, stream: connection.MessageStream[Any]) -> Iterator[Any]:
+        async def following() -> Any:
             return await anext(stream, None)
 
         while (message := self.wait_for(following())) is not None:

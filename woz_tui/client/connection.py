@@ -10,7 +10,7 @@ from collections import OrderedDict, deque
 from collections.abc import AsyncIterator, Callable, Coroutine, Generator, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Generic, Literal, TypeVar, overload
 
 import msgspec
 
@@ -41,6 +41,9 @@ RunEnd = m.ActionEnd | m.End
 Motion = m.MotionArrived | m.MotionInterrupted
 #: A message of the session, or one of a newer version as it came.
 Incoming = m.Message | dict[str, Any]
+
+T = TypeVar("T")
+M = TypeVar("M", bound=m.Message)
 
 
 class WozRun:
@@ -106,7 +109,7 @@ class WozRun:
             self._over.set_result(self.end)
 
 
-class MessageStream:
+class MessageStream(Generic[T]):
     """The session's messages from the moment it was made: `async for message in stream`.
 
     It ends with the session. A connection that is lost raises `WozConnectionError`.
@@ -114,17 +117,17 @@ class MessageStream:
 
     def __init__(self, kinds: tuple[type[m.Message], ...], before: Iterable[m.Message]) -> None:
         self._kinds = kinds
-        self._waiting: deque[Incoming] = deque(filter(self._wants, before))
+        self._waiting: deque[Any] = deque(filter(self._wants, before))
         self._more = asyncio.Event()
         self._over: WozConnectionError | None = None
         self._ended = False
         #: Samples that were left out because nobody read.
         self.dropped = 0
 
-    def __aiter__(self) -> MessageStream:
+    def __aiter__(self) -> MessageStream[T]:
         return self
 
-    async def __anext__(self) -> Incoming:
+    async def __anext__(self) -> T:
         while not self._waiting:
             if self._ended:
                 raise StopAsyncIteration
@@ -132,7 +135,8 @@ class MessageStream:
                 raise self._over
             self._more.clear()
             await self._more.wait()
-        return self._waiting.popleft()
+        message: T = self._waiting.popleft()
+        return message
 
     # -- what the connection tells it ------------------------------------------------------------
 
@@ -188,7 +192,7 @@ class WozClient:
         #: What goes on, and what has ended before its reply came, by run or command.
         self._runs: dict[str, WozRun] = {}
         self._ends: OrderedDict[str, RunEnd] = OrderedDict()
-        self._streams: weakref.WeakSet[MessageStream] = weakref.WeakSet()
+        self._streams: weakref.WeakSet[MessageStream[Any]] = weakref.WeakSet()
         self._lost: WozConnectionError | None = None
         self._ended = False
         self._task: asyncio.Task[None] | None = None
@@ -324,8 +328,7 @@ class WozClient:
         stream = self.messages(m.StopConfirmed)
         await self.request(r.AskStop())
         async for message in stream:
-            if isinstance(message, m.StopConfirmed):
-                return message
+            return message
         raise WozConnectionError("the session ended before the stop was confirmed")
 
     async def release(self) -> None:
@@ -341,14 +344,18 @@ class WozClient:
         """
         return (await self._ask(request))[0]
 
-    def messages(self, *kinds: type[m.Message], held: bool = False) -> MessageStream:
+    @overload
+    def messages(self, *, held: bool = False) -> MessageStream[Incoming]: ...
+    @overload
+    def messages(self, *kinds: type[M], held: bool = False) -> MessageStream[M]: ...
+    def messages(self, *kinds: type[m.Message], held: bool = False) -> MessageStream[Any]:
         """The session's messages from now on, of these kinds (none: of all).
 
         `held`: begin with those that still held when this connected: how each driver is, the
         engagement state, the stop if it is pressed. Samples come only with `connect(samples=True)`.
         """
         before = (codec.decode_message(line) for line in self.welcome.state) if held else ()
-        stream = MessageStream(kinds, before)
+        stream: MessageStream[Any] = MessageStream(kinds, before)
         if self._lost is not None:
             stream.close(self._lost)
         self._streams.add(stream)

@@ -39,6 +39,7 @@ ROOMS = [
     "woz_tui.host",
     "woz_tui.console",
     "woz_tui.cli",
+    "woz_tui.client",
     "woz_drivers",
     "qimessaging",
     "naoqi_simulator",
@@ -65,6 +66,7 @@ UNLOADED = [
     ("woz_tui.console.app", {"numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"}),
     ("woz_tui.drivers.plugins", {"textual", "numpy", "serial", "woz_drivers"}),
     ("woz_tui.host.robot_process", {"aiohttp"}),
+    ("woz_tui.client.blocking", {"textual", "numpy", "yaml", "woz_drivers", "woz_tui.drivers"}),
 ]
 
 

@@ -4,8 +4,8 @@
 with whole programs.
 """
 
-from woz_tui.client.connection import MessageStream, WozClient, WozRun, connect
-from woz_tui.client.errors import (
+from woz_tui.client.woz_client import MessageStream, WozClient, WozRun, connect
+from woz_tui.client.woz_errors import (
     WozConnectionError,
     WozError,
     WozFailedError,

@@ -14,8 +14,8 @@ from collections.abc import Callable, Coroutine, Iterator
 from pathlib import Path
 from typing import Any, Concatenate, Literal, ParamSpec, TypeVar, overload
 
-from woz_tui.client import connection
-from woz_tui.client.connection import Incoming, WozClient
+from woz_tui.client import woz_client
+from woz_tui.client.woz_client import Incoming, WozClient
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.description import Description
@@ -92,13 +92,13 @@ class BlockingWozClient:
     def messages(self, *kinds: type[m.Message], held: bool = False) -> Iterator[Any]:
         """See `WozClient.messages`; they are collected from this call on."""
 
-        async def begin() -> connection.MessageStream[Any]:
+        async def begin() -> woz_client.MessageStream[Any]:
             return self.client.messages(*kinds, held=held)
 
         stream = self.wait_for(begin())
         return self._follow(stream)
 
-    def _follow(self, stream: connection.MessageStream[Any]) -> Iterator[Any]:
+    def _follow(self, stream: woz_client.MessageStream[Any]) -> Iterator[Any]:
         async def following() -> Any:
             return await anext(stream, None)
 
@@ -123,7 +123,7 @@ def connect(
     samples: bool = False,
     sees: Literal["", "all", "wizard"] = "",
 ) -> Iterator[BlockingWozClient]:
-    """As `connection.connect`, for `with`."""
+    """As `woz_client.connect`, for `with`."""
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever, name="woz client", daemon=True)
     thread.start()
@@ -131,7 +131,7 @@ def connect(
     def wait_for(coroutine: Coroutine[Any, Any, T]) -> T:
         return asyncio.run_coroutine_threadsafe(coroutine, loop).result()
 
-    opened = connection.connect(session, name=name, samples=samples, sees=sees)
+    opened = woz_client.connect(session, name=name, samples=samples, sees=sees)
     try:
         client = wait_for(opened.__aenter__())
         try:

@@ -7,7 +7,7 @@ import msgspec
 from woz_tui.protocol.envelope import Json
 
 
-class ArgumentView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+class ArgumentDescription(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One argument of a verb.
 
     `kind`: text, number, whole, flag, choice, file, seconds, joints (an object: joint -> degrees)
@@ -28,7 +28,7 @@ class ArgumentView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True
     choices: list[str] = []
 
 
-class VerbView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+class VerbDescription(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One verb of one driver. The first of its `arguments` is the main one.
 
     Commands of one `lane` of a driver wait for each other. `stream`: only the newest counts.
@@ -41,14 +41,14 @@ class VerbView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     lane: str
     limit_s: float
     summary: str = ""
-    arguments: list[ArgumentView] = []
+    arguments: list[ArgumentDescription] = []
     stream: bool = False
     drives: bool = False
     brief: bool = False
     arrives: bool = False
 
 
-class SensorView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+class SensorDescription(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One sensor as messages call it, with the unit of its values (empty: none, or not known)."""
 
     name: str
@@ -59,8 +59,8 @@ class SensorView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 class Description(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """What can be asked for: the `data` of the reply to `describe`."""
 
-    verbs: list[VerbView] = []
-    sensors: list[SensorView] = []
+    verbs: list[VerbDescription] = []
+    sensors: list[SensorDescription] = []
 
 
 class PredictedMark(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

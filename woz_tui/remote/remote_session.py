@@ -28,10 +28,10 @@ from typing import Any
 import aiohttp
 import msgspec
 
-from woz_tui.host import session_sockets
 from woz_tui.protocol import codec
 from woz_tui.remote.certificates import SERVER_NAME, AccessError, AccessFile
 from woz_tui.remote.parent_lines import announce, standard_input
+from woz_tui.system import session_sockets
 from woz_tui.system.clock import Clock, RealClock, boot_id
 
 #: Connecting may take so long, and an answer of the other clock, in seconds.

@@ -31,7 +31,6 @@ from woz_tui.session.action_runner import (
     RequestOrigin,
 )
 from woz_tui.session.action_texts import ActionTexts, no_value, utterances
-from woz_tui.session.description import describe
 from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_manager import DriverManager, make_drivers
 from woz_tui.session.engagement_control import EngagementController
@@ -49,6 +48,7 @@ from woz_tui.session.session_start import publish_reload, publish_start
 from woz_tui.session.study_control import StudyController
 from woz_tui.session.typed_actions import with_sentence, with_typed
 from woz_tui.session.variables import MissingValueError, VariableValues
+from woz_tui.session.verb_description import describe
 from woz_tui.system.clock import Clock, Standstill, timestamp
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.session_state import SessionState

@@ -14,7 +14,7 @@ from typing import Any, Generic, Literal, TypeVar, overload
 
 import msgspec
 
-from woz_tui.client.errors import (
+from woz_tui.client.woz_errors import (
     WozConnectionError,
     WozRefusedError,
     error_of,
@@ -23,7 +23,7 @@ from woz_tui.client.errors import (
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-from woz_tui.protocol.description import Description, Prediction, VerbView
+from woz_tui.protocol.description import Description, Prediction, VerbDescription
 from woz_tui.protocol.panels import PanelView
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import boot_id
@@ -526,7 +526,7 @@ class WozClient:
 
     # -- what is known -----------------------------------------------------------------------------
 
-    def _views(self, verb: str, driver: str = "") -> list[VerbView]:
+    def _views(self, verb: str, driver: str = "") -> list[VerbDescription]:
         return [
             view
             for view in self.__dict__.get("description", Description()).verbs

@@ -8,7 +8,12 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.sensor_units import sensor_unit
-from woz_tui.protocol.description import ArgumentView, Description, SensorView, VerbView
+from woz_tui.protocol.description import (
+    ArgumentDescription,
+    Description,
+    SensorDescription,
+    VerbDescription,
+)
 
 #: Kind of an argument -> type of its JSON; all others are strings.
 _TYPES = {
@@ -29,15 +34,15 @@ def describe(
     return Description(
         verbs=[_verb(driver, verb) for driver in verbs for verb in verbs[driver].values()],
         sensors=[
-            SensorView(name=name, driver=driver, unit=units.get(name) or sensor_unit(own))
+            SensorDescription(name=name, driver=driver, unit=units.get(name) or sensor_unit(own))
             for driver, sensors in names.items()
             for own, name in sensors.items()
         ],
     )
 
 
-def _verb(driver: str, verb: Verb) -> VerbView:
-    return VerbView(
+def _verb(driver: str, verb: Verb) -> VerbDescription:
+    return VerbDescription(
         name=verb.name,
         driver=driver,
         lane=verb.lane,
@@ -51,10 +56,10 @@ def _verb(driver: str, verb: Verb) -> VerbView:
     )
 
 
-def _argument(argument: Argument) -> ArgumentView:
+def _argument(argument: Argument) -> ArgumentDescription:
     bounds = argument.range
     unit = {"seconds": "s", "joints": "degrees"}.get(argument.kind, "")
-    return ArgumentView(
+    return ArgumentDescription(
         name=argument.name,
         kind=argument.kind,
         type=_TYPES.get(argument.kind, "string"),

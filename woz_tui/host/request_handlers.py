@@ -73,9 +73,7 @@ from woz_tui.session.variables import MissingValueError, filled_call
 log = logging.getLogger(__name__)
 
 #: What somebody who only watches may ask for (stop and taking over: see `server`).
-WATCHER_MAY = (
-    *(AskDescribe, AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver),
-)
+WATCHER_MAY = (*(AskDescribe, AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver),)
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: Sources of what the robot process, its drivers and its re-runs do by themselves.

@@ -88,6 +88,8 @@ class Bus:
         self.latched = False
         #: Why the robot may not drive at this moment; empty while a wizard watches.
         self.unwatched = ""
+        #: The same of one command that drives; empty: whoever asked for it watches.
+        self.watch: Callable[[Command], str] = lambda command: ""
 
     def offer(self, driver: str, verbs: Iterable[Verb]) -> None:
         """`driver` offers these verbs from now on: the same, perhaps with other choices."""
@@ -118,8 +120,8 @@ class Bus:
             ticket.refuse("stopped", "the stop is pressed", "release the stop first")
         elif verb is None:
             ticket.refuse("unknown", self._unknown(command))
-        elif verb.drives and self.unwatched:
-            ticket.refuse("unwatched", self.unwatched, "attach a wizard's console")
+        elif verb.drives and (why := self.unwatched or self.watch(recorded)):
+            ticket.refuse("unwatched", why, "attach a wizard's console")
         else:
             try:
                 args = checked(verb, command.args)

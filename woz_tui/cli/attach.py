@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli import console_start
-from woz_tui.cli.shared_options import add_keymap, add_pictures, add_theme, builtins
+from woz_tui.cli.shared_options import add_keymap, add_part, add_pictures, add_theme, builtins
 from woz_tui.system import session_sockets
 
 
@@ -30,6 +31,7 @@ def add(parser: ArgumentParser) -> None:
         action="store_true",
         help="take over: play the robot even if another console plays it",
     )
+    add_part(parser)
     parser.add_argument(
         "--questionnaire",
         nargs="?",
@@ -69,6 +71,7 @@ def _open(arguments: Namespace, socket: Path) -> int:
             builtins=builtins(arguments),
             pictures=arguments.pictures,
             theme=arguments.theme,
+            part=arguments.part,
         )
     )
     if left == "detached":
@@ -93,7 +96,8 @@ def _repeated_options(arguments: Namespace) -> str:
     """The options that a proposal has to repeat: a participant must get no wizard's console."""
     if arguments.questionnaire is not None:
         return f" --questionnaire {arguments.questionnaire}".rstrip()
-    return f"{' --watch' * arguments.watch}{' --take-over' * arguments.take_over}"
+    part = f" --as {shlex.quote(arguments.part)}" if arguments.part else ""
+    return f"{' --watch' * arguments.watch}{' --take-over' * arguments.take_over}{part}"
 
 
 def find_session(name: str, command: str) -> Path | None:

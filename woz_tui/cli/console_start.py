@@ -35,7 +35,8 @@ class ScreenOptions:
 
     `restart` are the arguments of `woz host` with which a lost robot process is started again;
     None if nobody can. `builtins` are the console's own keys, moved by a keymap file or not.
-    `pictures`: how a camera's are drawn. `theme`: its colours, as `add_theme` has them.
+    `pictures`: how a camera's are drawn. `theme`: its colours, as `add_theme` has them. `part`:
+    which part of the panels this wizard plays.
     """
 
     socket: Path
@@ -46,6 +47,7 @@ class ScreenOptions:
     builtins: Sequence[BuiltinKey] = BUILTIN_KEYS
     pictures: str = "auto"
     theme: str = ""
+    part: str = ""
 
 
 def with_terminal(work: Callable[[], int], hint: str = "") -> int:
@@ -92,6 +94,7 @@ def make_console(options: ScreenOptions) -> Console:
         role="watcher" if options.watch else "wizard",
         name=os.environ.get("TERM", ""),
         take_over=options.take_over,
+        part=options.part,
     )
     app = Console(
         link,

@@ -6,7 +6,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 
 from woz_tui.cli import run as run_command
-from woz_tui.cli.shared_options import add_keymap, add_pictures, add_session, add_theme
+from woz_tui.cli.shared_options import add_keymap, add_part, add_pictures, add_session, add_theme
 from woz_tui.config.bundled_files import bundled_file, robot_files
 
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
@@ -48,6 +48,7 @@ def add(parser: ArgumentParser) -> None:
         " (needs the extra `faces`: docs/how-to/faces.md)",
     )
     add_session(parser)
+    add_part(parser)
     add_keymap(parser)
     add_pictures(parser)
     add_theme(parser)

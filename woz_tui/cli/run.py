@@ -11,6 +11,7 @@ from woz_tui.cli.console_start import run_session
 from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import (
     add_keymap,
+    add_part,
     add_pictures,
     add_robot,
     add_session,
@@ -28,6 +29,7 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument("experiment", type=Path, help="experiment file")
     add_robot(parser)
     add_session(parser)
+    add_part(parser)
     add_keymap(parser)
     add_pictures(parser)
     add_theme(parser)
@@ -57,6 +59,7 @@ def _play(arguments: Namespace, experiment: Path, robot: str) -> int:
             builtins=own_keys,
             pictures=arguments.pictures,
             theme=arguments.theme,
+            part=arguments.part,
         ),
     )
     if result is None:

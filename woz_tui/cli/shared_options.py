@@ -52,6 +52,17 @@ def add_robot(parser: ArgumentParser) -> None:
     )
 
 
+def add_part(parser: ArgumentParser) -> None:
+    """Declare which part of the panels the wizard plays."""
+    parser.add_argument(
+        "--as",
+        dest="part",
+        default="",
+        metavar="PART",
+        help="play only this part of the panels: one of those after `for:` in the file",
+    )
+
+
 def add_pictures(parser: ArgumentParser) -> None:
     """Declare how a camera's pictures are drawn (see `console.camera.picture_widgets`)."""
     parser.add_argument(

@@ -105,7 +105,8 @@ class PanelReader:
             return None
         listed = dict(cursor.entries()).get("actions")
         actions = self._actions(listed, panel.title) if listed is not None else []
-        return Panel(panel.title, tuple(actions), cursor.place, panel.locked, panel.covers)
+        found = tuple(actions)
+        return Panel(panel.title, found, cursor.place, panel.locked, panel.covers, panel.for_)
 
     def _actions(self, cursor: Cursor, panel: str) -> list[Action]:
         entries = cursor.list("a list of actions")

@@ -185,6 +185,7 @@ class Panel:
 
     `covers`: verbs that nobody's hand may send by itself either while the panel is locked: not by
     the console's own keys, not from the palette, a control panel or a program.
+    `parts`: whose it is where several wizards play (see `protocol.parts`); none: it names nobody.
     """
 
     title: str
@@ -192,6 +193,7 @@ class Panel:
     place: FilePosition
     locked: bool = False
     covers: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -361,6 +363,11 @@ class Experiment:
         effects = self.engagement.effects.values() if self.engagement is not None else ()
         of_panels = [action for panel in self.panels for action in panel.actions]
         return [*of_panels, *self.repairs, *effects]
+
+    @property
+    def parts(self) -> list[str]:
+        """The parts that wizards can play, in the order in which panels name them."""
+        return [*dict.fromkeys(part for panel in self.panels for part in panel.parts)]
 
     def action(self, name: str) -> Action | None:
         """The action called `name`, or None."""

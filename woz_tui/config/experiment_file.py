@@ -78,7 +78,17 @@ class PanelEntry(Entry):
     title: Annotated[str, Doc("unique in the file")]
     locked: Annotated[bool, Doc("locked until the wizard unlocks it")] = False
     covers: Annotated[
-        tuple[str, ...], Doc("verbs that cannot be sent by hand while the panel is locked")
+        tuple[str, ...],
+        Doc(
+            "verbs that cannot be sent by hand while the panel is locked, or by wizards who play"
+            " another part"
+        ),
+    ] = ()
+    for_: Annotated[
+        tuple[str, ...],
+        OneOrMore("the name of a part"),
+        Unique(),
+        Doc("parts, one of which a wizard has to play to use the panel: `woz attach --as PART`"),
     ] = ()
     actions: Annotated[Any, ReadApart("actions"), Doc("buttons, in this order")] = None
 

@@ -183,6 +183,8 @@ def _panels(old: Experiment, new: Experiment) -> Iterable[str]:
             yield f"panel {title!r} is {'locked' if panel.locked else 'unlocked'}"
         if title in before and before[title].covers != panel.covers:
             yield f"the lock of panel {title!r} covers {', '.join(panel.covers) or 'no verbs'}"
+        if title in before and before[title].parts != panel.parts:
+            yield f"panel {title!r} is for {', '.join(panel.parts) or 'no part in particular'}"
     common = [title for title in before if title in after]
     if common != [title for title in after if title in before]:
         yield "panels are in another order"

@@ -289,7 +289,7 @@ def _slot(
 def _said_above(state: ConsoleState, panel: PanelView, button: ButtonState) -> bool:
     """Whether the title or the status line has the word that would stand on every line here."""
     if button is ButtonState.LOCKED:
-        return state.is_locked(panel)
+        return state.is_locked(panel) or state.is_of_others(panel)
     return button is ButtonState.UNREACHABLE and len(state.drivers) == 1
 
 
@@ -297,9 +297,12 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
     panel = state.front[slot.panel]
     glyphs, width = frame.glyphs, frame.width
     mark = f"{glyphs.here} " if chosen and not slot.again else "  "
-    room = width - 3 - cell_len(clean(panel.title))
+    whose = clean(state.played_by(panel))
+    if whose:
+        whose = f" {glyphs.middle} {fit_most(whose, max(SAID, width // 3), glyphs.ellipsis)}"
+    room = width - 3 - cell_len(clean(panel.title)) - cell_len(whose)
     note = _locked(state, panel, room) if state.is_locked(panel) else ""
-    note = note or (" continued" if slot.again else "")
+    note = (note or (" continued" if slot.again else "")) + whose
     if slot.again and cell_len(clean(panel.title)) > width - 3 - len(note):
         note = note.replace("continued", glyphs.ellipsis)  # rather than half a title
     title = fit_most(panel.title, width - 2 - len(note) - 1, glyphs.ellipsis)

@@ -264,9 +264,8 @@ def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     urgent = _urgent(state, frame, bar)
     script = [script_row(state, frame, bar.next, bar.skip, bar.then)]
     if state.nobody_plays:
-        what = (
-            f" {frame.glyphs.warning} Nobody plays the robot. {bar.take_over} plays it from here."
-        )
+        what = clean(state.part) or "the robot"
+        what = f" {frame.glyphs.warning} Nobody plays {what}. {bar.take_over} plays it from here."
         script = [((fit(what, frame.width), "alarm-soft"),)]
     if lines > len(script) + 1:
         script += sentence_rows(state, replace(frame, height=2), upcoming(state))

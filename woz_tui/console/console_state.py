@@ -34,6 +34,7 @@ from woz_tui.protocol.codec import WireError, decode_message
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import Allowance, WelcomeSettings
+from woz_tui.session.part_limits import panel_players, part_names
 from woz_tui.session.redactor import PerceptionFilter, Redactor
 from woz_tui.timeline.episodes import LostDriverEpisode, StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
@@ -101,6 +102,8 @@ class ConsoleState:
     #: What the robot process calls this console, and whether it plays or watches.
     console: str = ""
     role: str = ""
+    #: The part that it plays, or would if it played; empty: none in particular.
+    part: str = ""
     log: str = ""
     welcomed: bool = False
     #: Who took part in the session before, if the robot process was lost meanwhile.
@@ -326,7 +329,7 @@ class ConsoleState:
         self.perception = PerceptionFilter.of(self.settings.study)
         self._plan(welcome, welcome.drivers)
         self._recall(welcome)
-        self.role = welcome.role  # whatever old lines say of it
+        self.role, self.part = welcome.role, welcome.part  # whatever old lines say of it
         self.study.read_news()  # old ones
 
     def _recall(self, welcome: r.Welcome) -> None:
@@ -448,7 +451,7 @@ class ConsoleState:
             case m.ConsoleLost(console=self.console):
                 self.role = "watcher"  # a console that gets the news of its own loss lives on
             case m.ConsoleAttached(console=self.console):
-                self.role = message.role  # it has taken over
+                self.role, self.part = message.role, message.part  # it has taken over
             case m.RecorderState() if recorder is not None:
                 # Only how far it lags is different: no news.
                 tell = tell and (message.level, message.detail) != (
@@ -473,6 +476,8 @@ class ConsoleState:
     def _follow_up(self, message: m.Message) -> None:
         """What an action brings within reach, from its end to the next act."""
         match message:
+            case m.ActionRequested() | m.Command() if message.console in self.others:
+                pass  # another wizard's
             case m.ActionRequested(run=run, source=source) if source in HANDS:
                 self.act, self.then = run, ()
             case m.Command(run="", passing=False, source=source) if source in HANDS:
@@ -536,9 +541,11 @@ class ConsoleState:
 
     @property
     def nobody_plays(self) -> bool:
-        """Whether this console watches and no other one plays the robot."""
+        """Whether this console watches and no other one plays the robot, or this one's part."""
         watches = self.role == "watcher" and not self.lost and not self.ended
-        return watches and all(each.role != "wizard" for each in self.session.consoles.values())
+        parts = self.session.wizards.values()
+        vacant = bool(self.part) and self.part not in parts
+        return watches and (vacant or not parts)
 
     def moves(self, now: int) -> bool:
         """Whether a figure on the screen changes by itself."""
@@ -612,6 +619,25 @@ class ConsoleState:
         changed = self.session.locks.get(panel.title)
         return panel.locked if changed is None else changed.locked
 
+    @property
+    def others(self) -> dict[str, str]:
+        """The other consoles that play the robot, where several do, each with its part."""
+        wizards = self.session.wizards
+        wizards = wizards if len(wizards) > 1 else {}
+        return {name: part for name, part in wizards.items() if name != self.console}
+
+    def played_by(self, panel: PanelView) -> str:
+        """Who plays a panel, where several wizards play and this one does not play it."""
+        wizards = self.session.wizards
+        if len(wizards) < 2:
+            return ""
+        found = panel_players(panel, self.panels, wizards)
+        return "" if self.console in found else part_names(found, wizards)
+
+    def is_of_others(self, panel: PanelView) -> bool:
+        """Whether this wizard's keys of the panel are refused, because another one plays it."""
+        return self.role == "wizard" and self.played_by(panel) != ""
+
     def button_view(self, panel: PanelView, action: ActionView, now: int) -> ButtonView:
         """How an action stands at `now`."""
         current = self.runs.of(action.name)
@@ -623,7 +649,7 @@ class ConsoleState:
         failure = self.runs.failure_of(action.name)
         if failure is not None:
             return ButtonView(ButtonState.FAILED, note=failure.reason)
-        if action.locked or self.is_locked(panel):
+        if action.locked or self.is_locked(panel) or self.is_of_others(panel):
             return ButtonView(ButtonState.LOCKED)
         missing = self.missing_driver(action)
         if missing:

@@ -64,6 +64,11 @@ class EventContext(Protocol):
         ...
 
     @property
+    def others(self) -> Mapping[str, str]:
+        """The other consoles that play the robot, each with its part."""
+        ...
+
+    @property
     def session(self) -> SessionState:
         """What holds."""
         ...
@@ -164,7 +169,6 @@ _TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
     m.LaneFaulted: ("error", "{0.driver}: {0.lane} hangs", "until its job ends"),
     m.LaneRecovered: ("done", "{0.driver}: {0.lane} works again", ""),
     m.ModeChanged: ("info", "{0.driver} mode {0.now}", "{0.why}"),
-    m.ConsoleLost: ("warning", "{0.role} disconnected", "{0.why}"),
 }
 
 
@@ -197,18 +201,22 @@ def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | N
         shown.label(message.action),
         source,
         run=message.run,
-        asker=_program(message.console, shown),
+        asker=_other(message.console, shown),
         action=message.action,
         stepping=action is not None and bool(action.verbs) and _STEPPING.issuperset(action.verbs),
     )
 
 
 def _asker(message: m.ActionRequested, shown: EventContext) -> str:
-    return _program(message.console, shown) or _SOURCES.get(message.source, "")
+    return _other(message.console, shown) or _SOURCES.get(message.source, "")
 
 
-def _program(console: str, shown: EventContext) -> str:
-    """The program behind a connection, as it calls itself; empty: it is a console."""
+def _other(console: str, shown: EventContext) -> str:
+    """The program behind a connection, as it calls itself, or the other wizard; empty: it is this
+    console.
+    """
+    if console in shown.others:
+        return shown.others[console] or console
     attached = shown.session.consoles.get(console)
     if attached is None or attached.role != "program":
         return ""
@@ -225,7 +233,7 @@ def _command(message: m.Command, shown: EventContext) -> EventLine | None:
         return None  # its action has a line, or the panel's picture shows it
     if message.driver == "session" and message.verb in ("mark", "note"):
         return None  # so has the marker or the note
-    asker = _program(message.console, shown)
+    asker = _other(message.console, shown)
     words = command_words(message)
     return EventLine("running", words, asker, run=message.command, asker=asker)
 
@@ -245,7 +253,7 @@ def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None
     fields = ("participant", "condition", "trial")
     values = ((name, getattr(message, name)) for name in fields)
     parts = [f"{name} {value}" for name, value in values if value is not None]
-    return EventLine("info", ", ".join(parts), _program(message.console, shown)) if parts else None
+    return EventLine("info", ", ".join(parts), _other(message.console, shown)) if parts else None
 
 
 def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None:
@@ -267,11 +275,11 @@ def _notice(message: m.Notice, shown: EventContext) -> EventLine:
 def _stop(message: m.StopPressed, shown: EventContext) -> EventLine:
     if message.scope != "all":
         return EventLine("stop", "Driving stopped", message.source)
-    return EventLine("stop", "STOP", f"by {_program(message.console, shown) or message.source}")
+    return EventLine("stop", "STOP", f"by {_other(message.console, shown) or message.source}")
 
 
 def _released(message: m.StopReleased, shown: EventContext) -> EventLine:
-    who = _program(message.console, shown) or message.source
+    who = _other(message.console, shown) or message.source
     return EventLine("info", "Stop released", f"by {who}")
 
 
@@ -358,12 +366,12 @@ def _visitor(message: m.VisitorChanged, shown: EventContext) -> EventLine:
 
 def _marker(message: m.Marker, shown: EventContext) -> EventLine:
     _, coder, name = message.source.partition("coder ")
-    detail = ", ".join(filter(None, (message.text, _program(message.console, shown))))
+    detail = ", ".join(filter(None, (message.text, _other(message.console, shown))))
     return EventLine("marker", f"Code of {name}" if coder else "Marker", detail)
 
 
 def _note(message: m.Note, shown: EventContext) -> EventLine:
-    return EventLine("note", message.text, _program(message.console, shown))
+    return EventLine("note", message.text, _other(message.console, shown))
 
 
 def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
@@ -373,7 +381,7 @@ def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
 
 def _phase(message: m.PhaseChanged, shown: EventContext) -> EventLine:
     heading = shown.heading(message.phase)
-    asker = _program(message.console, shown)
+    asker = _other(message.console, shown)
     return EventLine("info", f"Phase {heading}" if heading else "No phase holds", asker)
 
 
@@ -381,14 +389,14 @@ def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:
     if message.source == "phase":
         return None  # the phase has a line
     what = f"{message.panel} {'locked' if message.locked else 'unlocked'}"
-    return EventLine("info", what, _program(message.console, shown))
+    return EventLine("info", what, _other(message.console, shown))
 
 
 def _profile(message: m.ProfileChanged, shown: EventContext) -> EventLine:
     return EventLine(
         "info",
         f"Profile {message.profile}" if message.profile else "No profile: everything may be used",
-        _program(message.console, shown),
+        _other(message.console, shown),
     )
 
 
@@ -408,8 +416,13 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
     return EventLine(*line) if line is not None else None
 
 
+def _lost(message: m.ConsoleLost, shown: EventContext) -> EventLine:
+    what = f"{message.role} {message.part}".rstrip()
+    return EventLine("warning", f"{what} disconnected", message.why)
+
+
 def _attached(message: m.ConsoleAttached, shown: EventContext) -> EventLine:
-    what = f"{message.role} {message.name}".rstrip()
+    what = f"{message.role} {message.name or message.part}".rstrip()
     what = f"{message.via} joined as {what}" if message.via else f"{what} attached"
     if message.sees == "all" and shown.keeps:
         return EventLine("info", what, "it sees what is hidden from you")
@@ -443,6 +456,7 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.ProfileChanged: _profile,
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,
+    m.ConsoleLost: _lost,
 }
 #: What machines tell of themselves, in events that are no faults.
 _OF_MACHINES = frozenset(

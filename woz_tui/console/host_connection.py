@@ -19,7 +19,7 @@ import msgspec
 from woz_tui.console.message_feed import Incoming, OnLost, OnMessages
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Notice, SessionEnd
-from woz_tui.protocol.requests import PROTOCOL, AnyRequest, AskStop, Beat, Hello, Welcome
+from woz_tui.protocol.requests import PROTOCOL, AnyRequest, AskStop, Beat, Hello, Reply, Welcome
 from woz_tui.system.clock import Clock, RealClock, boot_id
 
 BEAT_S = 0.5
@@ -34,6 +34,8 @@ WAITING_LIMIT = 1000
 #: A line from the host may be longer than one to it: the welcome holds the whole state.
 LINE_LIMIT = 16 * codec.MAX_LINE
 _READ = 256 * 1024
+#: Bytes within which a refusal of the hello has its end.
+_FIRST = 4096
 
 
 class HostConnection:
@@ -49,6 +51,7 @@ class HostConnection:
         role: wizard, watcher, program or participant.
         name: What the host may call this console.
         take_over: Whether a wizard who is there already has to watch from now on.
+        part: Which part of the experiment's panels this wizard plays; empty: none in particular.
         clock: For the host's silence and the stamps of requests.
         silence_s: Seconds without a byte from the host after which it counts as lost.
     """
@@ -60,13 +63,14 @@ class HostConnection:
         role: str = "wizard",
         name: str = "",
         take_over: bool = False,
+        part: str = "",
         clock: Clock | None = None,
         silence_s: float = SILENCE_S,
     ) -> None:
         self.line_ok = True
         self.round_trip_us: int | None = None
         self._path = path
-        self._hello = Hello(role=role, name=name, protocol=PROTOCOL, take_over=take_over)
+        self._hello = Hello(role=role, name=name, protocol=PROTOCOL, take_over=take_over, part=part)
         self._clock = clock or RealClock()
         self._silence_us = round(silence_s * 1_000_000)
         self._on_messages: OnMessages = lambda batch: None
@@ -88,7 +92,7 @@ class HostConnection:
 
     def connect(self) -> None:
         """Connect before a screen is opened. Raises `ConnectionError`, in a sentence, if nobody
-        listens at the path.
+        listens at the path, or the experiment has no such part.
         """
         try:
             self._opened = self._connect(self._hello)
@@ -98,6 +102,8 @@ class HostConnection:
                 " ended. `woz run FILE` starts one; its last words are in the *.host.log beside"
                 " the session's log"
             ) from error
+        if self._hello.part:
+            _check_accepted(self._opened)
 
     def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
         """Begin, and connect unless that is done. Raises as `connect`."""
@@ -284,6 +290,19 @@ class HostConnection:
                 self._stamps = bool(message.boot_id) and message.boot_id == boot_id()
                 self._lost = False
         self._on_messages(batch)
+
+
+def _check_accepted(connection: socket.socket) -> None:
+    """Wait for the beginning of the first answer, which stays unread. Raises `ConnectionError` if
+    it is a refusal.
+    """
+    select.select((connection,), (), (), SILENCE_S)
+    with contextlib.suppress(BlockingIOError):
+        line, end, _ = connection.recv(_FIRST, socket.MSG_PEEK).partition(b"\n")
+        answer = _decode(line) if end else None
+        if isinstance(answer, Reply) and not answer.ok:
+            connection.close()
+            raise ConnectionError(f"{answer.reason}: {answer.hint}")
 
 
 def _decode(line: bytes) -> Incoming:

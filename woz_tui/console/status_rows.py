@@ -14,6 +14,7 @@ from woz_tui.console.number_text import elapsed, millis
 from woz_tui.console.replay.replay_state import wall_time
 from woz_tui.console.robot_settings.settings_status import driver_trouble
 from woz_tui.console.view_models import DriverView
+from woz_tui.session.part_limits import part_names
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
@@ -95,8 +96,12 @@ def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
 
 def _badge(state: ConsoleState) -> Row:
     """What this console is, if it does not play."""
+    part = clean(state.part)
     if state.role == "watcher":
-        return ((" NOBODY PLAYS " if state.nobody_plays else " WATCHING ", "alarm-soft"),)
+        what = "NOBODY PLAYS" if state.nobody_plays else "WATCHING"
+        return ((f" {what} {part} " if part else f" {what} ", "alarm-soft"),)
+    if part:
+        return ((f" {part} ", "fill"),)
     if state.replay is not None:
         told = state.settings.replay
         coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"
@@ -107,10 +112,12 @@ def _badge(state: ConsoleState) -> Row:
 def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
     asked, start = state.study.open_questionnaire, state.session.start
+    others = clean(part_names(state.others, state.others))
     found = (
         clean(state.participant) or "no participant",
         clean(state.condition) or ("no condition" if state.conditions else ""),
         _trial(state, frame),
+        f"with {others}" if others and state.role == "wizard" else "",
         f"questions {asked.answered}/{len(asked.items)}" if asked is not None else "",
         f"session {clean(start.session)}" if start is not None and start.session else "",
     )

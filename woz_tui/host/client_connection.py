@@ -169,6 +169,8 @@ class ClientConnection(asyncio.Protocol):
         self.name = name
         self.hello: Hello | None = None
         self.role = ""
+        #: Which it plays, or would if it played; empty: none in particular.
+        self.part = ""
         #: What this client may see; None: all.
         self.view: RoleView | None = None
         self.beat_us = 0

@@ -42,6 +42,7 @@ def panel_views(
             locked=locked.get(panel.title, panel.locked)
             or (profile is not None and not any(map(profile.plays, panel.actions))),
             covers=list(panel.covers),
+            parts=list(panel.parts),
         )
         for panel in experiment.panels
     ]

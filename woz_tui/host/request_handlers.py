@@ -108,6 +108,8 @@ class RequestHandlers:
         self.on_end: Callable[[str], None] = lambda reason: None
         self.on_training: Callable[[], None] | None = None
         self.on_panels: Callable[[], None] = lambda: None
+        #: Whether a console that watches could play: nobody plays its part.
+        self.can_take_over: Callable[[ClientConnection], bool] = lambda client: False
         #: What has ended while a request is carried out, by run or command; None: none is.
         self._ends: dict[str, ActionEnd | End] | None = None
         session.hub.listen(self._note_end)
@@ -143,14 +145,16 @@ class RequestHandlers:
             client.send(_refused(client, request, error))
 
     def _only_watches(self, client: ClientConnection, request: AnyRequest) -> None:
-        if self._session.bus.unwatched:
-            reason = "this console only watches, and nobody plays the robot"
+        what = client.part or "the robot"
+        if self.can_take_over(client):
+            reason = f"this console only watches, and nobody plays {what}"
             client.refuse(request.ref, reason, command="take_over")
         else:
             client.refuse(
                 request.ref,
-                "this console only watches; another console plays the robot",
-                "start `woz attach --take-over` to play the robot here",
+                f"this console only watches; another console plays {what}",
+                f"start `woz attach --take-over{f' --as {client.part}' if client.part else ''}` to"
+                f" play {what} here",
             )
 
     def _answer_at_once(self, client: ClientConnection, request: AnyRequest) -> Reply:
@@ -210,7 +214,7 @@ class RequestHandlers:
             case AskNote(text=text):
                 session.note(text, tells)
             case AskMistake(run=wrong, text=text):
-                session.mistake(wrong, text, tells)
+                session.mistake(wrong, text, tells, client.name)
             case AskLock(panel=panel, locked=locked):
                 session.lock(panel, locked)
             case AskProfile(profile=profile, source=source):

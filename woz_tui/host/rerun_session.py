@@ -113,7 +113,7 @@ class RerunSession:
         """Begin, if nothing is missing any more."""
         if self._player.under_way or self._player.over is not None or self._session.ended:
             return
-        if not self._options.headless and self._host.wizard is None:
+        if not self._options.headless and not self._host.wizards:
             return
         missing = self._missing()
         if not missing:

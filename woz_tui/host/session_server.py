@@ -1,4 +1,4 @@
-"""Serves the robot process's socket: who is attached, who plays, the dead man's switch."""
+"""Serves the robot process's socket: who is attached, and who plays which part."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import msgspec
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.host.client_connection import LINGER_S, ClientConnection, RequestScheduler, RoleView
+from woz_tui.host.dead_man_switch import NOBODY, DeadManSwitch, console_of
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import codec
@@ -29,6 +30,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Welcome,
 )
+from woz_tui.session.part_limits import player_names
 from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.redactor import ParticipantRedactor, Redactor, redactor_for
 from woz_tui.session.session import Session
@@ -79,7 +81,8 @@ class SessionServer:
         handlers.on_end = self.end
         handlers.on_panels = self._panels_changed
         handlers.on_reload = self._restrict
-        session.bus.unwatched = "no wizard's console is attached"
+        handlers.can_take_over = lambda client: self._free_part(client) is not None
+        self._switch = DeadManSwitch(session, lambda: self.wizards)
 
     # -- running -----------------------------------------------------------------------------
 
@@ -171,9 +174,28 @@ class SessionServer:
     # -- clients -----------------------------------------------------------------------------
 
     @property
-    def wizard(self) -> ClientConnection | None:
-        """The console that plays the robot, if one is attached."""
-        return next((client for client in self._clients if client.role == "wizard"), None)
+    def wizards(self) -> list[ClientConnection]:
+        """The consoles that play the robot, each its part."""
+        return [client for client in self._clients if client.role == "wizard"]
+
+    def _player(self, part: str) -> ClientConnection | None:
+        return next((client for client in self.wizards if client.part == part), None)
+
+    def _free_part(self, client: ClientConnection) -> str | None:
+        """The part that a console which watches can take over: its own, or without one whichever
+        nobody plays; None: all who play respond.
+        """
+        if (present := self._player(client.part)) is None or present.silent:
+            free: str | None = client.part
+        else:
+            free = None
+        if client.part:
+            return free
+        if silent := next((each for each in self.wizards if each.silent), None):
+            return silent.part
+        parts = self.session.experiment.parts
+        played = bool(self.wizards) and all(self._player(part) for part in parts)
+        return None if played else free
 
     @property
     def alone(self) -> bool:
@@ -220,7 +242,12 @@ class SessionServer:
             reason = "only a program can see everything; the wizard's screen then shows its name"
             client.refuse(hello.ref, reason, "role: program")
             return
-        client.hello = hello
+        if hello.part and (reason := self._no_part(hello)):
+            known = ", ".join(self.session.experiment.parts)
+            hint = f"there are {known}" if known else "a panel's `for` gives it a part"
+            client.refuse(hello.ref, reason, hint)
+            return
+        client.hello, client.part = hello, hello.part
         client.role = self._role(client, hello)
         sees_all = redactor_for(client.role, hello.sees) is None
         client.view = None if sees_all else self._views.get(client.role, self._views["wizard"])
@@ -233,15 +260,24 @@ class SessionServer:
                 name=hello.name if client.role == "program" else "",
                 sees="all" if sees_all else "",
                 via=hello.via[:LONGEST_VIA],
+                part=client.part,
             )
         )
         client.send(self._welcome(client))
         if hello.stream != "nothing":
             client.follow(samples=hello.stream == "everything")
-        self._update_watch()
+        self._switch.update()
+
+    def _no_part(self, hello: Hello) -> str:
+        """Why this client cannot play the part that it names."""
+        if hello.role not in ("wizard", "watcher"):
+            return "only a wizard plays a part"
+        if hello.part not in self.session.experiment.parts:
+            return f"the experiment has no part {hello.part!r}"
+        return ""
 
     def _role(self, client: ClientConnection, hello: Hello) -> str:
-        present = self.wizard
+        present = self._player(hello.part)
         if hello.role != "wizard" or present is None:
             return hello.role
         if not hello.take_over and not present.silent:
@@ -254,25 +290,30 @@ class SessionServer:
         present.role = "watcher"
         present.refuse(0, f"{by.name} has taken over; this console now only watches")
         self.session.hub.publish(
-            m.ConsoleLost(console=present.name, role="wizard", why="taken over")
+            m.ConsoleLost(console=present.name, role="wizard", why="taken over", part=present.part)
         )
 
     def _take_over(self, client: ClientConnection, request: AskTakeOver) -> None:
-        present = self.wizard
         if client.role != "watcher":
             client.refuse(request.ref, "only a console that watches can take over")
             return
-        if present is not None and not present.silent:
+        part = self._free_part(client)
+        if part is None:
+            wizards = self.session.state.wizards
+            present = self._player(client.part)
+            names = player_names([present.name] if present is not None else wizards, wizards)
             hint = "start `woz attach --take-over` to play the robot here"
-            client.refuse(request.ref, f"{present.name} plays the robot", hint)
+            client.refuse(request.ref, f"{names} plays the robot", hint)
             return
-        if present is not None:
+        if (present := self._player(part)) is not None:
             self._demote(present, client)
-        client.role, client.silent = "wizard", False
+        client.role, client.part, client.silent = "wizard", part, False
         client.beat_us = self.session.hub.now()
         via = client.hello.via[:LONGEST_VIA] if client.hello is not None else ""
-        self.session.hub.publish(m.ConsoleAttached(console=client.name, role="wizard", via=via))
-        self._update_watch()
+        self.session.hub.publish(
+            m.ConsoleAttached(console=client.name, role="wizard", via=via, part=part)
+        )
+        self._switch.update()
         client.send(Reply(ref=request.ref, ok=True))
 
     def _view(self, role: str) -> RoleView:
@@ -310,6 +351,7 @@ class SessionServer:
             recent=_raw(recent),
             boot_id=boot_id(),
             clock_us=-session.hub.t(0),
+            part=client.part,
         )
 
     def _panels_changed(self) -> None:
@@ -319,33 +361,28 @@ class SessionServer:
         for client in self._clients:
             view = client.view
             client.send(news if view is None else view.redactor.panels(news))
+        self._switch.update()
 
     def _on_close(self, client: ClientConnection, why: str) -> None:
         if client not in self._clients:
             return
         self._clients.remove(client)
         if not self.session.ended:
-            self.session.hub.publish(m.ConsoleLost(console=client.name, role=client.role, why=why))
-            self._update_watch()
+            self.session.hub.publish(
+                m.ConsoleLost(console=client.name, role=client.role, why=why, part=client.part)
+            )
+            gone = f"{console_of(client.part)} is not attached any more" if client.part else NOBODY
+            self._switch.update(gone)
         if self.alone and client.role != PARTICIPANT:
             self._alone_us = self.session.hub.now()
 
-    # -- the dead man's switch ---------------------------------------------------------------
+    # -- beats -------------------------------------------------------------------------------
 
     def _beat(self, client: ClientConnection, line_ok: bool) -> None:
         client.beat_us = self.session.hub.now()
         if client.silent == line_ok:
             client.silent = not line_ok
-            self._update_watch("the connection to the wizard's terminal is lost")
-
-    def _update_watch(self, why: str = "no wizard's console is attached") -> None:
-        """Driving is allowed while a wizard watches, and ends the moment nobody does."""
-        wizard = self.wizard
-        reason = "" if wizard is not None and not wizard.silent else why
-        if reason and not self.session.bus.unwatched:
-            self.session.bus.unwatched = reason
-            self.session.bus.halt_driving(reason)
-        self.session.bus.unwatched = reason
+            self._switch.update(f"the terminal of {console_of(client.part)} is not connected")
 
     def _pulse(self) -> None:
         # First of all: whatever happens in one round, the dead man's switch goes on.
@@ -353,14 +390,13 @@ class SessionServer:
         self._renew_socket()
         now = self.session.hub.now()
         settings = self.session.experiment.session
-        wizard = self.wizard
-        if wizard is not None:
+        for wizard in self.wizards:
             silence = (now - wizard.beat_us) / 1_000_000
             if silence > settings.dead_man * SILENT_PERIODS:
                 wizard.close("silent")
             elif silence > settings.dead_man and not wizard.silent:
                 wizard.silent = True
-                self._update_watch("the wizard's console does not respond")
+                self._switch.update(f"{console_of(wizard.part)} does not respond")
         for client in self._clients:
             client.send(Pulse(t=now, dropped=client.dropped))
         if self.alone and now - self._alone_us > settings.abandon_after * 1_000_000:

@@ -168,7 +168,7 @@ class TimedOut(End, frozen=True, kw_only=True, tag="command.timed_out"):
 
 class Refused(End, frozen=True, kw_only=True, tag="command.refused"):
     """It never began: `code` is stopped, late, stale, profile, full, busy, faulted, unknown,
-    unwatched or args.
+    unwatched, part (another wizard plays it) or args.
     """
 
     code: str

@@ -597,6 +597,7 @@ class ConsoleAttached(Message, frozen=True, kw_only=True, tag="console.attached"
     """A console or program connected. `role`: wizard, watcher, program or participant; `name`: how
     it calls itself (a program's alone). `sees` is `all` for a program that gets what is kept from
     the wizard. `via`: the name of the access file with which it came from another machine.
+    `part`: which a wizard plays of those that the experiment has, or a watcher would.
     """
 
     console: str
@@ -604,14 +605,16 @@ class ConsoleAttached(Message, frozen=True, kw_only=True, tag="console.attached"
     name: str = ""
     sees: str = ""
     via: str = ""
+    part: str = ""
 
 
 class ConsoleLost(Message, frozen=True, kw_only=True, tag="console.lost"):
-    """It left (`why`: left) or died (closed, silent)."""
+    """It left (`why`: left) or died (closed, silent). `part`: which the wizard played."""
 
     console: str
     role: str
     why: str
+    part: str = ""
 
 
 #: Messages that name the connection (`console`) whose request brought them about.

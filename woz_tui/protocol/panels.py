@@ -23,12 +23,15 @@ class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A panel as the console shows it; while it is locked the verbs in `covers` are, too."""
+    """A panel as the console shows it; while it is locked the verbs in `covers` are, too. `parts`:
+    one of which a wizard has to play to use it, where several wizards play.
+    """
 
     title: str
     actions: list[ActionView]
     locked: bool = False
     covers: list[str] = []
+    parts: list[str] = []
 
 
 class PhaseView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

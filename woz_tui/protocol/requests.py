@@ -43,15 +43,16 @@ class Request(
 
 
 class Hello(Request, frozen=True, kw_only=True, tag="hello"):
-    """First line of a client. `role`: wizard (one at a time), watcher, program, or participant, who
-    may do nothing but answer questionnaires (and stop).
+    """First line of a client. `role`: wizard (one at a time of each part), watcher, program, or
+    participant, who may do nothing but answer questionnaires (and stop). `part`: which the wizard
+    plays of those that the experiment's panels name; a watcher, which it would take over.
 
     A wizard must send a `beat` at least every second; when three seconds pass without one, driving
     stops. `stream`: everything, actions (no samples) or nothing. While a wizard is attached a
-    second one becomes a watcher, unless it says `take_over`: then the first one does. `sees`: a
-    program sees `all`, also what is kept from the wizard, unless it says `wizard`. `protocol`: the
-    version that the client speaks; one that does not say so speaks the first. `via`: set for
-    clients from other machines, by the process that has examined their certificate.
+    second one of the same part becomes a watcher, unless it says `take_over`: then the first one
+    does. `sees`: a program sees `all`, also what is kept from the wizard, unless it says `wizard`.
+    `protocol`: the version that the client speaks; one that does not say so speaks the first.
+    `via`: set for clients from other machines, by the process that has examined their certificate.
     """
 
     role: str
@@ -61,6 +62,7 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     take_over: bool = False
     sees: Literal["", "all", "wizard"] = ""
     via: str = ""
+    part: str = ""
 
 
 class AskAction(Request, frozen=True, kw_only=True, tag="action"):
@@ -135,7 +137,9 @@ class AskEmptyQueue(Request, frozen=True, kw_only=True, tag="empty-queue"):
 
 
 class AskTakeOver(Request, frozen=True, kw_only=True, tag="take-over"):
-    """A console that watches plays from now on; refused while another one plays and responds."""
+    """A console that watches plays its part from now on; refused while another one plays that part
+    and responds.
+    """
 
 
 class AskDescribe(Request, frozen=True, kw_only=True, tag="describe"):
@@ -423,7 +427,8 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     whole `handshake` and how many `attempts` it has; `phases`: those of the file; `study`: what the
     file says of the study, and how it stands (see `docs/reference/protocol.md`). `boot_id`: of
     the robot process's machine; a client with the same one may stamp its requests with `sent_us`.
-    `clock_us`: CLOCK_MONOTONIC of that machine at `t` = 0, in microseconds.
+    `clock_us`: CLOCK_MONOTONIC of that machine at `t` = 0, in microseconds. `part`: as in the
+    hello; who plays which is in the lines `console.attached` of `state`.
     """
 
     protocol: int
@@ -445,6 +450,7 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     settings: WelcomeSettings = WelcomeSettings()
     boot_id: str = ""
     clock_us: int = 0
+    part: str = ""
 
 
 class Pulse(Answer, frozen=True, kw_only=True, tag="pulse"):

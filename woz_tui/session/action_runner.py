@@ -120,6 +120,8 @@ class ActionRunner:
         #: The last of them that a human asked for: what the robot does by itself is not meant when
         #: somebody says that the last one was a mistake.
         self.by_hand = ""
+        #: The last one that each connection asked for.
+        self.last_over: dict[str, str] = {}
         hub.listen(self._on_message)
 
     # -- asked for ---------------------------------------------------------------------------
@@ -290,6 +292,7 @@ class ActionRunner:
         self.played[played] = name
         if origin.source not in _NO_HANDS:
             self.by_hand = played
+            self.last_over[origin.console] = played
         if len(self.played) > REMEMBERED:
             del self.played[next(iter(self.played))]
 

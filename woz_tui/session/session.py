@@ -35,6 +35,7 @@ from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_manager import DriverManager, make_drivers
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
+from woz_tui.session.part_limits import PartLimits
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Kept, predicted
@@ -125,6 +126,7 @@ class Session:
         logs = self.recorder.path.parent
         self.engagement = EngagementController(robot, self.state, self.locked, logs)
         self.profiles = ProfileLimits(self.hub.publish)
+        self.parts = PartLimits(lambda: self.experiment, lambda: self.state.wizards)
         self.study = StudyController(
             self.hub,
             self.state,
@@ -269,18 +271,18 @@ class Session:
         """
         action = self.experiment.action(name)
         panel = action.panel if action else ""
-        reason = stale or self._why_not(name) or self._no_moment(at)
+        reason = stale or self._why_not(name, origin) or self._no_moment(at)
         if reason or action is None:
             self.runner.refuse(name, panel, origin, reason)
             self.scripts.publish()
             if stale:
                 raise RequestError(f"{name!r} not played ({stale})", AGAIN)
-            raise RequestError(reason, command=self._command_that_would_help(action))
+            raise RequestError(reason, command=self._command_that_would_help(action, origin))
         if not action.steps and action in self.experiment.repairs:
             if at:
                 raise RequestError(f"{name!r} depends on what was said last: play it now")
             return self.repairs.play(action, origin, when_busy)
-        later = LaterStart(at, lambda: self._refusal_of(name)) if at else None
+        later = LaterStart(at, lambda: self._refusal_of(name, origin)) if at else None
         run, refused = self.runner.play(action, origin, when_busy, later=later)
         self.scripts.publish()
         if refused:
@@ -296,18 +298,20 @@ class Session:
             return f"{MOST_SCHEDULED} requests wait for their moment already"
         return ""
 
-    def _refusal_of(self, name: str) -> CommandRefusal | None:
+    def _refusal_of(self, name: str, origin: RequestOrigin) -> CommandRefusal | None:
         """Why an action cannot begin although it could when it was asked for."""
-        reason = self._why_not(name)
+        reason = self._why_not(name, origin)
         return CommandRefusal("locked", reason) if reason else None
 
-    def _command_that_would_help(self, action: Action | None) -> str:
+    def _command_that_would_help(self, action: Action | None, origin: RequestOrigin) -> str:
         """The console's key with which the action could be played; empty: none."""
         if action is None or self.ended or action.locked or self.locked.get(action.panel, False):
             return ""
+        if self.parts.no_action(action, origin):
+            return ""
         return "release" if self.bus.latched else "profile"
 
-    def _why_not(self, name: str) -> str:
+    def _why_not(self, name: str, origin: RequestOrigin) -> str:
         if self.ended:
             return "the session is ending"
         action = self.experiment.action(name)
@@ -317,6 +321,8 @@ class Session:
             return f"{name!r} is locked"
         if self.locked.get(action.panel, False):
             return f"the panel {action.panel!r} is locked{self.phases.why_locked(action.panel)}"
+        if played := self.parts.no_action(action, origin):
+            return played
         if self.bus.latched and not self.engagement.only_informs_model(action):
             return "the stop is pressed"
         return "" if action in self.experiment.repairs else self.profiles.no_action(action)
@@ -341,10 +347,13 @@ class Session:
         """
         call = replace(self._call(verb, args, on), tells=tells, unfilled=unfilled or {})
         refusal = CommandRefusal("stale", stale) if stale else self._no_verb(verb, args)
+        refusal = refusal or self.parts.no_verb(verb, origin)
         later = None
         if at and refusal is None:
             refusal = self._no_later_verb(call, at)
-            later = LaterStart(at, lambda: self._no_verb(verb, args))
+            later = LaterStart(
+                at, lambda: self._no_verb(verb, args) or self.parts.no_verb(verb, origin)
+            )
         command = self.runner.send(call, origin, when_busy or "queue", refusal, later=later).command
         if refusal is not None:
             raise RequestError(refusal.reason, AGAIN if stale else "")
@@ -592,10 +601,14 @@ class Session:
             raise RequestError("the note is empty")
         self.hub.publish(m.Note(text=text, tells=tells))
 
-    def mistake(self, run: str, text: str, tells: tuple[str, ...] = ()) -> None:
-        """Label a run or a single command as a mistake; an empty `run` is the last by hand."""
+    def mistake(self, run: str, text: str, tells: tuple[str, ...] = (), console: str = "") -> None:
+        """Label a run or a single command as a mistake; an empty `run` is the last by hand, or
+        among several wizards the last that came over `console`.
+        """
         played = self.runner.played
-        wrong = run or self.runner.by_hand
+        several = len(self.state.wizards) > 1
+        last = self.runner.last_over.get(console, "") if several else self.runner.by_hand
+        wrong = run or last
         if not wrong:
             raise RequestError("nothing has been played yet")
         if wrong not in played:

@@ -191,6 +191,12 @@ class SessionState:
             value = getattr(self, name)
             yield from value.values() if type(value) is dict else (value,)
 
+    @property
+    def wizards(self) -> dict[str, str]:
+        """Consoles that play the robot, each with its part; empty: no part in particular."""
+        there = self.consoles.values()
+        return {each.console: each.part for each in there if each.role == "wizard"}
+
     def open(self) -> Iterator[Episode]:
         """All episodes that have not ended."""
         for part in (self.study, self.model, self.robots):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from woz_tui.console.cells import Row, fit
+from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.engagement.wizard_overrides import OVERRIDES, is_offered
 from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
 from woz_tui.console.screens.dialog import ReportDialog
@@ -37,7 +37,9 @@ class HelpDialog(ReportDialog):
         rows += self._by_hand()
         for panel in self.state.panels:
             locked = "  locked" if self.state.is_locked(panel) else ""
-            rows += [(), ((panel.title, "title"), (locked, "muted"))]
+            played = clean(self.state.played_by(panel))
+            note = f"{locked}  {played} plays it" if played else locked
+            rows += [(), ((panel.title, "title"), (note, "muted"))]
             for action in panel.actions:
                 cap = self.console_app.caps.get(action.name, KeyCap(action.key))
                 rows += self._key(cap, action.key, action.label, action.help)

@@ -6,7 +6,7 @@ from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.bottom_rows import KEPT, step_words, upcoming
-from woz_tui.console.cells import Row
+from woz_tui.console.cells import Row, clean
 from woz_tui.console.key_caps import KeyCap, caption, key_name
 from woz_tui.console.screens.dialog import LiveReportDialog
 from woz_tui.session.variables import HIDDEN_TEXT
@@ -61,6 +61,8 @@ class PeekDialog(LiveReportDialog):
             rows.append(((f"{script} plays it next", "muted"),))
         if (panel is not None and state.is_locked(panel)) or (view is not None and view.locked):
             rows.append((("It is locked and plays nothing.", "warn"),))
+        elif panel is not None and (played := clean(state.played_by(panel))):
+            rows.append(((f"{played} plays it.", "warn"),))
         said = state.sentence(name)
         if said == HIDDEN_TEXT:
             rows += [(), ((KEPT, "muted"),)]

@@ -1,0 +1,124 @@
+"""Who plays what where several wizards play one robot: the panels' parts (`for` in the file).
+
+A panel is played by the wizards whose part it names. Where none of them is there it is played by
+the wizard without a part, and where that one is not there either, by every wizard: no panel is left
+without somebody who can play it. A verb by itself belongs with the panels that cover it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import Protocol
+
+from woz_tui.config.experiment import Action, Experiment
+from woz_tui.config.repairs import SAY
+from woz_tui.session.action_runner import CommandRefusal, RequestOrigin
+from woz_tui.session.typed_actions import PANEL as TYPED
+
+
+class PartedPanel(Protocol):
+    """What counts here of a panel, in the file or on the screen."""
+
+    @property
+    def title(self) -> str:
+        """Unique in the file."""
+
+    @property
+    def parts(self) -> Sequence[str]:
+        """One of which a wizard plays to use it."""
+
+    @property
+    def covers(self) -> Sequence[str]:
+        """Verbs that belong with it."""
+
+
+def players(parts: Collection[str], wizards: Mapping[str, str]) -> frozenset[str]:
+    """Who plays a panel for these parts. `wizards`: console -> its part, or nothing."""
+    for wanted in (set(parts) - {""}, {""}):
+        if found := frozenset(console for console, part in wizards.items() if part in wanted):
+            return found
+    return frozenset(wizards)
+
+
+def verb_players(
+    verb: str, panels: Iterable[PartedPanel], wizards: Mapping[str, str]
+) -> frozenset[str]:
+    """Who sends `verb` by itself: whoever plays a panel that covers it, else every wizard."""
+    covering = [players(panel.parts, wizards) for panel in panels if verb in panel.covers]
+    return frozenset().union(*covering) if covering else frozenset(wizards)
+
+
+def panel_players(
+    panel: PartedPanel, panels: Iterable[PartedPanel], wizards: Mapping[str, str]
+) -> frozenset[str]:
+    """Who plays the actions of `panel`. Typed sentences are for whoever can type some."""
+    if panel.title == TYPED and not panel.parts:
+        return verb_players(SAY, panels, wizards)
+    return players(panel.parts, wizards)
+
+
+def part_names(found: Iterable[str], wizards: Mapping[str, str]) -> str:
+    """Parts, and consoles that play none in particular: `voice`."""
+    return ", ".join(sorted(wizards.get(name) or name for name in found))
+
+
+def player_names(found: Iterable[str], wizards: Mapping[str, str]) -> str:
+    """Parts and consoles: `voice (con2)`."""
+    named = (f"{wizards[name]} ({name})" if wizards.get(name) else name for name in found)
+    return " and ".join(sorted(named))
+
+
+class PartLimits:
+    """Knows what a wizard does not play because another one does. Programs, control panels and
+    what the robot does by itself play no part, so nothing is refused to them here.
+
+    Args:
+        read: Gives the experiment.
+        wizards: Gives the consoles that play, with their parts.
+    """
+
+    def __init__(
+        self, read: Callable[[], Experiment], wizards: Callable[[], Mapping[str, str]]
+    ) -> None:
+        self._read = read
+        self._wizards = wizards
+
+    def no_action(self, action: Action, origin: RequestOrigin) -> str:
+        """Why this wizard may not play it; empty if they may. A phase plays what it begins with,
+        whoever goes on to it.
+        """
+        wizards, panels = self._wizards(), self._read().panels
+        if origin.console not in wizards or origin.source == "phase":
+            return ""
+        panel = next((each for each in panels if each.title == action.panel), None)
+        if panel is None:  # a repair: it says something
+            return self._no_verb(SAY, origin)
+        found = panel_players(panel, panels, wizards)
+        if origin.console in found:
+            return ""
+        return f"{player_names(found, wizards)} plays the panel {panel.title!r}"
+
+    def no_verb(self, verb: str, origin: RequestOrigin) -> CommandRefusal | None:
+        """Why this wizard may not send it by itself; None if they may."""
+        reason = self._no_verb(verb, origin)
+        return CommandRefusal("part", reason) if reason else None
+
+    def _no_verb(self, verb: str, origin: RequestOrigin) -> str:
+        wizards = self._wizards()
+        found = verb_players(verb, self._read().panels, wizards)
+        if origin.console not in wizards or origin.console in found:
+            return ""
+        return f"{player_names(found, wizards)} plays {verb!r}"
+
+    def drivers(self, drives: frozenset[str]) -> frozenset[str]:
+        """Consoles of the wizards whose part drives: who plays a panel that covers a verb of
+        `drives`, or has an action with one; every wizard, where no panel does.
+        """
+        wizards = self._wizards()
+        found = [
+            players(panel.parts, wizards)
+            for panel in self._read().panels
+            if drives.intersection(panel.covers)
+            or drives.intersection(call.verb for each in panel.actions for call in each.calls)
+        ]
+        return frozenset().union(*found) if found else frozenset(wizards)

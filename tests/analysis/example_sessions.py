@@ -86,11 +86,14 @@ class ExampleSession:
         latency_ms: float = 1.0,
         took: float | None = 0.5,
         end: str = "done",
+        console: str = "",
     ) -> Self:
         """An action of one command from its request to its end; `took` None: no end is told."""
         self._runs += 1
         run, command = f"a{self._runs:05d}", f"c{self._runs:05d}"
-        asked = m.ActionRequested(run=run, action=action, panel=panel, source=source, key="h")
+        asked = m.ActionRequested(
+            run=run, action=action, panel=panel, source=source, key="h", console=console
+        )
         self.add(seconds, asked)
         if end == "refused":
             return self.add(seconds, m.ActionRefused(run=run, action=action, reason="locked"))

@@ -584,6 +584,12 @@ def consoles(timeline: Timeline) -> Iterator[ConsoleRow]:
                 yield ConsoleRow(each.begin, console, role, lost=True, why=why)
 
 
+def parts_played(timeline: Timeline) -> dict[str, str]:
+    """Console -> which part its wizard played, if it was one in particular."""
+    attached = (line for _, line in moments(timeline, m.ConsoleAttached))
+    return {line.console: line.part for line in attached if line.role == "wizard"}
+
+
 # -- what a wizard did by hand: actions, and commands that belong to none ------------------------
 
 #: Sources that are no human at this session.

@@ -185,6 +185,7 @@ class _Counting:
             self.at(stop.context).stops += stop.label == "all"
 
     def _acts(self, acts: Sequence[WizardAct]) -> None:
+        parts = event_rows.parts_played(self._timeline)
         before: WizardAct | None = None
         stretch = 0
         for act in acts:
@@ -193,6 +194,10 @@ class _Counting:
             tally.direct += direct
             tally.by_hand += not direct
             tally.mistakes += act.mistake is not None
+            who = parts.get(act.request.console, ""), act.request.console
+            tally.wizards[*who, "direct" if direct else act.outcome] += 1
+            if act.mistake is not None:
+                tally.wizards[*who, "mistakes"] += 1
             if started is not None:
                 tally.press.add(started)
             # No gap reaches over the border between two trials or conditions.

@@ -20,6 +20,7 @@ from woz_tui.analysis.figures import (
     Reactions,
     StateTimes,
     VerbTimes,
+    WizardCount,
 )
 
 
@@ -29,6 +30,8 @@ def _by_name() -> defaultdict[str, Durations]:
 
 #: Action, panel, source, end.
 CountKey = tuple[str, str, str, str]
+#: Part, console, and an end of an action, `direct` or `mistakes`.
+WizardKey = tuple[str, str, str]
 #: Cues of all types but the trained ones, each event once.
 ALL_CUES = "all"
 
@@ -41,6 +44,7 @@ class PartSums:
 
     us: int = 0
     counts: Counter[CountKey] = field(default_factory=Counter)
+    wizards: Counter[WizardKey] = field(default_factory=Counter)
     by_hand: int = 0
     direct: int = 0
     press: Durations = field(default_factory=Durations)
@@ -128,6 +132,7 @@ def part_figures(
         **_same(total, PartFigures)
         | {
             "counts": _counts(total.counts),
+            "wizards": _wizards(total.wizards),
             "verbs": {verb: _verb(total, verb) for verb in verbs},
             "reactions": _reactions(total.cues),
             "engagement": _engagement(total),
@@ -156,6 +161,18 @@ def _counts(counts: Counter[CountKey]) -> list[ActionCount]:
     return [
         ActionCount(*key, ActionOutcomes(*(ends.get(end, 0) for end in ENDS)))
         for key, ends in sorted(rows.items())
+    ]
+
+
+def _wizards(counts: Counter[WizardKey]) -> list[WizardCount]:
+    return [
+        WizardCount(
+            *who,
+            ActionOutcomes(*(counts[*who, end] for end in ENDS)),
+            counts[*who, "direct"],
+            counts[*who, "mistakes"],
+        )
+        for who in sorted({(part, console) for part, console, _ in counts})
     ]
 
 

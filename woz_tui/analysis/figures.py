@@ -68,6 +68,19 @@ class ActionCount:
 
 
 @dataclass(frozen=True, slots=True)
+class WizardCount:
+    """What was played by hand over one connection: its part (empty: none in particular), actions by
+    how they ended, commands that belonged to no action, and what was called a mistake.
+    """
+
+    part: str
+    console: str
+    outcomes: ActionOutcomes
+    direct: int = 0
+    mistakes: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class VerbTimes:
     """The commands of one verb: how they ended (see `COMMAND_ENDS`), how long they took."""
 
@@ -164,6 +177,7 @@ class PartFigures:
         utterances: Of the visitor, which began in it; `speech` has the lengths of their pieces.
         counted: It is somebody's who took part.
         scope: `TRIALS`, `OUTSIDE` (of whatever condition) or `SESSION`.
+        wizards: What each played by hand.
     """
 
     participant: str
@@ -190,6 +204,7 @@ class PartFigures:
     differing_us: int = 0
     counted: bool = True
     scope: str = SESSION
+    wizards: Sequence[WizardCount] = ()
 
     @property
     def in_means(self) -> bool:

@@ -175,6 +175,23 @@ def actions(figures: SessionFigures) -> ReportTable:
     )
 
 
+def wizards(figures: SessionFigures) -> ReportTable:
+    """What each wizard played by hand, where wizards played parts."""
+    found = figures.whole.wizards if any(each.part for each in figures.whole.wizards) else ()
+    counts = [(each, {end: getattr(each.outcomes, end) for end in ENDS}) for each in found]
+    ends = _occurring(ENDS, (row for _, row in counts))
+    rows = [
+        (
+            *(LogText(each.part or "none"), LogText(each.console)),
+            *(str(each.outcomes.total), *_counts(ends, row)),
+            *(str(each.direct or ""), str(each.mistakes or "")),
+        )
+        for each, row in counts
+    ]
+    heads = ["Part", "Console", "Actions", *ends, "Improvised", "Mistakes"]
+    return ReportTable("Wizards", heads, rows, words=2)
+
+
 def commands(figures: SessionFigures) -> ReportTable:
     """Commands by verb: how they ended, and their times; the most frequent first."""
     found = sorted(figures.whole.verbs.items(), key=lambda item: (-item[1].commands, item[0]))

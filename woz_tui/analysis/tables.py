@@ -33,6 +33,7 @@ from woz_tui.analysis.figures import (
     SessionFigures,
     TrainingFigures,
     VerbTimes,
+    WizardCount,
 )
 from woz_tui.analysis.measures import MEASURES, Measure, milliseconds, seconds
 from woz_tui.protocol.messages import Json, Reading
@@ -412,6 +413,35 @@ ACTIONS: TableDefinition[tuple[PartFigures, ActionCount]] = TableDefinition(
 )
 
 
+def _by_wizard(
+    name: str, meaning: str, of: Callable[[WizardCount], Cell], kind: str = "integer"
+) -> Column[Any]:
+    return Column(name, kind, meaning, lambda _, row: of(row[1]))
+
+
+WIZARDS: TableDefinition[tuple[PartFigures, WizardCount]] = TableDefinition(
+    "wizards",
+    "One row for each participant, condition and connection over which somebody played by hand: "
+    "what each of several wizards did.",
+    (
+        *_PARTS,
+        _by_wizard(
+            *("part", "the wizard's part of the panels; empty: none in particular"),
+            *(lambda it: it.part or None, "string"),
+        ),
+        _by_wizard(
+            *("console", "name of the connection; of a control panel, its driver; empty: unknown"),
+            *(lambda it: it.console or None, "string"),
+        ),
+        _by_wizard("total", "actions that were asked for", lambda it: it.outcomes.total),
+        *map(_ended, ENDS),
+        _by_wizard("direct", "commands by hand that belong to no action", lambda it: it.direct),
+        _by_wizard("mistakes", "acts that were called a mistake", lambda it: it.mistakes),
+    ),
+    lambda figures: ((part, each) for part in figures.parts for each in part.wizards),
+)
+
+
 def _verbs(figures: SessionFigures) -> Iterator[tuple[PartFigures, str, VerbTimes]]:
     return ((part, *item) for part in figures.parts for item in part.verbs.items())
 
@@ -657,6 +687,7 @@ FIGURES: tuple[TableDefinition[Any], ...] = (
         TRIALS,
         PHASES,
         ACTIONS,
+        WIZARDS,
         LATENCIES,
         CUES,
         ENGAGEMENT,

@@ -198,9 +198,11 @@ def _print(
 def verdict(experiment: Experiment, warnings: int) -> str:
     """The last line: how much there is, and how much is wrong with it."""
     actions = sum(len(panel.actions) for panel in experiment.panels)
+    names = experiment.parts
+    parts = f" for {_count(len(names), 'part')} ({', '.join(names)})" if names else ""
     return (
-        f"{_count(actions, 'action')} on {_count(len(experiment.panels), 'panel')}, no errors,"
-        f" {_count(warnings, 'warning')}"
+        f"{_count(actions, 'action')} on {_count(len(experiment.panels), 'panel')}{parts},"
+        f" no errors, {_count(warnings, 'warning')}"
     )
 
 
@@ -208,7 +210,28 @@ def _count(number: int, what: str) -> str:
     return f"{number or 'no'} {what}{'' if number == 1 else 's'}"
 
 
+def _parts(experiment: Experiment) -> dict[str, list[str]]:
+    """Part -> the panels that are for it; an empty one for the rest, if there are parts."""
+    parts = experiment.parts
+    found = {
+        part: [panel.title for panel in experiment.panels if part in panel.parts] for part in parts
+    }
+    rest = [panel.title for panel in experiment.panels if not panel.parts]
+    return {**found, "": rest} if parts and rest else found
+
+
+def _part_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
+    for part, titles in _parts(experiment).items():
+        yield part or "(no part)", ", ".join(titles)
+    covered = {verb for panel in experiment.panels for verb in panel.covers}
+    drives = {verb.name for spec in experiment.drivers for verb in spec.verbs if verb.drives}
+    if uncovered := sorted(drives - covered):
+        yield "(everybody)", f"{', '.join(uncovered)} by hand: no panel `covers` it"
+
+
 def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None:
+    if experiment.parts:
+        _print_section(console, "parts", _subject_rows(_part_lines(experiment)))
     _print_drivers(console, experiment.drivers)
     if experiment.engagement is not None:
         lines = _engagement_lines(experiment, experiment.engagement)
@@ -406,6 +429,7 @@ def _report(
             for assigned in keymap.builtins.values()
         ],
         "notes": list(keymap.warnings),
+        "parts": _parts(experiment),
         "drivers": _drivers(experiment.drivers),
         "engagement": _engagement(experiment, engagement) if engagement else None,
         "study": study_summary.as_json(experiment),

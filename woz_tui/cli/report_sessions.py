@@ -39,6 +39,7 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
             page.console.print(line, no_wrap=True, overflow="crop")
     whole = figures.whole
     page.print(page.block(tables.figures_table(figures)), _actions(page, figures, top))
+    page.print(page.block(tables.wizards(figures)))
     page.print(page.block(tables.commands(figures), top), page.block(tables.cues(figures)))
     page.print(_reaction_bars(page, figures), _press_bars(page, whole))
     page.print(_states(page, figures), _transitions(whole))

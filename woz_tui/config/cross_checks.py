@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from woz_tui.config.actions import ActionDraft, check_actions
 from woz_tui.config.annotated_decoder import values_with_note
 from woz_tui.config.command_remarks import SECRET, hidden_arguments
-from woz_tui.config.experiment import Experiment, FilePosition
+from woz_tui.config.experiment import Experiment, FilePosition, Panel
 from woz_tui.config.keys.keymap import FileKeys, typeable
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.robots import DriverRequests, Robots, VerbOffer
@@ -48,6 +48,31 @@ def check_across(
         check_actions(table["script"], actions)
     for draft in drafts:
         check_actions(draft.entries.get("then"), actions)
+    _parts(experiment, report)
+
+
+def _parts(experiment: Experiment, report: ProblemReport) -> None:
+    """Two parts that differ by one slip of a finger are probably meant as one."""
+    first: dict[str, Panel] = {}
+    for index, panel in enumerate(experiment.panels):
+        for part in panel.parts:
+            like = next((each for each in first if part not in first and _alike(part, each)), None)
+            if like is not None:
+                report.warning_at(
+                    f"panels[{index}].for",
+                    f"the part {quoted(part)} is nearly the part {quoted(like)} of the panel"
+                    f" {quoted(first[like].title)}; they are two parts",
+                )
+            first.setdefault(part, panel)
+
+
+def _alike(one: str, other: str) -> bool:
+    """Whether letters are in another order or case, or one of them is missing or doubled."""
+    short, long = sorted((one.casefold(), other.casefold()), key=len)
+    if len(short) == len(long):
+        return sorted(short) == sorted(long)
+    shorter = (long[:at] + long[at + 1 :] for at, sign in enumerate(long) if sign.isalpha())
+    return short in shorter
 
 
 def _ports(experiment: Experiment, report: ProblemReport) -> None:

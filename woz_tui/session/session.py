@@ -305,7 +305,7 @@ class Session:
 
     def _command_that_would_help(self, action: Action | None, origin: RequestOrigin) -> str:
         """The console's key with which the action could be played; empty: none."""
-        if action is None or self.ended or action.locked or self.locked.get(action.panel, False):
+        if action is None or self.ended or self._why_locked(action):
             return ""
         if self.parts.no_action(action, origin):
             return ""
@@ -317,15 +317,18 @@ class Session:
         action = self.experiment.action(name)
         if action is None:
             return f"there is no action {name!r}"
-        if action.locked:
-            return f"{name!r} is locked"
-        if self.locked.get(action.panel, False):
-            return f"the panel {action.panel!r} is locked{self.phases.why_locked(action.panel)}"
-        if played := self.parts.no_action(action, origin):
-            return played
+        if reason := self._why_locked(action) or self.parts.no_action(action, origin):
+            return reason
         if self.bus.latched and not self.engagement.only_informs_model(action):
             return "the stop is pressed"
         return "" if action in self.experiment.repairs else self.profiles.no_action(action)
+
+    def _why_locked(self, action: Action) -> str:
+        if action.locked:
+            return f"{action.name!r} is locked"
+        if self.locked.get(action.panel, False):
+            return f"the panel {action.panel!r} is locked{self.phases.why_locked(action.panel)}"
+        return ""
 
     def send(
         self,

@@ -267,7 +267,10 @@ def _distributions(figures: SessionFigures) -> Markup | None:
 
 def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
     yield table(tables.figures_table(figures))
-    for each in (tables.trials, tables.phases, tables.settings, tables.cues, tables.actions):
+    for each in (
+        *(tables.trials, tables.phases, tables.settings, tables.cues, tables.wizards),
+        tables.actions,
+    ):
         yield table(each(figures))
     yield table(tables.commands(figures))
     if figures.whole.engagement.states:

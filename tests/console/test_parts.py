@@ -1,0 +1,99 @@
+"""Several wizards on the screen: who plays what, which keys are somebody else's, who did what."""
+
+from __future__ import annotations
+
+import msgspec
+
+from tests.console import scenes
+from tests.console.driving import Sitting, sitting
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+
+NOW = scenes.NOW
+
+
+def there(console: str, part: str, role: str = "wizard") -> m.ConsoleAttached:
+    return m.ConsoleAttached(console=console, role=role, part=part, t=NOW)
+
+
+def welcome(part: str, *others: m.ConsoleAttached, role: str = "wizard") -> r.Welcome:
+    """The guide's session for the console `console1` that plays `part`: speech for the voice,
+    gestures for the body.
+    """
+    state = [*scenes.healthy(), there("console1", part, role), *others]
+    first = scenes.welcome(state=state, role=role)
+    parts = {"Speech": ["voice"], "Gestures": ["body"]}
+    panels = [
+        msgspec.structs.replace(panel, parts=parts.get(panel.title, [])) for panel in first.panels
+    ]
+    return msgspec.structs.replace(first, panels=panels, part=part)
+
+
+def line_with(word: str, seat: Sitting, widget: str = "ActionPanels") -> str:
+    return next(line for line in seat.text(widget).splitlines() if word in line)
+
+
+def locks(seat: Sitting, *actions: str) -> set[str]:
+    """Those of these actions that are marked as locked."""
+    glyph = seat.console.look.glyphs.locked
+    text = seat.text("ActionPanels")
+    return {each for each in actions if f"{glyph} {each}" in text}
+
+
+async def test_the_other_wizards_panel_is_locked_and_says_whose_it_is() -> None:
+    async with sitting(welcome("voice", there("con2", "body")), size=(120, 40)) as seat:
+        assert "body" in line_with("Gestures", seat)
+        assert "voice" not in line_with("Speech", seat)
+        assert locks(seat, "Hello", "Nod", "Happy") == {"Nod"}
+        top = seat.text("StatusLines").splitlines()[0]
+        assert " voice " in top
+        assert "with body" in seat.text("StatusLines")
+        # What the other one plays is seen here, too.
+        await seat.tell(*scenes.played("a1", "Nod", NOW, None))
+        assert "Nod" in seat.text("EventList")
+        assert locks(seat, "Nod") == set()
+
+
+async def test_what_nobody_else_plays_any_more_can_be_played_here() -> None:
+    async with sitting(welcome("voice", there("con2", "body"))) as seat:
+        lost = m.ConsoleLost(console="con2", role="wizard", why="closed", part="body", t=NOW)
+        await seat.tell(lost)
+        assert locks(seat, "Hello", "Nod") == set()
+        assert "body" not in line_with("Gestures", seat)
+        assert "wizard body disconnected" in seat.text("EventList")
+        await seat.tell(there("con5", "body"))
+        assert locks(seat, "Hello", "Nod") == {"Nod"}
+        assert "wizard body attached" in seat.text("EventList")
+
+
+async def test_events_name_the_other_wizard() -> None:
+    async with sitting(welcome("voice", there("con2", "body")), size=(120, 40)) as seat:
+        for run, console, action in (("a1", "con2", "Nod"), ("a2", "console1", "Hello")):
+            asked = m.ActionRequested(run=run, action=action, source="key", console=console, t=NOW)
+            await seat.tell(asked)
+        assert "body" in line_with("Nod", seat, "EventList")
+        assert "voice" not in line_with("Hello", seat, "EventList")
+        assert "body" not in line_with("Hello", seat, "EventList")
+
+
+async def test_who_watches_for_a_part_is_told_when_nobody_plays_it() -> None:
+    voice = there("con2", "voice")
+    first = welcome("voice", voice, there("con3", "body"), role="watcher")
+    async with sitting(first) as seat:
+        assert "WATCHING voice" in seat.text("StatusLines")
+        assert locks(seat, "Hello", "Nod") == set()
+        await seat.tell(m.ConsoleLost(console="con2", role="wizard", why="closed", t=NOW))
+        assert "NOBODY PLAYS voice" in seat.text("StatusLines")
+        assert "Nobody plays voice. End" in seat.text("StopBar")
+        await seat.press("end")
+        assert isinstance(seat.feed.asked[-1], r.AskTakeOver)
+        await seat.tell(there("console1", "voice"))
+        assert "NOBODY PLAYS" not in seat.drawn()
+        assert locks(seat, "Hello", "Nod") == {"Nod"}
+
+
+async def test_one_wizard_sees_nothing_of_parts() -> None:
+    async with sitting(welcome("")) as seat:
+        assert locks(seat, "Hello", "Nod", "Happy") == set()
+        assert not {"voice", "body", "with"} & {*seat.text("ActionPanels").split()}
+        assert "with" not in seat.text("StatusLines").split()

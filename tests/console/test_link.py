@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 from tests.fakes.host import WAIT_S, FakeHost, stops
 from woz_tui.console.host_connection import WAITING_LIMIT, HostConnection
 from woz_tui.console.message_feed import Incoming
+from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Marker, Notice, SessionEnd
 from woz_tui.protocol.requests import (
     AskAction,
@@ -22,6 +24,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Welcome,
 )
+from woz_tui.system import session_sockets
 from woz_tui.system.clock import ManualClock, boot_id
 
 
@@ -286,3 +289,32 @@ def test_a_host_that_never_reads_is_given_up(
         link.ask(AskNote(text="x" * 2000))
     ears.until(lambda: bool(ears.lost))
     host.frozen = False
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_part_that_the_experiment_does_not_have_opens_no_screen(
+    tmp_path: Path, known: bool
+) -> None:
+    path = tmp_path / "host.sock"
+    answer = Pulse(t=1) if known else Reply(ref=1, ok=False, reason="no part", hint="there are a")
+
+    def serve() -> None:
+        connection, _ = listener.accept()
+        asked.append(codec.decode_request(connection.recv(4096).strip()))
+        connection.sendall(codec.encode(answer))
+        with contextlib.suppress(ConnectionError):
+            connection.recv(1)
+
+    asked: list[object] = []
+    with session_sockets.bind(path) as listener:
+        listener.setblocking(True)
+        thread = threading.Thread(target=serve, daemon=True)
+        thread.start()
+        link = HostConnection(path, part="voice")
+        if known:
+            link.connect()
+        else:
+            with pytest.raises(ConnectionError, match="no part: there are a"):
+                link.connect()
+        assert isinstance(asked[0], Hello)
+        assert asked[0].part == "voice"

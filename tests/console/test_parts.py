@@ -76,6 +76,18 @@ async def test_events_name_the_other_wizard() -> None:
         assert "body" not in line_with("Hello", seat, "EventList")
 
 
+async def test_what_is_refused_to_the_other_wizard_is_on_the_list_and_on_no_button() -> None:
+    async with sitting(welcome("voice", there("con2", "body")), size=(120, 40)) as seat:
+        for run, console, action in (("a1", "con2", "Hello"), ("a2", "console1", "Welcome")):
+            await seat.tell(
+                m.ActionRequested(run=run, action=action, source="key", console=console, t=NOW),
+                m.ActionRefused(run=run, action=action, reason="why not", t=NOW),
+            )
+        assert "refused" in line_with("Welcome", seat)
+        assert "refused" not in line_with("Hello", seat)
+        assert "body: why not" in line_with("Hello", seat, "EventList")
+
+
 async def test_who_watches_for_a_part_is_told_when_nobody_plays_it() -> None:
     voice = there("con2", "voice")
     first = welcome("voice", voice, there("con3", "body"), role="watcher")

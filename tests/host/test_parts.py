@@ -171,6 +171,7 @@ async def test_a_line_of_the_script_is_played_by_whose_it_is(tmp_path: Path) -> 
     async with served(tmp_path, made=made) as host:
         voice, body = await wizard(host, "voice"), await wizard(host, "body")
         assert "body (con2)" in (await voice.ask("script"))["reason"]
+        assert not any(isinstance(line, m.ScriptMoved) for line in host.lines), "it has not halted"
         assert (await body.ask("script"))["run"]
         assert (await voice.ask("script"))["ok"]
 

@@ -322,6 +322,7 @@ class ConsoleState:
         self._t, self._local = welcome.t, local_us
         self.welcomed = True
         self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
+        self.runs.console = self.console
         self.variables = tuple(welcome.variables)
         self.settings = welcome.settings
         self.outlines = outlines_of(self.settings.outlines)
@@ -622,9 +623,7 @@ class ConsoleState:
     @property
     def others(self) -> dict[str, str]:
         """The other consoles that play the robot, where several do, each with its part."""
-        wizards = self.session.wizards
-        wizards = wizards if len(wizards) > 1 else {}
-        return {name: part for name, part in wizards.items() if name != self.console}
+        return self.session.other_wizards(self.console)
 
     def played_by(self, panel: PanelView) -> str:
         """Who plays a panel, where several wizards play and this one does not play it."""

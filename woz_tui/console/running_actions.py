@@ -124,10 +124,11 @@ class ActiveRun:
 class RunningActions:
     """All runs under way by id, the last outcome of each action, failures until seen.
 
-    `session` says what is under way; `apply` what has ended.
+    `session` says what is under way; `apply` what has ended. `console`: the name of this one.
     """
 
     session: SessionState
+    console: str = ""
     outcomes: dict[str, RunOutcome] = field(default_factory=dict)
     failures: deque[Failure] = field(default_factory=lambda: deque(maxlen=FAILURES))
     seen: set[str] = field(default_factory=set)
@@ -213,7 +214,8 @@ class RunningActions:
                 case CommandEpisode():
                     found = self._command(episode) or found
                 case ActionEpisode(ended=m.ActionEnd() as ended):
-                    found = self._action(ended, episode.outcome, episode.begin, episode.waits)
+                    by, waits = episode.request.console, episode.waits
+                    found = self._action(ended, episode.outcome, episode.begin, waits, by=by)
                 case MomentEpisode(
                     message=m.ActionEnd() as ended
                 ):  # of a run that began before the log
@@ -221,7 +223,7 @@ class RunningActions:
         return found
 
     def _action(
-        self, ended: m.ActionEnd, outcome: str, begin: int, waits: bool = False
+        self, ended: m.ActionEnd, outcome: str, begin: int, waits: bool = False, *, by: str = ""
     ) -> RunOutcome:
         text = self.utterance(ended.run)
         self._requested_words.pop(ended.run, None)
@@ -231,10 +233,15 @@ class RunningActions:
         if waits and outcome == Word.DONE:
             how, reason = "waits", LATER
         found = RunOutcome(ended.run, how, ended.t, reason, text, begin)
-        self.outcomes[ended.action] = found
+        if outcome != Word.REFUSED or not self._is_another(by):
+            self.outcomes[ended.action] = found
         if outcome == Word.FAILED:
             self._fail(Failure(ended.run, ended.action, what, ended.reason, remedy, begin))
         return found
+
+    def _is_another(self, console: str) -> bool:
+        """Whether it is another wizard's: what was refused to that one is no news on a button."""
+        return console in self.session.other_wizards(self.console)
 
     def _command(self, command: CommandEpisode) -> RunOutcome | None:
         request, ended, run = command.request, command.ended, command.request.run
@@ -244,7 +251,7 @@ class RunningActions:
             if run and text not in said:  # what two robots say together is there once
                 keep_latest(self._utterances, run, f"{said} {text}".strip())
             return None
-        if command.outcome == Word.REFUSED:
+        if command.outcome == Word.REFUSED and not self._is_another(request.console):
             self._refusal = DriverRefusal(
                 request.action, what, ended.reason, ended.remedy, ended.driver
             )

@@ -463,12 +463,19 @@ class Session:
     def _on_message(self, message: m.AnyMessage) -> None:
         """A message of this session: scripts follow the actions."""
         for episode in self.state.apply(message):
-            if isinstance(episode, e.ActionEpisode):
+            if isinstance(episode, e.ActionEpisode) and not self._is_of_another(episode):
                 self.scripts.apply(episode)
         if isinstance(message, m.PhaseChanged):
             self.scripts.phase_began()
         if isinstance(message, m.TrialEnded) and not self.ended:
             self.phases.end()
+
+    def _is_of_another(self, action: e.ActionEpisode) -> bool:
+        """Whether a wizard has just pressed what another one plays: the script hears nothing."""
+        request, found = action.request, self.experiment.action(action.label)
+        if action.end is not None or found is None:
+            return False
+        return bool(self.parts.no_action(found, RequestOrigin(request.source, "", request.console)))
 
     def _has_not_begun(self, run: str) -> bool:
         """Whether a run was asked for and nothing of it has begun."""

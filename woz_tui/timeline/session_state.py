@@ -197,6 +197,12 @@ class SessionState:
         there = self.consoles.values()
         return {each.console: each.part for each in there if each.role == "wizard"}
 
+    def other_wizards(self, console: str) -> dict[str, str]:
+        """`wizards` without this console, where several play; empty: one plays, or nobody."""
+        wizards = self.wizards
+        several = wizards if len(wizards) > 1 else {}
+        return {name: part for name, part in several.items() if name != console}
+
     def open(self) -> Iterator[Episode]:
         """All episodes that have not ended."""
         for part in (self.study, self.model, self.robots):

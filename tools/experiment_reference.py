@@ -73,6 +73,7 @@ EXAMPLES: dict[str, Any] = {
     "session.stale_after": "2 s",
     "panels.locked": True,
     "panels.covers": ["drive", "nudge"],
+    "panels.for": "voice",
     "actions.on": "voice",
     "actions.help": "only for children",
     "actions.locked": True,

@@ -119,6 +119,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "panel": ("", "title of the panel"),
     "panels": ("", "the panels with their actions, as consoles show them"),
     "participant": ("", "participant's code"),
+    "part": ("", "which part of the panels its wizard plays; absent: none in particular"),
     "parts": ("", "driver -> its parts that confirmed the stop: `speech`, `motion` ..."),
     "path": ("", "the file, the home folder as `~`"),
     "planned": ("", "number of planned trials or cues; absent: not set"),

@@ -47,7 +47,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         robot="robots/nao.yaml",
     ),
     m.ClockTie(wall=timestamp(BEGIN)),
-    m.ConsoleAttached(console="con1", role="wizard"),
+    m.ConsoleAttached(console="con1", role="wizard", part="voice"),
     m.DriverConnecting(driver="head", detail="looking for /dev/serial/by-id/usb-U2D2"),
     m.DriverConnected(driver="head", detail="4 servos at 1 Mbit/s"),
     m.RecorderState(level="ok", lag_us=8200, path="2026-03-01T10-00-00_P07_S01.jsonl"),
@@ -217,7 +217,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         unreached=["base"],
     ),
     m.StopReleased(source="key"),
-    m.ConsoleLost(console="con1", role="wizard", why="closed"),
+    m.ConsoleLost(console="con1", role="wizard", why="closed", part="voice"),
     m.Segment(
         log="2026-03-01T10-00-00_P07_S01",
         session="S01",

@@ -295,11 +295,11 @@ _PANELS = [
             ActionView(name="Bye", label="Good bye", locked=True),
         ],
     ),
-    PanelView(title="Drive", actions=[], locked=True),
+    PanelView(title="Drive", actions=[], locked=True, parts=["body"]),
 ]
 
 REQUESTS: tuple[r.AnyRequest, ...] = (
-    r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True),
+    r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True, part="voice"),
     r.Hello(
         ref=2,
         role="program",
@@ -391,6 +391,7 @@ def answers() -> list[r.AnyAnswer]:
             protocol=r.PROTOCOL,
             console="con1",
             role="wizard",
+            part="voice",
             seq=4,
             t=1_100_000,
             title="Museum guide",

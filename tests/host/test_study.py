@@ -113,7 +113,7 @@ def test_a_participant_can_never_play_the_robot(
         assert not reply["ok"]
         assert reply["reason"] == "this console can only answer questionnaires"
         assert host.session.hub.seq == before
-        assert host.host.wizard is None
+        assert not host.host.wizards
 
     hosted(tmp_path, scenario)
 

@@ -19,11 +19,9 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import fcntl
 import os
 import stat
 import threading
-import time
 from collections.abc import Iterable, Iterator
 from datetime import date
 from pathlib import Path
@@ -58,9 +56,8 @@ FILE = "visitors.json"
 _MODE = 0o600
 #: A file longer than this is none of ours, in bytes.
 _LONGEST = 50_000_000
-#: How long a change waits for another process, and how often it looks, in seconds.
+#: How long a change waits for another process, in seconds.
 _PATIENCE = 2.0
-_LOOKS_AFTER = 0.01
 
 _Stamp = tuple[int, int, int] | None
 
@@ -204,7 +201,7 @@ class VisitorStore:
     def _write(self, change: Change | None) -> None:
         """Make the pending changes and this one on what the file holds, and write it."""
         try:
-            with _locked(self.path, self._patience) as path:
+            with files.locked(self.path, self._patience) as path:
                 stored, _ = _read(path)
                 self._was_read = True
                 people, misfits = _made(self._pending, stored)
@@ -221,7 +218,7 @@ class VisitorStore:
 
     def _refresh(self) -> None:
         """Read the file if it is not the one that was read last."""
-        path = _real(self.path)
+        path = files.real(self.path)
         if self._was_read and _stamp(path) == self._stamp:
             return
         try:
@@ -274,11 +271,6 @@ def _read(path: Path) -> tuple[People, _Stamp]:
     return changes.visitors_in(text, str(path)), _stamp_of(about)
 
 
-def _real(path: Path) -> Path:
-    """The file behind any symbolic link; a circle of links stays what it is."""
-    return Path(os.path.realpath(path))
-
-
 def _stamp(path: Path) -> _Stamp:
     try:
         return _stamp_of(path.stat())
@@ -288,39 +280,6 @@ def _stamp(path: Path) -> _Stamp:
 
 def _stamp_of(about: os.stat_result) -> _Stamp:
     return about.st_ino, about.st_mtime_ns, about.st_size
-
-
-@contextlib.contextmanager
-def _locked(path: Path, patience: float) -> Iterator[Path]:
-    """Nobody else writes within the block, which gets the file behind any symbolic link.
-
-    The lock is a file of its own: the store itself is another file after each change.
-    """
-    real = _real(path)
-    if not path.is_symlink():  # else it lies on a disk that is not mounted
-        real.parent.mkdir(parents=True, exist_ok=True)
-    lock = real.with_name(f".{real.name}.lock")
-    ends = time.monotonic() + patience
-    while True:
-        handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, _MODE)
-        try:
-            if _lock(handle, lock):
-                yield real
-                return
-        finally:
-            os.close(handle)
-        if time.monotonic() >= ends:
-            raise TimeoutError(errno.ETIMEDOUT, "another process keeps it locked")
-        time.sleep(_LOOKS_AFTER)
-
-
-def _lock(handle: int, path: Path) -> bool:
-    """Whether this process has the lock now, and it is still the one that others look at."""
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        return os.fstat(handle).st_ino == path.stat().st_ino
-    except (BlockingIOError, FileNotFoundError):
-        return False
 
 
 def _unsaved(path: Path, error: OSError | VisitorFileError) -> UnsavedError:

@@ -6,10 +6,12 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import fcntl
 import glob
 import os
 import secrets
 import stat
+import time
 from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
@@ -75,3 +77,50 @@ def sweep(path: Path) -> None:
     """
     for left in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
         left.unlink(missing_ok=True)
+
+
+# -- several processes and one file ----------------------------------------------------------------
+
+#: How often whoever waits for a lock looks at it, in seconds.
+_LOOKS_AFTER = 0.01
+
+
+def real(path: Path) -> Path:
+    """The file behind any symbolic link; a circle of links stays what it is."""
+    return Path(os.path.realpath(path))
+
+
+@contextlib.contextmanager
+def locked(path: Path, patience: float) -> Iterator[Path]:
+    """Nobody else writes `path` within the block, which gets the file behind any symbolic link.
+
+    The lock is a file of its own, readable for its owner only: the file itself is another one after
+    each change. Its folder is made, unless `path` is a link: then it lies on a disk that is not
+    mounted. Raises `OSError`; `TimeoutError` if another process keeps the lock for `patience`
+    seconds.
+    """
+    target = real(path)
+    if not path.is_symlink():
+        target.parent.mkdir(parents=True, exist_ok=True)
+    lock = target.with_name(f".{target.name}.lock")
+    ends = time.monotonic() + patience
+    while True:
+        handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+        try:
+            if _is_ours(handle, lock):
+                yield target
+                return
+        finally:
+            os.close(handle)
+        if time.monotonic() >= ends:
+            raise TimeoutError(errno.ETIMEDOUT, "another process keeps it locked")
+        time.sleep(_LOOKS_AFTER)
+
+
+def _is_ours(handle: int, path: Path) -> bool:
+    """Whether this process has the lock now, and it is still the one that others look at."""
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return os.fstat(handle).st_ino == path.stat().st_ino
+    except (BlockingIOError, FileNotFoundError):
+        return False

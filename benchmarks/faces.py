@@ -1,4 +1,5 @@
-"""What faces from a camera cost; what is found in pictures that are tilted, small, dark, blurred.
+"""What faces from a camera cost; who is found, and recognised, in pictures that are tilted, small,
+dark, blurred.
 
     python benchmarks/faces.py [--pictures 200] [--quick]
 
@@ -11,10 +12,12 @@ four times as long as one core of a server, which was not measured.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -28,11 +31,14 @@ from tests.peers.face_pictures import (
     CHANGES,
     NOBODY,
     FindingProgram,
+    RecognisingProgram,
     changed,
     crossing,
+    faces_in,
     fitted,
     on_grey,
     opened,
+    whose,
 )
 from tests.peers.places import PEERS
 
@@ -166,6 +172,51 @@ def crossing_row(program: FindingProgram) -> str:
     )
 
 
+def identity_rows(program: FindingProgram, state: Path) -> Iterator[tuple[str, ...]]:
+    """A row for each change: all seven people are learnt from the pictures as they are. Each is a
+    stranger to a store that has the six others.
+    """
+    pictures = {"one": opened(PEER, "astronaut.png"), "six": opened(PEER, "group.jpg")}
+    as_it_is = {key: changed(picture, "as it is") for key, picture in pictures.items()}
+    people = {
+        key: {f"{key}{n}": face for n, face in enumerate(faces_in(program, picture))}
+        for key, picture in as_it_is.items()
+    }
+    names = [name for each in people.values() for name in each]
+    with contextlib.ExitStack() as stack:
+        stores = {
+            absent: stack.enter_context(RecognisingProgram(PEER, state / absent))
+            for absent in ("nobody", *names)
+        }
+        for key, each in people.items():
+            for name, face in each.items():
+                for absent, store in stores.items():
+                    if absent != name:
+                        store.learn(name, as_it_is[key], face)
+        for change in CHANGES:
+            found = [
+                (owner, shown, face)
+                for key, picture in pictures.items()
+                for shown in (changed(picture, change),)
+                for face in faces_in(program, shown)
+                if (owner := whose(face, people[key], change)) is not None
+            ]
+            told = [
+                (owner, *stores["nobody"].identify(shown, face)) for owner, shown, face in found
+            ]
+            right = sum(name == owner for owner, name, _ in told)
+            wrong = sum(name not in ("", owner) for owner, name, _ in told)
+            strange = [stores[owner].identify(shown, face)[1] for owner, shown, face in found]
+            spread = [likeness for *_, likeness in told]
+            yield (
+                change,
+                f"{right} of {len(found)}",
+                str(wrong),
+                f"{min(spread):.2f} to {max(spread):.2f}" if spread else "",
+                f"{max(strange):.2f}" if strange else "",
+            )
+
+
 def main() -> int:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
@@ -184,6 +235,9 @@ def main() -> int:
     with FindingProgram(PEER) as program:
         what = ("", "one person", "group", "distance", "roll, degrees", "gaze changes, degrees")
         table("What is found", what, [*accuracy_rows(program)])
+        with tempfile.TemporaryDirectory() as state:
+            heads = ("", "recognised", "by a wrong name", "likeness", "strangers, highest")
+            table("Who is recognised", heads, [*identity_rows(program, Path(state))])
         print(nobody_row(program))
         print(crossing_row(program))
     return 0

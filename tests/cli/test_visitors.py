@@ -66,7 +66,7 @@ def test_nobody_is_no_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert visitors("list", file=file) == 0
     assert capsys.readouterr().out == f"{file}: nobody (the file does not exist yet)\n"
     assert visitors("list", "--json", file=file) == 0
-    assert json.loads(capsys.readouterr().out) == {"file": str(file), "visitors": []}
+    assert json.loads(capsys.readouterr().out) == {"file": str(file), "visitors": [], "faces": []}
     assert not file.exists()
 
 
@@ -117,7 +117,7 @@ def test_forgetting_with_a_yes(file: Path, capsys: pytest.CaptureFixture[str]) -
     assert "recogniser still has face-7" in told.err
     assert names(file) == ["Bob"]
     assert visitors("forget", "--all", "--yes", "--json", file=file) == 0
-    assert json.loads(capsys.readouterr().out) == {"forgotten": ["Bob"]}
+    assert json.loads(capsys.readouterr().out) == {"forgotten": ["Bob"], "faces": []}
     assert visitors("forget", "--all", "--yes", file=file) == 0
     assert names(file) == []
 

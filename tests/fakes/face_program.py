@@ -2,7 +2,8 @@
 
 `python face_program.py SIZE` answers each picture of SIZE bytes with a line. Nine bytes are a face:
 1, its box in pixels (left, top, right, bottom), its width, yaw and pitch plus 128, and its score in
-percent. Other first bytes are orders: see `ORDERS`.
+percent. Other first bytes are orders: see `ORDERS`. The five points of a face are at fixed places
+of its box.
 """
 
 from __future__ import annotations
@@ -27,7 +28,11 @@ def face(
     return bytes((1, *box, side, yaw + 128, pitch + 128, score))
 
 
-def _faces(picture: bytes) -> Iterator[dict[str, float]]:
+#: Eyes, nose and corners of the mouth in a box, as shares of its sides.
+POINTS = ((0.3, 0.4), (0.7, 0.4), (0.5, 0.6), (0.35, 0.8), (0.65, 0.8))
+
+
+def _faces(picture: bytes) -> Iterator[dict[str, object]]:
     for at in range(0, len(picture), LENGTH):
         if picture[at] != 1:
             return
@@ -41,6 +46,7 @@ def _faces(picture: bytes) -> Iterator[dict[str, float]]:
             "yaw": yaw - 128,
             "pitch": pitch - 128,
             "score": score / 100,
+            "points": [(left + x * (right - left), top + y * (bottom - top)) for x, y in POINTS],
         }
 
 

@@ -1,4 +1,5 @@
-"""Pictures of people that packages bring, others made of them, and the program that finds faces.
+"""Pictures of people that packages bring, others made of them, and the programs that find and
+recognise faces.
 
 `astronaut.png` (scikit-image) has one face that looks into the camera, `group.jpg` (insightface)
 has six. The other pictures of scikit-image have none.
@@ -6,14 +7,23 @@ has six. The other pictures of scikit-image have none.
 
 from __future__ import annotations
 
+import base64
+import cmath
+import json
+import math
+import os
 import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from PIL import Image, ImageEnhance, ImageFilter
-from woz_drivers.faces.face_lines import FacesLine, decoded_line
+from woz_drivers.camera.raw_pictures import PictureLayout
+from woz_drivers.faces.face_geometry import crop_of
+from woz_drivers.faces.face_lines import FacesLine, SeenFace, decoded_line
+from woz_drivers.faces.face_networks import PictureSampler
 from woz_drivers.faces.face_tracks import FaceTrack, FaceTracker
 from woz_drivers.faces.settings import FacesSettings
 
@@ -152,3 +162,85 @@ def settings(
     return FacesSettings(
         command=tuple(command), width=width, height=height, format="rgb24", program=words
     )
+
+
+class RecognisingProgram:
+    """Our program that recognises faces, run by the peer's Python, with a store in `state`."""
+
+    def __init__(self, peer: Path, state: Path) -> None:
+        made = FacesSettings(models=str(peer / "networks"))
+        self._ran = subprocess.Popen(
+            (str(peer / "bin" / "python"), *made.recogniser_words[1:]),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env={**os.environ, "XDG_STATE_HOME": str(state)},
+        )
+        assert json.loads(self._read())["ready"]
+
+    def learn(self, name: str, picture: Image.Image, face: SeenFace) -> dict[str, Any]:
+        """Keep a face under a name."""
+        self._ask(do="take", anew=True, crop=_crop(picture, face))
+        return self._ask(do="learn", name=name, consented="2026-03-01", log="peer")
+
+    def identify(self, picture: Image.Image, face: SeenFace) -> tuple[str, float]:
+        """Whose face it is, empty for a stranger's, and how alike it is to the nearest kept one."""
+        answer = self._ask(do="identify", crop=_crop(picture, face))
+        return str(answer["name"]), float(answer["likeness"])
+
+    def _ask(self, **request: object) -> dict[str, Any]:
+        assert self._ran.stdin is not None
+        self._ran.stdin.write(json.dumps({"id": 1, **request}).encode() + b"\n")
+        self._ran.stdin.flush()
+        answer: dict[str, Any] = json.loads(self._read())
+        return answer
+
+    def _read(self) -> bytes:
+        assert self._ran.stdout is not None
+        return self._ran.stdout.readline()
+
+    def __enter__(self) -> RecognisingProgram:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        self._ran.kill()
+        self._ran.communicate()
+
+
+def _crop(picture: Image.Image, face: SeenFace) -> str:
+    sampler = PictureSampler(PictureLayout(WIDTH, HEIGHT, "rgb24", 3 * WIDTH))
+    sampler.load(np.asarray(picture).tobytes())
+    return base64.b64encode(crop_of(sampler, face.points)).decode()
+
+
+def faces_in(program: FindingProgram, picture: Image.Image) -> list[SeenFace]:
+    """The faces of a picture that can be told apart: with their points, 28 pixels wide or more."""
+    faces = (track.face for track in program.people(picture))
+    return [one for one in faces if one.points and one.width >= 28]
+
+
+def _place(face: SeenFace) -> complex:
+    """The middle of its points: a second box about the same face has the same."""
+    return sum(complex(*one) for one in face.points) / len(face.points)
+
+
+def moved(face: SeenFace, change: str) -> complex:
+    """Where a face of the picture as it is lies in the changed one, in pixels."""
+    degrees, scale, _, _, mirrored = CHANGES[change]
+    centre = complex(WIDTH / 2, HEIGHT / 2)
+    off = _place(face) - centre
+    off = -off.conjugate() if mirrored else off
+    return centre + off * scale * cmath.exp(1j * math.radians(degrees))
+
+
+def whose(face: SeenFace, people: dict[str, SeenFace], change: str) -> str | None:
+    """Which of these people (their faces as it is) a face of the changed picture is."""
+    at = _place(face)
+    name, off = min(
+        ((name, abs(at - moved(one, change))) for name, one in people.items()), key=lambda it: it[1]
+    )
+    return name if off < face.width / 2 else None

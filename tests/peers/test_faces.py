@@ -18,12 +18,15 @@ from tests.peers.face_pictures import (
     NOBODY,
     WIDTH,
     FindingProgram,
+    RecognisingProgram,
     changed,
     crossing,
+    faces_in,
     fitted,
     on_grey,
     opened,
     settings,
+    whose,
 )
 from tests.peers.places import place
 from woz_tui.drivers.contract import Probe
@@ -108,6 +111,38 @@ def test_two_who_cross_keep_their_numbers(program: FindingProgram, peer: Path) -
     assert set(courses) == {1, 2}
     assert set(counts[1:]) == {2}
     assert {course[-1] > course[0] for course in courses.values()} == {True, False}
+
+
+#: Changes that leave enough of a face to recognise it: see docs/explanation/faces.md.
+RECOGNISED = (
+    *("mirrored", "tilted by 15 degrees", "tilted by -30 degrees", "at 1/2 of the size"),
+    *("at half of the brightness", "at a quarter of the brightness", "blurred by 2 pixels"),
+)
+
+
+def test_people_are_recognised_and_strangers_are_not(
+    program: FindingProgram, peer: Path, tmp_path: Path
+) -> None:
+    """Half of the group is learnt. Nobody gets another's name, whatever the change."""
+    group, astronaut = opened(peer, "group.jpg"), opened(peer, "astronaut.png")
+    picture = changed(group, "as it is")
+    people = {f"V{n}": face for n, face in enumerate(faces_in(program, picture), 1)}
+    assert len(people) == 6
+    learnt = ("V1", "V2", "V3")
+    with RecognisingProgram(peer, tmp_path) as recogniser:
+        for name in learnt:
+            assert "refused" not in recogniser.learn(name, picture, people[name])
+        assert "V1" in recogniser.learn("V9", picture, people["V1"])["refused"]
+        assert "another face" in recogniser.learn("V1", picture, people["V2"])["refused"]
+        for change in CHANGES:
+            picture = changed(group, change)
+            for face in faces_in(program, picture):
+                name, _ = recogniser.identify(picture, face)
+                owner = whose(face, people, change)
+                assert name in ("", owner), change
+                assert name == owner or owner not in learnt or change not in RECOGNISED, change
+            alone = changed(astronaut, change)
+            assert all(recogniser.identify(alone, one)[0] == "" for one in faces_in(program, alone))
 
 
 async def test_the_driver_with_the_real_program(peer: Path, tmp_path: Path) -> None:

@@ -16,6 +16,8 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.visitor_names import key_of, quoted_name
 from woz_tui.console.text_console import TextConsole
+from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.face_store import FaceStore, default_path
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import (
     UnsavedError,
@@ -91,6 +93,9 @@ def _run(arguments: Namespace) -> int:
     try:
         command: _Command = arguments.command
         return command(VisitorStore(_path(arguments)), arguments)
+    except DriverError as error:
+        print(f"woz visitors: {error.what}\n{error.remedy}", file=sys.stderr)
+        return 1
     except VisitorsError as error:
         # What could not be written is gone when this process ends.
         unchanged = "\nnothing was changed" if isinstance(error, UnsavedError) else ""
@@ -118,14 +123,18 @@ def _path(arguments: Namespace) -> Path:
 
 def _list(store: VisitorStore, arguments: Namespace) -> int:
     everybody = store.everybody()
+    faces = [one.name for one in FaceStore(default_path()).faces()]
     if arguments.json:
         visitors: list[Json] = [_fields(visitor) for visitor in everybody]
-        _print(arguments, {"file": str(store.path), "visitors": visitors}, "")
+        kept: list[Json] = [*faces]
+        _print(arguments, {"file": str(store.path), "visitors": visitors, "faces": kept}, "")
     elif everybody:
         TextConsole(page=_PAGE).print(_table(everybody))
     else:
         missing = "" if store.path.exists() else " (the file does not exist yet)"
         print(f"{store.path}: nobody{missing}")
+    if faces and not arguments.json:
+        print(f"faces that are recognised on this machine: {', '.join(faces)}")
     return 0
 
 
@@ -149,6 +158,8 @@ def _add(store: VisitorStore, arguments: Namespace) -> int:
 def _rename(store: VisitorStore, arguments: Namespace) -> int:
     before = _find(store, arguments.name)
     after = store.rename(before.name, arguments.new)
+    if key_of(before.name) in {key_of(one.name) for one in FaceStore(default_path()).faces()}:
+        after = store.profile(after.name, label=before.name)  # what the face is called
     _print(arguments, {**_fields(after), "was": before.name}, f"{before.name} is now {after.name}")
     return 0
 
@@ -181,22 +192,36 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
         raise VisitorRefusedError(
             "no visitor is named", "name visitors, or use --all without names"
         )
-    names = arguments.name
-    visitors = store.everybody() if arguments.all else [_find(store, name) for name in names]
+    face_store = FaceStore(default_path())
+    kept = [one.name for one in face_store.faces()]
+    if arguments.all:
+        visitors, faces = store.everybody(), kept
+    else:
+        named = {key_of(name) for name in arguments.name}
+        faces = [face for face in kept if key_of(face) in named]
+        rest = [name for name in arguments.name if key_of(name) not in map(key_of, faces)]
+        visitors = [_find(store, name) for name in rest]
+        visitors += [one for face in faces if (one := store.find(face)) is not None]
     visitors = list(dict.fromkeys(visitors))
-    if visitors and not arguments.yes and not _confirmed(visitors):
+    labels = [label for visitor in visitors for label in visitor.labels]
+    faces += [face for face in kept if key_of(face) in map(key_of, labels) and face not in faces]
+    if (visitors or faces) and not arguments.yes and not _confirmed(visitors, faces):
         print("woz visitors: no visitor was deleted", file=sys.stderr)
         return 1
+    # The face first: if something fails it is the name that is left to try again with.
+    gone = face_store.forget(faces)
     if visitors:
         store.forget(*(visitor.name for visitor in visitors))
     forgotten: list[Json] = [visitor.name for visitor in visitors]
-    text = ", ".join(visitor.name for visitor in visitors) or "nobody"
-    _print(arguments, {"forgotten": forgotten}, f"forgotten: {text}")
-    labels = [label for visitor in visitors for label in visitor.labels]
-    if labels:
-        names = ", ".join(labels)
+    told: list[Json] = [*gone]
+    text = ", ".join(dict.fromkeys([*(visitor.name for visitor in visitors), *gone])) or "nobody"
+    if gone:
+        text += f"; deleted faces: {', '.join(gone)}"
+    _print(arguments, {"forgotten": forgotten, "faces": told}, f"forgotten: {text}")
+    left = [label for label in labels if key_of(label) not in map(key_of, gone)]
+    if left:
         print(
-            f"woz visitors: the face recogniser still has {names}; remove it there too",
+            f"woz visitors: the face recogniser still has {', '.join(left)}; remove it there too",
             file=sys.stderr,
         )
     return 0
@@ -205,7 +230,7 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
 # -- questions and output -------------------------------------------------------------------------
 
 
-def _confirmed(visitors: list[Visitor]) -> bool:
+def _confirmed(visitors: list[Visitor], faces: list[str]) -> bool:
     """Whether the person at the terminal confirms; `VisitorRefusedError` if nobody can be asked."""
     if not sys.stdin.isatty():
         raise VisitorRefusedError(
@@ -213,6 +238,8 @@ def _confirmed(visitors: list[Visitor]) -> bool:
         )
     for visitor in visitors:
         print(f"{visitor.name}: {_meetings(visitor)}", file=sys.stderr)
+    for face in faces:
+        print(f"{face}: a face that is recognised", file=sys.stderr)
     print("Delete for ever? [y/N] ", end="", file=sys.stderr, flush=True)
     return sys.stdin.readline().strip().casefold() in ("y", "yes")
 

@@ -6,9 +6,10 @@ import asyncio
 
 from woz_drivers import child_process
 from woz_drivers.camera.doctor import examine_pictures
-from woz_drivers.faces.face_lines import FacesLine, decoded_line
+from woz_drivers.faces.face_lines import FacesLine, RecogniserAnswer, decoded_line
 from woz_drivers.faces.face_tracks import distance_of
 from woz_drivers.faces.settings import FacesSettings
+from woz_drivers.resident_program import ResidentProgram
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: What the program is called in sentences, and what to do about it.
@@ -22,6 +23,29 @@ _LOOKS, _PATIENCE_S = 4, 20.0
 
 async def examine(probe: Probe) -> list[Finding]:
     """Who is in the first picture and how long that takes, or what is missing. Never raises."""
+    identity = [await _examine_identity(probe)] if probe.settings.identity else []
+    return [*await _examine_faces(probe), *identity]
+
+
+async def _examine_identity(probe: Probe) -> Finding:
+    """Whether the program that recognises faces works, and how many it has kept."""
+    program = ResidentProgram(probe.settings.recogniser_words, probe.folder)
+    try:
+        if await program.load(_PATIENCE_S) is None:
+            raise DriverError(f"{program.program} has not loaded within {_PATIENCE_S:g} s", _HELP)
+        answer = await program.ask({"do": "list"}, RecogniserAnswer, _PATIENCE_S)
+        if answer.refused:
+            raise DriverError(answer.refused, answer.remedy)
+    except DriverError as error:
+        return Finding("error", probe.name, f"nobody is recognised: {error.what}", _HELP)
+    finally:
+        await program.close()
+    count = len(answer.names)
+    kept = "no face is" if not count else "1 face is" if count == 1 else f"{count} faces are"
+    return Finding("ok", probe.name, f"{kept} kept: `woz visitors` lists them")
+
+
+async def _examine_faces(probe: Probe) -> list[Finding]:
 
     async def describe(first: bytes) -> Finding:
         return await _look(probe, first)

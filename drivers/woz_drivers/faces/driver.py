@@ -10,6 +10,7 @@ from typing import Any
 from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_drivers.camera.picture_feed import PictureFeed, PictureMark
 from woz_drivers.faces import doctor
+from woz_drivers.faces.face_identity import EACH_IDENTITY, IDENTITY, FaceIdentity
 from woz_drivers.faces.face_lines import LONGEST, FacesLine, SeenFace, decoded_line
 from woz_drivers.faces.face_tracks import (
     AddressedPerson,
@@ -23,6 +24,7 @@ from woz_drivers.faces.face_tracks import (
 from woz_drivers.faces.feed_camera import FeedCamera
 from woz_drivers.faces.settings import FacesSettings
 from woz_tui.drivers.contract import (
+    LEARN_FACE,
     Argument,
     DeviceLostError,
     DriverContext,
@@ -37,6 +39,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.protocol.messages import Json
 
@@ -51,6 +54,7 @@ _FRESH_US = 150_000
 #: Colours of frames: who is addressed, who looks, everybody else (Okabe and Ito, 2008).
 _GREEN, _YELLOW, _GREY = (0, 158, 115), (240, 228, 66), (200, 200, 200)
 NEXT, RULE = "next", "rule"
+CONSENT = "face_consent"
 
 
 class Faces(PassiveDriver):
@@ -59,7 +63,8 @@ class Faces(PassiveDriver):
     The newest picture is handed to the program when it has answered the one before. Readings are of
     the person who is addressed; those of each face have its number as text. The feed `seen` has the
     middle of the addressed face, for a body that follows it, and the feed `picture` the pictures
-    with frames around the faces, while somebody watches.
+    with frames around the faces, while somebody watches. With `identity` a second program is asked
+    whose faces they are.
     """
 
     Settings = FacesSettings
@@ -86,9 +91,11 @@ class Faces(PassiveDriver):
         self._camera: ByteStream | FeedCamera | None = None
         self._cutter = ChunkCutter(settings.layout.size, self._came)
         self._camera_trouble: DriverError | None = None
-        #: The newest picture that no answer was asked for, and when the asked one was taken.
+        #: The newest picture that no answer was asked for, and the asked one, with when each was
+        #: taken.
         self._waiting: tuple[bytes, int] | None = None
-        self._asked_us: int | None = None
+        self._asked: tuple[bytes, int] | None = None
+        self._identity: FaceIdentity | None = None
         self._finder: ByteStream | None = None
         self._finder_trouble: DriverError | None = None
         self._line = b""
@@ -96,7 +103,7 @@ class Faces(PassiveDriver):
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
         """Of the person who is addressed, and of each face."""
-        return ADDRESSED + EACH
+        return ADDRESSED + EACH + ((IDENTITY, EACH_IDENTITY) if settings.identity else ())
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
@@ -122,6 +129,7 @@ class Faces(PassiveDriver):
                 limit_s=35.0,
             ),
             Verb("address", "whose signs count", (who,), lane="addressed", brief=True),
+            *(_identity_verbs() if settings.identity else ()),
         )
 
     @classmethod
@@ -130,7 +138,7 @@ class Faces(PassiveDriver):
         return await doctor.examine(probe)
 
     async def open(self) -> None:
-        """Start both programs, and again whenever one ends."""
+        """Start its programs, and again whenever one ends."""
         self.context.health(Health.CONNECTING, "starting the camera's command")
         settings, folder, clock = self.settings, self.context.folder, self.context.clock
         eye = StreamListener(self._camera_begun, self._received, self._stale, self._camera_lost)
@@ -156,11 +164,15 @@ class Faces(PassiveDriver):
         )
         self._camera.start()
         self._finder.start()
+        if settings.identity:
+            self._identity = FaceIdentity(settings, self.context)
+            self._identity.start()
 
     async def close(self) -> None:
-        """End both programs."""
-        running = [one for one in (self._camera, self._finder) if one is not None]
-        self._camera = self._finder = None
+        """End its programs."""
+        programs = (self._camera, self._finder, self._identity)
+        running = [one for one in programs if one is not None]
+        self._camera = self._finder = self._identity = None
         await asyncio.gather(*(one.close() for one in running))
 
     # -- the camera ----------------------------------------------------------------------------
@@ -185,31 +197,30 @@ class Faces(PassiveDriver):
     # -- the program that finds faces ----------------------------------------------------------
 
     def _finder_begun(self) -> None:
-        self._line, self._asked_us = b"", None
+        self._line, self._asked = b"", None
 
     def _ask(self) -> None:
         """Hand over the newest picture, if the one before has been answered."""
         finder, waiting = self._finder, self._waiting
-        if finder is None or not finder.running or waiting is None or self._asked_us is not None:
+        if finder is None or not finder.running or waiting is None or self._asked is not None:
             return
-        data, self._asked_us = waiting
-        self._waiting = None
-        finder.write(data)
+        self._asked, self._waiting = waiting, None
+        finder.write(waiting[0])
 
     def _answered(self, data: bytes) -> None:
         *lines, self._line = (self._line + data).split(b"\n")
         if len(self._line) > LONGEST:
             lines, self._line = [self._line], b""
         for line in lines:
-            asked_us, self._asked_us = self._asked_us, None
+            asked, self._asked = self._asked, None
             try:
                 found = decoded_line(line)
             except ValueError as error:
                 what = f"{doctor.FINDER} gives no answer that can be read: {error}"
                 self._finder_lost(DriverError(what, doctor.REMEDY))
             else:
-                if asked_us is not None:
-                    self._look_at(found, asked_us)
+                if asked is not None:
+                    self._look_at(found, *asked)
             self._ask()
 
     def _finder_lost(self, trouble: DriverError) -> None:
@@ -220,6 +231,8 @@ class Faces(PassiveDriver):
         """Nobody knows who is there."""
         self._tracker.forget()
         self._there = []
+        if self._identity is not None:
+            self._identity.forget_tracks()
         self._stale(trouble.what)
         if self._sample is not None and not self._sample.ended.done():
             self._sample.ended.set_exception(DeviceLostError(trouble.what, trouble.remedy))
@@ -228,12 +241,12 @@ class Faces(PassiveDriver):
         self.context.health(health, worst.what, worst.remedy)
 
     def _stale(self, why: str) -> None:
-        for sensor in ADDRESSED:
+        for sensor in (*ADDRESSED, *((IDENTITY,) if self._identity is not None else ())):
             self.context.sensor(sensor, "stale", why)
 
     # -- faces ---------------------------------------------------------------------------------
 
-    def _look_at(self, found: FacesLine, taken_us: int) -> None:
+    def _look_at(self, found: FacesLine, data: bytes, taken_us: int) -> None:
         settings = self.settings
         self._finder_trouble = None
         there = self._tracker.update(found.faces, taken_us)
@@ -247,6 +260,8 @@ class Faces(PassiveDriver):
         fresh = addressed is not None and addressed.seen_us == taken_us
         if self._sample is not None:
             self._sample.add(addressed.face if addressed is not None and fresh else None, taken_us)
+        if self._identity is not None:
+            self._identity.look_at(data, there, addressed, taken_us)
         self._frame += 1
         self._seen.put(self._sighting(addressed, taken_us))
         if self._camera_trouble is None:
@@ -271,6 +286,8 @@ class Faces(PassiveDriver):
         reading = self.context.reading
         reading("presence", float(bool(self._there)))
         reading("people", float(len(self._there)))
+        if self._identity is not None:
+            self._identity.publish(addressed)
         for track in self._there:
             if taken_us - track.seen_us <= _FRESH_US:
                 self._publish_of(track, ".face", str(track.id))
@@ -315,7 +332,18 @@ class Faces(PassiveDriver):
                 return await self._calibrate_distance(job)
             case "address":
                 return self._address(str(job.args["who"]).strip())
+            case "learn_face" | "face_consent" if self._identity is not None:
+                return await self._perform_identity(self._identity, job)
         raise RejectedError(f"a camera does not know {job.verb!r}")
+
+    async def _perform_identity(self, identity: FaceIdentity, job: Job) -> Mapping[str, Json]:
+        name = str(job.args["name"]).strip()
+        if not name:
+            raise RejectedError("a face needs a name", "give a code, such as V7")
+        if job.verb == CONSENT:
+            return await identity.consent(name, given=bool(job.args["given"]))
+        there = [track for track in self._there if track.id == self._addressed.id]
+        return await identity.learn(name, there[0] if there else None)
 
     async def _calibrate_gaze(self, job: Job) -> Mapping[str, Json]:
         gazes = [gaze for face in await self._faces(job) if (gaze := gaze_of(face)) is not None]
@@ -372,6 +400,25 @@ class Faces(PassiveDriver):
             )
         self._addressed.choose(wanted)
         return {"addressed": wanted}
+
+
+def _identity_verbs() -> tuple[Verb, ...]:
+    name = Argument("name", "text", "a code or a pseudonym", required=True)
+    given = Argument("given", "flag", "no: it is withdrawn, what is kept is deleted", default=True)
+    return (
+        Verb(
+            CONSENT,
+            "the participant has said whether their face may be recognised",
+            (name, given),
+            lane="consent",
+        ),
+        common_verb(
+            LEARN_FACE,
+            "recognise the addressed face by this name from now on, if they consented",
+            lane="identity",
+            limit_s=40.0,
+        ),
+    )
 
 
 def _number(text: str) -> int | None:

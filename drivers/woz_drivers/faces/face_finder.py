@@ -22,7 +22,7 @@ import msgspec
 
 from woz_drivers.camera.raw_pictures import FORMATS, PictureLayout
 from woz_drivers.faces import models
-from woz_drivers.faces.face_geometry import pose_of
+from woz_drivers.faces.face_geometry import points_of, pose_of
 from woz_drivers.faces.face_lines import FacesLine, SeenFace
 from woz_drivers.faces.face_networks import (
     FaceNetworks,
@@ -37,6 +37,7 @@ def seen(face: FoundFace) -> SeenFace:
     """A face as it is told."""
     pose = pose_of(face)
     left, top, right, bottom = (round(float(one), 1) for one in face.box.box)
+    points = [] if face.mesh is None else points_of(face.mesh)
     return SeenFace(
         left=left,
         top=top,
@@ -48,6 +49,7 @@ def seen(face: FoundFace) -> SeenFace:
         pitch=_rounded(pose.pitch),
         roll=_rounded(pose.roll),
         eyes_yaw=round(pose.eyes_yaw, 2),
+        points=[(round(x, 1), round(y, 1)) for x, y in points],
     )
 
 

@@ -7,19 +7,27 @@ about none; what the points of every face lean by themselves is taken away by ca
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from woz_drivers.faces.face_networks import Floats, FoundBox, FoundFace
+from woz_drivers.faces.face_networks import Floats, FoundBox, FoundFace, PictureSampler
 
 #: Points of the mesh: the sides of the face before the ears (left one in the picture first), the
 #: top of the forehead, the chin.
 _SIDES, _TOP, _CHIN = (234, 454), 10, 152
 #: Outer and inner corner of the eye that is left in the picture, inner and outer of the other one.
 _CORNERS = ((33, 133), (362, 263))
+#: The tip of the nose, the corners of the mouth (left one in the picture first).
+_NOSE, _MOUTH = 1, (61, 291)
 #: An eye is so many times as wide between its corners as the eyeball's radius (30 mm by 12 mm).
 _EYE_BY_RADIUS = 2.5
+#: Pixels a side of a crop.
+CROP_SIDE = 112
+#: Where the eyes (left one in the picture first), the tip of the nose and the corners of the mouth
+#: are in a crop, in pixels: those of ArcFace (Deng et al., 2019), with which SFace was trained.
+CROP_PLACES = ((38.29, 51.70), (73.53, 51.50), (56.03, 71.74), (41.55, 92.37), (70.73, 92.20))
 #: A box of the detection is so many times as wide as that, measured on faces from the front.
 _BOX_BY_FACE = 1.12
 
@@ -50,6 +58,14 @@ def pose_of(face: FoundFace) -> FacePose:
     roll = float(np.degrees(tilt))
     eyes_yaw = 0.0 if face.irises is None else _eyes_yaw(face.mesh, face.irises)
     return FacePose(width, yaw, pitch, roll, eyes_yaw)
+
+
+def points_of(mesh: Floats) -> list[tuple[float, float]]:
+    """The middles of both eyes (left one in the picture first), the tip of the nose and the corners
+    of the mouth, in pixels.
+    """
+    eyes = [(mesh[first, :2] + mesh[last, :2]) / 2 for first, last in _CORNERS]
+    return [(float(x), float(y)) for x, y in (*eyes, mesh[_NOSE, :2], *mesh[list(_MOUTH), :2])]
 
 
 def _box_width(box: FoundBox) -> float:
@@ -84,3 +100,18 @@ def _eyes_yaw(mesh: Floats, irises: Floats) -> float:
         offset = float((iris - (first + last) / 2) @ across) / width**2
         turned.append(np.arcsin(np.clip(offset * _EYE_BY_RADIUS, -1.0, 1.0)))
     return float(np.degrees(np.mean(turned)))
+
+
+def crop_of(sampler: PictureSampler, points: Sequence[tuple[float, float]]) -> bytes:
+    """A face as the recogniser wants it: turned, scaled and moved so that its five points lie as
+    near as can be to `CROP_PLACES`; each pixel is the mean of four.
+    """
+    wanted, found = (np.array([complex(x, y) for x, y in one]) for one in (CROP_PLACES, points))
+    middle, place = wanted.mean(), found.mean()
+    # Least squares: a complex factor turns and scales.
+    factor = np.vdot(wanted - middle, found - place) / np.vdot(wanted - middle, wanted - middle)
+    steps = (np.arange(2 * CROP_SIDE) + 0.5) / 2 - 0.5
+    at = factor * (steps[None, :] + 1j * steps[:, None] - middle) + place
+    colours = sampler.at(at.real.astype(np.float32), at.imag.astype(np.float32))
+    pixels: Floats = colours.reshape(CROP_SIDE, 2, CROP_SIDE, 2, 3).mean(axis=(1, 3))
+    return np.rint(pixels * 255).astype(np.uint8).tobytes()

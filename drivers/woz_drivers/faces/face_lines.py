@@ -1,4 +1,4 @@
-"""The lines that a program writes which finds faces: one JSON object for each picture."""
+"""The lines of the programs that find faces (a JSON object for each picture) and recognise them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated
 import msgspec
 
 _Angle = Annotated[float, msgspec.Meta(ge=-180.0, le=180.0)]
+_Pixels = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 
 
 class SeenFace(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -15,6 +16,8 @@ class SeenFace(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     `left` ... `bottom`: its box in pixels. `width`: of the face itself between its sides, in
     pixels. Angles in degrees: yaw to the right of the picture, pitch down, roll clockwise, of the
     head; `eyes_yaw` of the eyes in it. Without yaw and pitch nobody knows where it looks.
+    `points`: column and row of both eyes (left one in the picture first), the tip of the nose and
+    both corners of the mouth. Without them nobody knows whose it is.
     """
 
     left: float
@@ -27,6 +30,7 @@ class SeenFace(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     pitch: _Angle | None = None
     roll: _Angle | None = None
     eyes_yaw: _Angle = 0.0
+    points: Annotated[list[tuple[_Pixels, _Pixels]], msgspec.Meta(max_length=5)] = []
 
 
 class FacesLine(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -34,6 +38,16 @@ class FacesLine(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     faces: list[SeenFace]
     ms: float = 0.0
+
+
+class RecogniserAnswer(msgspec.Struct, frozen=True):
+    """What the program that recognises faces answers: see `face_recogniser`."""
+
+    name: str = ""
+    likeness: float = 0.0
+    names: list[str] = []
+    refused: str = ""
+    remedy: str = ""
 
 
 #: Longer lines are no answers, in bytes.

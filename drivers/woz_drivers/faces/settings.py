@@ -58,6 +58,16 @@ class FacesSettings(PictureSource):
         str | tuple[str, ...],
         Doc("program that finds faces in raw pictures from stdin; default: ours"),
     ] = ""
+    identity: Annotated[
+        bool, Doc("recognise people who have consented (extra `faces-identity`)")
+    ] = False
+    alike: Annotated[
+        float, Range(0.1, 0.95), Doc("faces so alike or more are one person's (cosine)")
+    ] = 0.45
+    recogniser: Annotated[
+        str | tuple[str, ...],
+        Doc("program that recognises faces, with a store of its own; default: ours"),
+    ] = ""
 
     def problems(self) -> list[tuple[str, str]]:
         """What is wrong between settings: pairs of a setting's name and a sentence."""
@@ -65,7 +75,9 @@ class FacesSettings(PictureSource):
         found = PictureSource.problems(self)
         if self.camera and (self.command or self.device):
             found.append(("camera", "pictures come from it: leave command and device out"))
-        return found + command_lines.problems(self.program, "program")
+        for name in ("program", "recogniser"):
+            found += command_lines.problems(getattr(self, name), name)
+        return found
 
     @property
     def pixels(self) -> str:
@@ -97,6 +109,16 @@ class FacesSettings(PictureSource):
             *(("--far",) if self.far else ()),
             *(("--mirror",) if self.mirror else ()),
             *(("--flip",) if self.flip else ()),
+        )
+
+    @property
+    def recogniser_words(self) -> tuple[str, ...]:
+        """The program that recognises faces. Raises `DriverError` if it is none."""
+        if self.recogniser:
+            return command_lines.split(self.recogniser, "recogniser")
+        return (
+            *(sys.executable, "-P", "-m", "woz_drivers.faces.face_recogniser"),
+            *("--models", str(self.models_folder), "--alike", str(self.alike)),
         )
 
     @property

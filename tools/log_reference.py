@@ -12,6 +12,8 @@ from woz_tui.protocol.messages import AnyMessage, Message
 
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
 FIELDS: dict[str, tuple[str, str]] = {
+    "chosen": ("", "by what: `rule`, or the wizard's `hand`"),
+    "face": ("", "number of a face before a camera; absent: nobody's"),
     "about": ("", "data of the visitor: `age_group`, `address`; absent: nothing"),
     "actions": ("", "name of each action -> its steps: see the line's description"),
     "action": ("", "name of the action in the experiment file"),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from woz_tui.analysis.figures import PeopleRow
+from woz_tui.analysis.figures import AddressedRow, PeopleRow
 from woz_tui.analysis.people_times import PeopleTimes
-from woz_tui.protocol.messages import Reading
+from woz_tui.protocol.messages import AddressedChanged, Marker, Reading
 
 
 def rows(*readings: tuple[float, float | None], sensor: str = "people") -> list[PeopleRow]:
@@ -30,3 +30,20 @@ def test_time_without_readings_is_nobodys() -> None:
 def test_robots_have_their_own_times_and_other_sensors_none() -> None:
     assert rows((0, 1), (1, 1), sensor="left.people") == [PeopleRow("left.people", 1, 1_000_000)]
     assert rows((0, 1), (1, 1), sensor="people.rate") == []
+
+
+def test_each_face_has_its_time_by_the_rule_and_by_hand_until_the_log_ends() -> None:
+    times = PeopleTimes()
+    courses: list[tuple[float, int | None, str]] = [
+        *((0, 1, "rule"), (4, 2, "hand"), (5, 2, "rule"), (7, None, "rule"), (9, 1, "rule"))
+    ]
+    for seconds, face, chosen in courses:
+        at = round(seconds * 1e6)
+        times.add(AddressedChanged(t=at, driver="eye", face=face, chosen=chosen))
+    times.add(Reading(t=5_000_000, driver="eye", sensor="identity.face", value=2.0, text="V3"))
+    times.add(Reading(t=6_000_000, driver="eye", sensor="identity.face", value=1.0, text=""))
+    times.add(Marker(t=10_000_000, text="end"))
+    assert [*times.addressed_rows()] == [
+        AddressedRow("eye", 1, "", 5_000_000, 0),
+        AddressedRow("eye", 2, "V3", 2_000_000, 1_000_000),
+    ]

@@ -231,6 +231,7 @@ def _afternoon() -> list[m.AnyMessage]:
         m.MotionInterrupted(command="c00002", driver="head", reason="stop pressed"),
         m.CommandMark(command="c00001", driver="voice", sort="word", text="Hello"),
         m.ActionScheduled(run="r4", action="Nod", at=60_000_000),
+        m.AddressedChanged(driver="eye", face=2, chosen="hand"),
         *COURSE,
         m.ConsoleLost(console="k1", role="wizard", why="left"),
     ]

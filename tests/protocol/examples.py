@@ -277,6 +277,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.CommandMark(command="c00017", driver="head", sort="stroke"),
     m.Marker(text="onset", source="program", at=71_249_000, console="con2"),
     m.ActionScheduled(run="a00018", action="Hello", at=74_000_000),
+    m.AddressedChanged(driver="eye", face=2, chosen="hand"),
 )
 
 _PANELS = [

@@ -305,6 +305,19 @@ class PeopleRow:
     us: int
 
 
+@dataclass(frozen=True, slots=True)
+class AddressedRow:
+    """For how long the robot addressed a face that `driver` saw, chosen by the rule and by hand, in
+    microseconds. `name`: whose it was, if that was recognised.
+    """
+
+    driver: str
+    face: int
+    name: str
+    rule_us: int
+    hand_us: int
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SessionFigures:
     """All figures of one session.
@@ -315,7 +328,7 @@ class SessionFigures:
     instead of the file's own. `participants` are those who
     took part (see `people`); `participant` names them, or all codes if nobody did. `unanswered` are
     titles of questionnaires that were due and neither answered nor declined, and after which trial.
-    `people` is empty unless samples were read.
+    `people` and `addressed` are empty unless samples were read.
     """
 
     path: str
@@ -368,6 +381,7 @@ class SessionFigures:
     redacted: bool = False
     unanswered: tuple[str, ...] = ()
     people: tuple[PeopleRow, ...] = ()
+    addressed: tuple[AddressedRow, ...] = ()
 
     @property
     def differences(self) -> list[SettingRow]:

@@ -274,6 +274,36 @@ def people(figures: SessionFigures) -> ReportTable:
     return ReportTable("People", ("Sensor", "People", "Time", "Share"), rows)
 
 
+#: So many people who were addressed are listed, the longest ones.
+_ADDRESSED = 20
+
+
+def addressed(figures: SessionFigures) -> ReportTable:
+    """Who was addressed for how long, those with most of the time first."""
+    rows = sorted(figures.addressed, key=lambda row: -row.rule_us - row.hand_us)
+    whole = sum(row.rule_us + row.hand_us for row in rows)
+    lines = [
+        (
+            LogText(row.driver),
+            str(row.face),
+            LogText(row.name),
+            *_addressed_times(row.rule_us, row.hand_us, whole),
+        )
+        for row in rows[:_ADDRESSED]
+    ]
+    if rest := rows[_ADDRESSED:]:
+        rule_us, hand_us = sum(row.rule_us for row in rest), sum(row.hand_us for row in rest)
+        times = _addressed_times(rule_us, hand_us, whole)
+        lines.append((LogText(""), f"{len(rest)} others", LogText(""), *times))
+    heads = ("Sensor", "Face", "Name", "By rule", "By hand", "Share")
+    return ReportTable("Addressed", heads, lines)
+
+
+def _addressed_times(rule_us: int, hand_us: int, whole_us: int) -> tuple[str, str, str]:
+    share = (rule_us + hand_us) / whole_us if whole_us else None
+    return clock(rule_us), clock(hand_us), percent(share)
+
+
 def trials(figures: SessionFigures) -> ReportTable:
     """Trials, in their order."""
     rows = [

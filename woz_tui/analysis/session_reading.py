@@ -116,7 +116,8 @@ class ReportExtras:
     Attributes:
         timeline: Its lanes.
         curves: Also curves of sensors, for which all samples are read.
-        people: For how long how many people were there; all samples are read for that, too.
+        people: For how long how many people were there, and who of them was addressed; all samples
+            are read for that, too.
         verified: Checksums and the numbers of all lines, samples too.
     """
 
@@ -177,8 +178,8 @@ def _read_report(
             continue
         some = True
         lines += not is_sample(message)
+        people.add(message)
         if is_sample(message):
-            people.add(message)
             curves.add(message)  # a session lasts from its first to its last line of actions
         else:
             timeline.apply(message)
@@ -193,7 +194,7 @@ def _read_report(
     drawing = None
     if extras.timeline or extras.curves:
         drawing = drawing_of(timeline, curves if extras.curves else None)
-    found_people = tuple(people.rows())
-    return SessionReport(
-        replace(figures, wholeness=integrity, lines=lines, people=found_people), drawing
-    )
+    if samples:
+        addressed = tuple(people.addressed_rows())
+        figures = replace(figures, people=tuple(people.rows()), addressed=addressed)
+    return SessionReport(replace(figures, wholeness=integrity, lines=lines), drawing)

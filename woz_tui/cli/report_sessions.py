@@ -43,7 +43,7 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
     page.print(page.block(tables.commands(figures), top), page.block(tables.cues(figures)))
     page.print(_reaction_bars(page, figures), _press_bars(page, whole))
     page.print(_states(page, figures), _transitions(whole))
-    for table in (tables.people, tables.trials, tables.phases):
+    for table in (tables.people, tables.addressed, tables.trials, tables.phases):
         page.print(page.block(table(figures)))
     page.print(page.block(tables.settings(figures), top))
     for table in (tables.stops, tables.answers):

@@ -364,6 +364,13 @@ def _visitor(message: m.VisitorChanged, shown: EventContext) -> EventLine:
     return EventLine("info", f"Visitor {message.visitor} {what}".rstrip(), about)
 
 
+def _addressed(message: m.AddressedChanged, shown: EventContext) -> EventLine:
+    if message.face is None:
+        return EventLine("info", "Nobody is addressed")
+    by = "by hand" if message.chosen == "hand" else ""
+    return EventLine("info", f"Face {message.face} is addressed", by)
+
+
 def _marker(message: m.Marker, shown: EventContext) -> EventLine:
     _, coder, name = message.source.partition("coder ")
     detail = ", ".join(filter(None, (message.text, _other(message.console, shown))))
@@ -448,6 +455,7 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.SpeechEnded: _speech,
     m.SpeechText: _transcript_line,
     m.VisitorChanged: _visitor,
+    m.AddressedChanged: _addressed,
     m.Marker: _marker,
     m.Note: _note,
     m.Mistake: _mistake,

@@ -367,6 +367,16 @@ class SettingsShown(Shown, frozen=True, kw_only=True, tag="settings.shown"):
     conflicts: list[str] = []
 
 
+class AddressedChanged(Shown, frozen=True, kw_only=True, tag="addressed.changed"):
+    """Of several people before a camera somebody else is addressed: whose signs count.
+
+    `face` is the number of the face, null while nobody is; `chosen` by rule or by hand.
+    """
+
+    face: int | None = None
+    chosen: str = "rule"
+
+
 # -- the visitor ----------------------------------------------------------------------------------
 
 
@@ -675,6 +685,7 @@ AnyMessage = (
     | BodyChanged
     | ControlsMoved
     | SettingsShown
+    | AddressedChanged
     | Marker
     | Note
     | Mistake

@@ -688,6 +688,7 @@ _SHOWN_WITH: Mapping[type[m.Message], str] = {
     m.EngagementShown: "engagement",
     m.EngagementChanged: "engagement",
     m.VisitorChanged: "identity",
+    m.AddressedChanged: "presence",
     m.SpeechStarted: "loudness",
     m.SpeechText: "transcript",
     m.FaceShown: "face",

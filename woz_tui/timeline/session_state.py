@@ -114,6 +114,7 @@ class SessionState:
     faces: dict[str, m.FaceShown] = field(default_factory=dict)
     bodies: dict[str, m.BodyChanged] = field(default_factory=dict)
     controls: dict[str, m.ControlsMoved] = field(default_factory=dict)
+    addressed: dict[str, m.AddressedChanged] = field(default_factory=dict)
     speaking: dict[tuple[str, int], UtteranceEpisode] = field(default_factory=dict)
     filled: m.ActionsFilled | None = None
     scripts: dict[str, m.ScriptMoved] = field(default_factory=dict)
@@ -673,6 +674,7 @@ CASES: dict[type[m.Message], _Case] = {
     m.FaceShown: _last_of("faces", "driver"),
     m.BodyChanged: _last_of("bodies", "driver"),
     m.ControlsMoved: S._controls,
+    m.AddressedChanged: _as_moment(_last_of("addressed", "driver")),
     m.SettingsShown: lambda state, message: state.robots.show(message, state.t),
     m.ScriptMoved: _as_moment(_last_of("scripts", "phase")),
     m.PhaseChanged: S._phase,

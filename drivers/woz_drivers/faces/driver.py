@@ -41,7 +41,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.motion.body_feeds import SEEN, Sighting
-from woz_tui.protocol.messages import Json
+from woz_tui.protocol.messages import AddressedChanged, Json
 
 #: Of the person who is addressed, and of everybody: the text of these is the number of the face.
 ADDRESSED = ("presence", "people", "addressed", "gaze", "distance", "direction")
@@ -84,6 +84,7 @@ class Faces(PassiveDriver):
         self._tracker = FaceTracker(settings.hold)
         self._addressed = AddressedPerson()
         self._there: list[FaceTrack] = []
+        self._told = AddressedChanged()
         self._frame = 0
         #: When the next readings are due.
         self._due_us = 0
@@ -231,6 +232,7 @@ class Faces(PassiveDriver):
         """Nobody knows who is there."""
         self._tracker.forget()
         self._there = []
+        self._tell_addressed(None)
         if self._identity is not None:
             self._identity.forget_tracks()
         self._stale(trouble.what)
@@ -257,6 +259,7 @@ class Faces(PassiveDriver):
                 track.direction = direction_of(track.face, settings.width, settings.focal)
         self._there = there
         addressed = self._addressed.update(there, taken_us)
+        self._tell_addressed(None if addressed is None else addressed.id)
         fresh = addressed is not None and addressed.seen_us == taken_us
         if self._sample is not None:
             self._sample.add(addressed.face if addressed is not None and fresh else None, taken_us)
@@ -269,6 +272,14 @@ class Faces(PassiveDriver):
             for sensor in ADDRESSED:
                 self.context.sensor(sensor, "ok")
             self._publish(addressed, taken_us)
+
+    def _tell_addressed(self, face: int | None) -> None:
+        """An event, but only on a change: readings may be left out of a log, and are not events."""
+        by_hand = face is not None and self._addressed.by_hand
+        told = AddressedChanged(face=face, chosen="hand" if by_hand else "rule")
+        if told != self._told:
+            self._told = told
+            self.context.show(told)
 
     def _sighting(self, addressed: FaceTrack | None, taken_us: int) -> Sighting:
         if addressed is None:

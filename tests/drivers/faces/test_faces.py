@@ -24,7 +24,14 @@ from tests.fakes.offspring import offspring
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Probe, RejectedError
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture
-from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverLost, Notice, Reading
+from woz_tui.protocol.messages import (
+    AddressedChanged,
+    DriverConnected,
+    DriverFaulted,
+    DriverLost,
+    Notice,
+    Reading,
+)
 from woz_tui.system.clock import ManualClock
 from woz_tui.testing import Device, DriverTests, PlainJob, contract_checks
 
@@ -90,6 +97,18 @@ async def test_the_wizard_steps_through_people_and_gives_the_choice_back(opened:
     assert await (await desk.perform("address", who="rule")) == {"addressed": "rule"}
     await desk.show(NEAR, FAR, times=12)
     assert desk.last("addressed") == 1
+
+
+async def test_each_change_of_who_is_addressed_is_an_event(opened: Opens) -> None:
+    desk = await opened()
+    await desk.show(NEAR, FAR, times=5)
+    await (await desk.perform("address", who="next"))
+    await desk.show(NEAR, FAR, times=2)
+    desk.pipe.unplug()
+    await desk.heard.first(DriverLost)
+    assert [(one.face, one.chosen) for one in desk.heard.all(AddressedChanged)] == [
+        *((1, "rule"), (2, "hand"), (None, "rule"))
+    ]
 
 
 @pytest.mark.parametrize("who", ["7", "somebody", "-1"])

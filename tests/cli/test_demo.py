@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
+import sys
+from pathlib import Path
 
 import pytest
+from woz_drivers.microphone import voice_detection
 
+from tests.drivers.heard import until
 from woz_tui.cli import demo
+from woz_tui.cli import run as run_command
 from woz_tui.config.bundled_files import bundled_file, robot_files
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import SessionIdentity
+from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 
 @pytest.mark.parametrize("robot", demo.DEMOS)
@@ -51,17 +62,83 @@ def test_the_same_file_runs_on_every_robot(name: str, robot: str) -> None:
         assert sorted({*done, *left_out}) == sorted({call.verb for call in before.calls})
 
 
-def test_a_camera_is_for_the_demo_of_the_engagement_model(
+@pytest.mark.parametrize(
+    ("options", "drivers"),
+    [
+        (("--camera",), ["simulated", "faces"]),
+        (("--microphone",), ["simulated", "microphone"]),
+        (("--camera", "--microphone"), ["simulated", "faces", "microphone"]),
+    ],
+)
+def test_camera_and_microphone_are_for_the_demo_of_the_engagement_model(
+    options: tuple[str, ...],
+    drivers: list[str],
     capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     parser = argparse.ArgumentParser()
     demo.add(parser)
-    assert demo.run(parser.parse_args(["--robot", "pepper", "--camera"])) == 2
-    assert "--robot guide" in capsys.readouterr().err
-    file = bundled_file(demo.DEMOS[demo.WITH_CAMERA][0])
+    assert demo.run(parser.parse_args(["--robot", "pepper", *options])) == 2
+    assert f"{options[0]} is for --robot guide" in capsys.readouterr().err
+    played: list[list[str]] = []
+
+    def play(arguments: argparse.Namespace, experiment: Path, robot: str) -> int:
+        played.append([one.type for one in load(experiment, installed(), robot=robot).drivers])
+        return 0
+
+    monkeypatch.setattr(run_command, "play", play)
+    assert demo.run(parser.parse_args(list(options))) == 0
+    assert played == [drivers]
+
+
+SPEAKS = f"""#!{sys.executable} -S
+import sys, time
+quiet, loud = bytes(640), bytes((0, 32, 0, 224) * 160)
+for n in range(3000):  # a minute
+    sys.stdout.buffer.write(loud if n % 100 > 60 else quiet)
+    sys.stdout.flush()
+    time.sleep(0.02)
+"""
+MISSING = "#!/bin/sh\necho 'audio open error: No such file or directory' >&2\nexit 1\n"
+
+
+@pytest.mark.parametrize(
+    ("script", "kind", "says"),
+    [(SPEAKS, m.SpeechEnded, ""), (MISSING, m.DriverLost, "audio open error")],
+)
+async def test_the_machines_microphone_is_heard_and_its_lack_is_a_sentence(
+    script: str,
+    kind: type[m.Message],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By an `arecord` of ours, on a machine without the package that tells voices."""
+    monkeypatch.setattr(voice_detection, "PACKAGE", "no_such_package")
+    (tmp_path / "arecord").write_text(script)
+    (tmp_path / "arecord").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    file = bundled_file(demo.DEMOS[demo.WITH_REAL][0])
     assert file is not None
-    experiment = load(file, installed(), robot=demo.CAMERA)
-    assert [driver.type for driver in experiment.drivers] == ["simulated", "faces"]
+    experiment = load(file, installed(), robot=demo.REAL[False, True])
+    recorder = Recorder(tmp_path / "recordings", "demo", RealClock(), spill=tmp_path / "more")
+    session = Session(
+        experiment,
+        installed(),
+        SessionIdentity(participant="G01", condition="alone"),
+        recorder,
+        RealClock(),
+    )
+    heard: list[m.AnyMessage] = []
+    session.hub.listen(heard.append)
+    await session.open()
+    try:
+        await until(lambda: any(isinstance(one, kind) for one in heard))
+    finally:
+        await session.close("test")
+    found = next(one for one in heard if isinstance(one, kind))
+    assert says in getattr(found, "detail", "")
+    assert says == "" or getattr(found, "remedy", ""), "and what to do"
 
 
 def test_an_example_that_is_not_installed_is_none() -> None:

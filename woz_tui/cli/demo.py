@@ -22,8 +22,13 @@ DEMOS: dict[str, tuple[str, str, str]] = {
 
 
 DEFAULT = "simulated"
-#: With which robot `--camera` plays the demo of the engagement model.
-CAMERA, WITH_CAMERA = "simulated-camera", "guide"
+#: With which robot the demo of the engagement model is played with `--camera` and `--microphone`.
+REAL = {
+    (True, False): "simulated-camera",
+    (False, True): "simulated-microphone",
+    (True, True): "simulated-camera-microphone",
+}
+WITH_REAL = "guide"
 #: What else a robot is called by.
 NAMES = {"ros": "turtlebot"}
 
@@ -47,6 +52,12 @@ def add(parser: ArgumentParser) -> None:
         help="with --robot guide: the visitor is you, before the camera /dev/video0"
         " (needs the extra `faces`: docs/how-to/faces.md)",
     )
+    parser.add_argument(
+        "--microphone",
+        action="store_true",
+        help="with --robot guide: it hears you, by the machine's microphone (needs arecord;"
+        " docs/how-to/faces.md); without --camera your keys tell what it would see",
+    )
     add_session(parser)
     add_part(parser)
     add_keymap(parser)
@@ -63,8 +74,10 @@ def run(arguments: Namespace) -> int:
     """Play a demo experiment that comes with woz-tui."""
     wanted: str = NAMES.get(arguments.robot, arguments.robot)
     other = other_robots()
-    if arguments.camera and wanted not in (WITH_CAMERA, DEFAULT):
-        print(f"woz: --camera is for --robot {WITH_CAMERA}", file=sys.stderr)
+    real = REAL.get((arguments.camera, arguments.microphone), "")
+    if real and wanted not in (WITH_REAL, DEFAULT):
+        option = "--camera" if arguments.camera else "--microphone"
+        print(f"woz: {option} is for --robot {WITH_REAL}", file=sys.stderr)
         return 2
     if wanted not in DEMOS and wanted not in other:
         from woz_tui.config.problems import hint  # noqa: PLC0415 - only for this sentence
@@ -72,8 +85,8 @@ def run(arguments: Namespace) -> int:
         near = hint(wanted, [*DEMOS, *other]) or f"; there are {', '.join([*DEMOS, *other])}"
         print(f"woz: there is no demo of the robot {wanted!r}{near}", file=sys.stderr)
         return 2
-    if arguments.camera:
-        wanted = WITH_CAMERA
+    if real:
+        wanted = WITH_REAL
     name, condition, participant = DEMOS.get(wanted, DEMOS[DEFAULT])
     experiment = bundled_file(name)
     if experiment is None:
@@ -81,5 +94,5 @@ def run(arguments: Namespace) -> int:
         return 1
     arguments.condition = arguments.condition or condition
     arguments.participant = arguments.participant or participant
-    robot = CAMERA if arguments.camera else "" if wanted in DEMOS else wanted
+    robot = real or ("" if wanted in DEMOS else wanted)
     return run_command.play(arguments, experiment, robot)

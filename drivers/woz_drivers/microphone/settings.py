@@ -33,8 +33,11 @@ class MicrophoneSettings(Section):
     threshold: Annotated[float, Range(0, 1), Doc("louder than this RMS is speech")] = 0.02
     speech: Annotated[
         str,
-        OneOf(("loud", "voice")),
-        Doc("what counts as speech: loud sound, or loud sound with a voice in it (an extra)"),
+        OneOf(("loud", "voice", "voice-or-loud")),
+        Doc(
+            "what counts as speech: loud sound, or loud sound with a voice in it (an extra), or"
+            " that where the extra is there"
+        ),
     ] = "loud"
     onset: Annotated[
         float, Seconds(0, 2), Doc("time above the threshold that counts as speech")
@@ -90,7 +93,7 @@ class MicrophoneSettings(Section):
             found.append(
                 ("speech", "`voice` needs a package: pip install 'woz-tui[voice-detection]'")
             )
-        if self.speech == "voice" and self.rate % voice_detection.MODEL_RATE:
+        if self.detects_voices and self.rate % voice_detection.MODEL_RATE:
             found.append(("rate", "must be 16000, 32000 or 48000 where `speech` is `voice`"))
         if self.pre_roll + self.onset + 2 * BLOCK_S > self.longest:
             found.append(("longest", "must be longer than pre_roll and onset together"))
@@ -117,6 +120,12 @@ class MicrophoneSettings(Section):
         except DriverError as error:
             return [("transcribe", f"{error.what}; {error.remedy}")]
         return [("transcribe", "must contain {file}, the place of the sound file")]
+
+    @property
+    def detects_voices(self) -> bool:
+        """Whether loud sound counts only with a voice in it."""
+        wanted = self.speech != "loud"
+        return wanted and (self.speech == "voice" or voice_detection.installed())
 
     @property
     def transcriber(self) -> tuple[str, ...]:
@@ -152,7 +161,7 @@ class MicrophoneSettings(Section):
             self.silent_after,
             self.pre_roll,
             self.longest,
-            self.rate if self.speech == "voice" else 0,
+            self.rate if self.detects_voices else 0,
         )
 
     def samples(self, block: bytes) -> pcm_audio.Samples:

@@ -43,6 +43,22 @@ def test_figures_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
     assert {goal["what"] for goal in found["goals"]} >= {"staying", "nobody", "turning away"}
 
 
+def test_bursts_of_errors_as_a_table_and_for_programs(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("NO_COLOR", "1")
+    code, out, _ = bench(capsys, "--bursts", "5", "--runs", "1")
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 80
+    assert "5 % of the time" in out
+    code, out, _ = bench(capsys, "--bursts", "5", "--runs", "1", "--json")
+    found = json.loads(out)
+    assert (code, found["wrong"]) == (0, 0.05)
+    assert {line["seconds"] for line in found["bursts"]} >= {0.0, 0.5, 2.0}
+    assert {line["filter"] for line in found["bursts"]} == {"none", "published", "joint"}
+
+
 def test_the_plot_is_a_picture(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = tmp_path / "delay.svg"
     assert bench(capsys, "--plot", str(file))[0] == 0

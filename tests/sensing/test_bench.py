@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from woz_tui.config.engagement import EngagementSettings, JointSettings, SignSettings
 from woz_tui.sensing.bench.bench_figures import (
+    BURSTS,
     SOON,
     STABLE,
     BenchConditions,
@@ -30,15 +31,18 @@ from woz_tui.sensing.bench.bench_figures import (
     measure,
     queues,
     steady,
+    swept,
     takes,
     windows,
 )
 from woz_tui.sensing.bench.bench_scenes import CALM, SCENES, STAYING, SceneRun, played
 from woz_tui.sensing.bench.sensor_errors import (
+    CAMERA,
     TABLE_1,
     VISIBLE,
     WINDOWS,
     WITH_FILTERS,
+    ErrorEpisodes,
     ErrorModel,
     fitted,
     interval,
@@ -242,3 +246,34 @@ def test_a_goal_that_few_runs_cannot_tell_is_open() -> None:
     late = Goal("x", 0.68, 0.67, 0)
     assert (late.met, late.open) == (False, False)
     assert Goal("x", 0.6749, 0.67, 0).met
+
+
+# -- bursts of errors ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seconds", BURSTS)
+def test_however_long_bursts_are_the_share_of_wrong_time_is_the_same(seconds: float) -> None:
+    errors = ErrorModel(wrong=0.1, episode=seconds, shape=1e6)
+    samples = [
+        (row, trial.during(row, CALM + 0.1 * n))
+        for seed in range(40)
+        for trial in (ErrorEpisodes(errors, random.Random(seed), CALM + 60.0, CALM),)
+        for row in TABLE_1
+        for n in range(600)
+    ]
+    for row in TABLE_1:
+        wrong = [errs for which, errs in samples if which == row]
+        share = 0.1 if row in CAMERA else 0.0
+        assert sum(wrong) / len(wrong) == pytest.approx(share, abs=0.02)
+
+
+def test_single_errors_are_forgiven_and_long_bursts_are_not() -> None:
+    """The unfiltered sign is lost the more often the shorter the bursts are, since there are more
+    of them; filters forgive short ones.
+    """
+    lines = [*swept(EngagementSettings(), 0.05, 8, SEED, (0.0, 1.0, 2.0))]
+    lost = {(line.candidate.key, line.seconds): line.lost for line in lines}
+    assert lost["none", 0.0] > lost["none", 1.0] > lost["none", 2.0] > 0
+    for key in ("published", "joint"):
+        assert lost[key, 0.0] < 30 < lost[key, 1.0]
+    assert all(line.changes["arriving"].seconds for line in lines)

@@ -6,7 +6,7 @@ import json
 import math
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from html import escape
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from woz_tui.console.text_console import TextConsole
-    from woz_tui.sensing.bench.bench_figures import BenchReport, FilterFigures
+    from woz_tui.sensing.bench.bench_figures import BenchReport, BurstLine, FilterFigures
 
 #: Most runs of a scene that may be asked for.
 MOST_RUNS = 100_000
@@ -43,6 +43,12 @@ def add_options(parser: ArgumentParser) -> None:
         help="runs of each scene (200)",
     )
     bench.add_argument("--seed", type=int, metavar="N", help="seed of the random numbers (2022)")
+    bench.add_argument(
+        "--bursts",
+        type=number(0.1, 50),
+        metavar="PERCENT",
+        help="instead: a camera's detectors err in so much of the time, in bursts of 0 to 2 s",
+    )
     bench.add_argument("--plot", type=Path, metavar="FILE.svg", help="draw delay and stability")
     bench.add_argument("--json", action="store_true", help="figures for programs")
 
@@ -51,7 +57,14 @@ def run(arguments: Namespace, settings: EngagementSettings) -> int:
     """Measure and show it; 0 whatever comes out, 1 if the plot cannot be written, 2 for settings
     that its scenes cannot measure.
     """
-    from woz_tui.sensing.bench.bench_figures import RUNS, SEED, as_json, measure  # noqa: PLC0415
+    from woz_tui.sensing.bench.bench_figures import (  # noqa: PLC0415
+        RUNS,
+        SEED,
+        as_json,
+        bursts_as_json,
+        measure,
+        swept,
+    )
 
     unfit = _unfit(settings)
     if unfit:
@@ -59,6 +72,17 @@ def run(arguments: Namespace, settings: EngagementSettings) -> int:
         return 2
     runs = RUNS if arguments.runs is None else arguments.runs
     seed = SEED if arguments.seed is None else arguments.seed
+    if arguments.bursts is not None:
+        wrong = arguments.bursts / 100.0
+        with _waiting(runs):
+            lines = [*swept(settings, wrong, runs, seed)]
+        if arguments.json:
+            print(
+                json.dumps({"seed": seed, "runs": runs, **bursts_as_json(lines, wrong)}, indent=1)
+            )
+        else:
+            _show_bursts(lines, wrong, settings.rate, runs)
+        return 0
     if arguments.plot is not None:
         arguments.plot.open("a").close()  # whatever is wrong with the path is wrong before it all
     with _waiting(runs):
@@ -117,6 +141,34 @@ def _show(report: BenchReport) -> None:
         console.print(table(report, console))
         if note:
             console.print(note, style="dim")
+
+
+_ABOUT_BURSTS = (
+    "Errors of a made-up detector, not of people: it is wrong about who is there, and by itself"
+    " about the gaze, in the same share of the time throughout. A burst lasts an exponentially"
+    " distributed time with this mean; 0: each sample for itself. Lost: an engaged visitor who"
+    " stays; false: somebody engaged with nobody there. Delays: median and 95 % of the runs, in"
+    " seconds."
+)
+
+
+def _show_bursts(lines: Sequence[BurstLine], wrong: float, rate: float, runs: int) -> None:
+    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
+
+    title = f"{100 * wrong:g} % of the time wrong, {rate:g} samples a second, {runs} runs"
+    columns = ["bursts (s)", "filter", "lost/h", "false/h", "arriving", "leaving", "turns"]
+    table = _plain_table(title, columns)
+    before = None
+    for line in lines:
+        cells = [f"{_time(found.median)} {_time(found.most)}" for found in line.changes.values()]
+        table.add_row(
+            f"{line.seconds:g}" if line.seconds != before else "",
+            *(line.candidate.label, f"{line.lost:.0f}", f"{line.ghosts:.0f}", *cells),
+        )
+        before = line.seconds
+    console = TextConsole()
+    console.print(table)
+    console.print(_ABOUT_BURSTS, style="dim")
 
 
 _ABOUT_TABLE = (

@@ -108,7 +108,7 @@ class FaceIdentity:
 
     def _program_moved(self, state: str, why: str, remedy: str) -> None:
         self._ready = state == "ready"
-        if not self._ready:
+        if state == "lost":
             self._context.sensor(IDENTITY, "stale", why)
         if state == "lost" and why != self._trouble:
             self._context.notice("warning", f"nobody is recognised: {why}", REMEDY)

@@ -219,7 +219,7 @@ def steady(candidate: Candidate, films: Sequence[SceneRun], engaged: bool) -> St
     return Steady(len(films), turns.count(0), sum(turns), seconds)
 
 
-def _turns(candidate: Candidate, film: SceneRun, engaged: bool) -> int:
+def _turns(candidate: Candidate, film: SceneRun, engaged: bool, *, every: bool = False) -> int:
     bank = candidate.made()
     turns = 0
     right = True
@@ -228,7 +228,7 @@ def _turns(candidate: Candidate, film: SceneRun, engaged: bool) -> int:
         if row.t >= CALM * 1e6:
             was, right = right, bank.engaged == engaged
             turns += was and not right
-            if turns and engaged:
+            if turns and engaged and not every:
                 break
     return turns
 
@@ -485,6 +485,79 @@ def _two(world: BenchConditions, glance: float, runs: int, seed: int) -> Iterato
     films = _films(world, runs, seed, names)
     for candidate in (queues(8, world.near, key="published"), joint(world.near, glance)):
         yield measured(candidate, films)
+
+
+#: Mean lengths of the bursts of the sweep, in seconds; 0: each sample errs or not for itself.
+BURSTS = (0.0, 0.1, 0.25, 0.5, 1.0, 1.5, 2.0)
+
+
+@dataclass(frozen=True, slots=True)
+class BurstLine:
+    """What bursts of errors of this mean length (seconds) do to a filter.
+
+    `lost`: how often an engaged visitor is lost by an error, in an hour; `ghosts`: how often
+    somebody is engaged with nobody there. `changes`: delays by scene.
+    """
+
+    seconds: float
+    candidate: Candidate
+    lost: float
+    ghosts: float
+    changes: dict[str, Delays]
+
+
+def swept(
+    settings: EngagementSettings,
+    wrong: float,
+    runs: int = RUNS,
+    seed: int = SEED,
+    bursts: Sequence[float] = BURSTS,
+) -> Iterator[BurstLine]:
+    """The same share of wrong time (0 to 1) of a camera's detectors, in longer and longer bursts.
+    All trials are alike in it.
+    """
+    near, rate = settings.social_distance, settings.rate
+    filters = (
+        queues(1, near, key="none", label="none"),
+        queues(8, near, key="published", label="fifo 8"),
+        joint(near, settings.joint.glance),
+    )
+    for seconds in bursts:
+        errors = ErrorModel(wrong=wrong, episode=seconds, shape=1e6)
+        world = BenchConditions(errors, near=near, rate=rate)
+        films = _films(world, runs, seed, ("staying", "nobody", *_BURST_CHANGES))
+        for candidate in filters:
+            lost, ghosts = (
+                3600.0
+                * sum(_turns(candidate, film, engaged, every=True) for film in films[name])
+                / sum(film.rows[-1].t / 1e6 - CALM for film in films[name])
+                for name, engaged in (("staying", True), ("nobody", False))
+            )
+            changes = {
+                name: delays(candidate, films[name], CHANGES[name]) for name in _BURST_CHANGES
+            }
+            yield BurstLine(seconds, candidate, lost, ghosts, changes)
+
+
+_BURST_CHANGES = ("arriving", "leaving", "turning away")
+
+
+def bursts_as_json(lines: Iterable[BurstLine], wrong: float) -> dict[str, object]:
+    """The sweep for programs, in the units of `as_json`."""
+    found = [
+        {
+            "seconds": line.seconds,
+            "filter": line.candidate.key,
+            "lost_per_hour": round(line.lost, 1),
+            "false_per_hour": round(line.ghosts, 1),
+            "delay": {
+                name: {"median": _number(each.median), "p95": _number(each.most)}
+                for name, each in line.changes.items()
+            },
+        }
+        for line in lines
+    ]
+    return {"wrong": wrong, "bursts": found}
 
 
 def _goals(joint_one: FilterFigures) -> Iterator[Goal]:

@@ -44,17 +44,26 @@ EPISODE = 0.25
 VISIBLE = {"people": 0.0036, "face": 0.0061, "gaze": 0.0266, "distance": 0.0014}
 
 
+#: Rows whose errors are those of a camera's detectors.
+CAMERA = ("people", "gaze")
+#: An episode that goes on when the calm ends has begun so many mean lengths before at most.
+_BEFORE = 8.0
+
+
 @dataclass(frozen=True, slots=True)
 class ErrorModel:
     """The model: visible episodes per second at 3 Hz by row of the table; their mean length in
     seconds; `times` multiplies all rates. `shape` is that of the gamma distribution of the factor
     by which trials differ, with mean 1: the smaller, the more a few trials have most of the errors.
+    `wrong`: instead of `visible`, the share of the time in which a camera's detector of people
+    errs, and that of gaze by itself; with an `episode` of 0 s each sample errs or not for itself.
     """
 
     visible: Mapping[str, float] = field(default_factory=lambda: dict(VISIBLE))
     episode: float = EPISODE
     times: float = 1.0
     shape: float = 1.0
+    wrong: float = 0.0
 
     def right(self, row: str, seconds: float) -> float:
         """Chance that an unfiltered sign stays right for so long, sampled at 3 Hz."""
@@ -62,6 +71,9 @@ class ErrorModel:
 
     def rate(self, row: str) -> float:
         """Real episodes per second that are a sign's own, for an average trial."""
+        if self.wrong:
+            # Episodes may overlap: this is how many leave so large a share without one.
+            return -math.log1p(-self.wrong) / self.episode if row in CAMERA else 0.0
         shared = 0.0 if row in ("people", "distance") else self.visible["people"]
         return self.times * (self.visible[row] - shared) / self._share_seen()
 
@@ -79,15 +91,30 @@ class ErrorEpisodes:
     ) -> None:
         """Before `calm` seconds nothing errs, so that every trial begins alike."""
         self.factor = chance.gammavariate(errors.shape, 1.0 / errors.shape)
+        self._chance, self._calm = chance, calm
+        #: Share of the samples that err by themselves, and those that were looked at.
+        self._single = errors.wrong if not errors.episode else 0.0
+        self._singles: dict[tuple[str, float], bool] = {}
+        before = _BEFORE * errors.episode if errors.wrong else 0.0
         self._episodes = {
-            row: list(
-                _episodes(chance, self.factor * errors.rate(row), errors.episode, calm, until)
-            )
+            row: []
+            if self._single
+            else [
+                (max(begin, calm), end)
+                for begin, end in _episodes(
+                    chance, self.factor * errors.rate(row), errors.episode, calm - before, until
+                )
+                if end > calm
+            ]
             for row in TABLE_1
         }
 
     def during(self, row: str, at: float) -> bool:
         """Whether an episode of its own is going on."""
+        if self._single and row in CAMERA and at >= self._calm:
+            if (row, at) not in self._singles:
+                self._singles[row, at] = self._chance.random() < self._single
+            return self._singles[row, at]
         return any(begin <= at < end for begin, end in self._episodes[row])
 
 

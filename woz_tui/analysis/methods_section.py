@@ -38,6 +38,8 @@ _SOURCES = {
     "script": "by the script",
     "palette": "from the palette",
     "midi": "on a MIDI panel",
+    "gamepad": "on a gamepad",
+    "stream-deck": "on a Stream Deck",
     "program": "by a program",
     "phase": "with a phase",
     "engagement": "by the engagement model itself",

@@ -36,6 +36,7 @@ COMMANDS = {
     "design": "show the order of conditions: used so far, and next",
     "doctor": "check this machine, its devices and this terminal for an experiment",
     "midi": "learn the controls of a MIDI panel, or show their functions",
+    "hands": "play with a gamepad or a Stream Deck, also over ssh",
     "render": "compute the setpoints and the face of a body, as lines or curves",
     "visitors": "named visitors: list, show, add, rename, forget, profile",
     "modes": "show which inputs each mode accepts",

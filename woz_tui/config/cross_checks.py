@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from woz_tui.config.actions import ActionDraft, check_actions
 from woz_tui.config.annotated_decoder import values_with_note
 from woz_tui.config.command_remarks import SECRET, hidden_arguments
-from woz_tui.config.experiment import Experiment, FilePosition, Panel
-from woz_tui.config.keys.keymap import FileKeys, typeable
+from woz_tui.config.experiment import Action, Experiment, FilePosition, Panel
+from woz_tui.config.keys.keymap import FileKeys, actions_on, typeable
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.robots import DriverRequests, Robots, VerbOffer
 from woz_tui.config.yaml_cursor import Cursor, check_different, texts_of
@@ -126,16 +126,21 @@ class _Requestable:
 
     robots: Robots
     own: Mapping[str, VerbOffer]
-    actions: Collection[str]
+    actions: Mapping[str, Action]
+    layout: str
 
 
 def check_asks(
-    robots: Robots, own: Mapping[str, VerbOffer], actions: Collection[str], report: ProblemReport
+    robots: Robots,
+    own: Mapping[str, VerbOffer],
+    actions: Mapping[str, Action],
+    layout: str,
+    report: ProblemReport,
 ) -> None:
     """Report what nobody could carry out. What stands in no file of the user is only warned of."""
     if robots.incomplete:
         return
-    known = _Requestable(robots, own, actions)
+    known = _Requestable(robots, own, actions, layout)
     for asking in robots.asking:
         for path, ask in asking.asks:
             offers = _offers(ask, asking, known) if ask.what == "verb" else ()
@@ -167,6 +172,8 @@ def _wrong(
     if ask.what == "action" and ask.name not in known.actions:
         near = report.hint(ask.name, known.actions, or_list="actions are")
         yield f"there is no action {quoted(ask.name)}{near}"
+    if ask.what == "key" and not actions_on(ask.name, known.actions.values(), known.layout):
+        yield f"no action has the key {quoted(ask.name)}"
     if ask.what != "verb":
         return
     if len(offers) == 1:

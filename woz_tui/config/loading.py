@@ -168,7 +168,7 @@ class _ExperimentDecoder:
         )
         with self._report.lenient(another is not None):
             check_shown(table.get("sensors"), _published(playing), section is not None)
-            check_asks(playing, vocabulary.own, actions, self._report)
+            check_asks(playing, vocabulary.own, actions, file.keyboard, self._report)
             if engagement is not None:
                 check_engagement(engagement, playing, panels.drafts, self._report)
         cross_checks.check_across(experiment, table, panels.drafts, self._report)

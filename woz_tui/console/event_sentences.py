@@ -25,6 +25,8 @@ _SOURCES = {
     "script": "script",
     "palette": "found",
     "midi": "panel",
+    "gamepad": "gamepad",
+    "stream-deck": "deck",
     "program": "program",
     "phase": "phase",
     "engagement": "robot",

@@ -148,10 +148,13 @@ class Health(enum.Enum):
 class Ask:
     """What a driver asks of the session: for the hand on its knobs, or for a move with sounds.
 
-    `what` is verb, action, stop, release, script or mark; `name` the verb, the action, the mark.
-    `on` names a driver of the same robot. `source` and `key` go into the log: whose hand it was,
-    and the control it lay on. `when_busy` (queue, replace, refuse; empty: queue) says what a verb
-    does while another one of its lane is under way.
+    `what` is verb, action, key, stop, release, script, mark, cancel or halt; `name` the verb, the
+    action, the key of the experiment's panels (`h`, `f13`), the mark. `cancel` cuts the last verb
+    short that was asked for with the same `key`, `halt` ends whatever drives through the room;
+    their `name` says why. `on` names a driver of the same robot. `source` and `key` go into the
+    log: whose hand it was, and the control it lay on. `when_busy` (queue, replace, refuse; empty:
+    queue) says what a verb does while another one of its lane is under way. `age_us`: how long ago
+    the hand moved, where the driver knows it; too old, it is refused like a key press.
     """
 
     what: str
@@ -161,6 +164,29 @@ class Ask:
     source: str = "driver"
     key: str = ""
     when_busy: str = ""
+    age_us: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class HandInput:
+    """What a hand does at a panel's controls, from a program that reads them (`woz hands`).
+
+    Attributes:
+        client: The connection it came over.
+        values: All controls that are not at rest: a button 1, a trigger 0 to 1, a stick's axis -1
+            (left, down) to 1. What is not named has been let go.
+        device: What lies under the hand; empty: it was unplugged; None: as before.
+        take_over: Whether the hand of another client loses the panel.
+        age_us: How long ago the hand moved, at most.
+        stale: Whether that is too long ago to move anything.
+    """
+
+    client: str
+    values: Mapping[str, float] = field(default_factory=dict)
+    device: str | None = None
+    take_over: bool = False
+    age_us: int = 0
+    stale: bool = False
 
 
 class DriverContext(Protocol):
@@ -476,6 +502,16 @@ class Driver(Performer):
         its own, after everything was found to be right.
         """
         return []
+
+    def take_hand(self, hand: HandInput) -> None:
+        """A hand moved controls that lie in front of this driver. Return at once.
+
+        Raises `RejectedError`, in a sentence, if this cannot be taken; then nothing of it counts.
+        """
+        raise RejectedError(f"{self.name} has no controls", "name a driver of the type hands")
+
+    def lose_hand(self, client: str) -> None:
+        """The connection `client` has ended, and with it whatever it held."""
 
     async def rest(self) -> None:
         """Take the safe pose in which the robot may be left alone. Cancelled by the stop."""

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from woz_tui.config.experiment import Call, Experiment, ExperimentError
 from woz_tui.config.reload_changes import compare
-from woz_tui.drivers.contract import Finding
+from woz_tui.drivers.contract import Finding, HandInput
 from woz_tui.host.client_connection import ClientConnection
 from woz_tui.host.picture_service import PictureService
 from woz_tui.host.sound_service import SoundService
@@ -35,6 +35,7 @@ from woz_tui.protocol.requests import (
     AskAssign,
     AskCancel,
     AskCheck,
+    AskControls,
     AskDescribe,
     AskEmptyQueue,
     AskEnd,
@@ -201,6 +202,8 @@ class RequestHandlers:
                 run = self._script(client, request, stale)
             case AskRelease(source=source):
                 session.release(source, stale)
+            case AskControls():
+                self._hand(client, request)
             case _ if stale and (undone := _undone(request)):
                 session.refuse(undone, stale)
             case AskCancel(run=ended):
@@ -316,6 +319,21 @@ class RequestHandlers:
             raise RequestError("predict needs either an action or a verb")
         plain: Json = msgspec.to_builtins(prediction)
         return plain
+
+    def _hand(self, client: ClientConnection, request: AskControls) -> None:
+        session = self._session
+        age_us = session.standstill.waited_us(request.sent_us)
+        if request.pulse:  # a pulse that went there, and what came back: no older than both ways
+            age_us = max(age_us, session.hub.now() - request.pulse - request.since_us)
+        hand = HandInput(
+            client=client.name,
+            values=request.values,
+            device=request.device,
+            take_over=request.take_over,
+            age_us=age_us,
+            stale=bool(session.too_old(age_us)),
+        )
+        session.take_hand(request.panel, hand)
 
     def _stale(self, request: AnyRequest) -> str:
         """Why it is too old to move anything; its time in the socket counts."""

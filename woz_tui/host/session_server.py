@@ -368,6 +368,7 @@ class SessionServer:
             return
         self._clients.remove(client)
         if not self.session.ended:
+            self.session.lose_hands(client.name)
             self.session.hub.publish(
                 m.ConsoleLost(console=client.name, role=client.role, why=why, part=client.part)
             )

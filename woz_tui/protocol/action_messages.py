@@ -13,15 +13,18 @@ from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
 SIGNALS = frozenset({"eyes", "screen", "sound"})
 #: Sources of what a hand asks for, or a program in its place; `phase` is what begins with a phase
 #: that a hand chose. A body that asks for the sound of a move is none.
-HANDS = frozenset({"key", "script", "palette", "midi", "program", "phase"})
+HANDS = frozenset(
+    {"key", "script", "palette", "midi", "gamepad", "stream-deck", "program", "phase"}
+)
 
 
 class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"):
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
-    `source` is key, script, palette, midi, program, phase, engagement or replay; `console` names
-    the connection it came over. `run` ties the action's commands and its end together. `without`:
-    verbs, and arguments such as `play.speed`, that this robot does not do of it.
+    `source` is key, script, palette, midi, gamepad, stream-deck, program, phase, engagement or
+    replay; `console` names the connection it came over. `run` ties the action's commands and its
+    end together. `without`: verbs, and arguments such as `play.speed`, that this robot does not do
+    of it.
     """
 
     run: str
@@ -90,12 +93,14 @@ class Command(RestrictedMessage, frozen=True, kw_only=True, tag="command.request
 
     @property
     def passing(self) -> bool:
-        """A panel's knob on its way, also in a re-run, or what a robot shows of the engagement
-        model by itself: logged, but worth no line of its own.
+        """A panel's knob or stick on its way, also in a re-run, or what a robot shows of the
+        engagement model by itself: logged, but worth no line of its own.
         """
         if self.source == "engagement":
             return not self.run and self.verb in SIGNALS
-        return self.source in ("midi", "replay") and self.verb == "control"
+        if self.source == "gamepad" and "stick" in self.key:
+            return True
+        return self.source in ("midi", "gamepad", "replay") and self.verb == "control"
 
 
 class FilledCall(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -101,6 +101,28 @@ class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
     at: int = 0
 
 
+class AskControls(Request, frozen=True, kw_only=True, tag="controls"):
+    """What a hand does at the controls of the panel `panel`, a driver of the type `hands`.
+
+    `values`: all controls that are not at rest, a button 1, a trigger 0 to 1, a stick's axis -1
+    (left, down) to 1; what is not named has been let go. While anything is held it has to be said
+    again within the panel's `hold` (seconds, in its outline), or counts as let go.
+    `device`: what lies under the hand; empty: it was unplugged; null: as before. `take_over`: the
+    hand of another client loses the panel.
+
+    `pulse` is `t` of the last `pulse` or `welcome` that the client had when the hand moved, and
+    `since_us` the microseconds from then to the movement: with both the host knows how old it is
+    at most, also where the clocks are two.
+    """
+
+    panel: str
+    values: dict[str, float] = {}
+    device: str | None = None
+    take_over: bool = False
+    pulse: int = 0
+    since_us: int = 0
+
+
 class AskStop(Request, frozen=True, kw_only=True, tag="stop"):
     """Stop everything, now."""
 
@@ -354,6 +376,7 @@ AnyRequest = (
     Hello
     | AskAction
     | AskVerb
+    | AskControls
     | AskStop
     | AskRelease
     | AskScript

@@ -17,8 +17,9 @@ import msgspec
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call, Experiment, Phase
+from woz_tui.config.keys.keymap import actions_on
 from woz_tui.drivers.argument_check import ArgumentError, checked
-from woz_tui.drivers.contract import Ask, Driver, Performer
+from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
@@ -186,6 +187,8 @@ class Session:
         )
         self.hub.listen(self.repairs.on_message)
         robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
+        #: The last command of each control of a panel, by driver and control.
+        self._held: dict[tuple[str, str], str] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
 
@@ -416,7 +419,8 @@ class Session:
 
     def _old(self, ask: Ask) -> str:
         """Why a hand's ask is too old: a driver reads late what waited while nobody read."""
-        return self.too_old(self.standstill.age_us()) if is_by_hand(ask) else ""
+        age_us = max(self.standstill.age_us(), ask.age_us)
+        return self.too_old(age_us) if is_by_hand(ask) else ""
 
     def too_old(self, age_us: int) -> str:
         """Why a press of this age is not played; empty if it may be."""
@@ -560,6 +564,8 @@ class Session:
         match ask.what:
             case "action":
                 self.play(ask.name, origin, stale=self._old(ask))
+            case "key":
+                self.play(self._action_on(ask.name), origin, stale=self._old(ask))
             case "script":
                 self.script_next(origin, self._old(ask))
             case "stop":
@@ -568,6 +574,10 @@ class Session:
                 self.release(origin.source, self._old(ask))
             case "mark":
                 self.mark(ask.name, origin.source)
+            case "cancel":
+                self.runner.cancel(self._held.pop((origin.console, ask.key), ""), ask.name)
+            case "halt":
+                self.bus.halt_driving(ask.name)
             case _:
                 raise RequestError(f"a driver cannot ask for {ask.what!r}")
 
@@ -583,9 +593,35 @@ class Session:
             done(isinstance(end, m.Done), end.reason)
 
         origin = RequestOrigin(ask.source, ask.key, driver)
-        self.runner.send(call, origin, ask.when_busy or "queue", refusal, ended)
+        sent = self.runner.send(call, origin, ask.when_busy or "queue", refusal, ended)
+        if ask.key:
+            self._held[driver, ask.key] = sent.command
         if refusal is not None:
             done(False, refusal.reason)
+
+    def _action_on(self, key: str) -> str:
+        """The action that the key `key` plays now: of several the one that is in front."""
+        found = actions_on(key, self.experiment.actions, self.experiment.keyboard)
+        phase = self.phases.current
+        front = [each for each in found if phase is not None and each.panel in phase.panels]
+        if not found:
+            raise RequestError(f"no action has the key {key!r}")
+        return (front or found)[0].name
+
+    def take_hand(self, panel: str, hand: HandInput) -> None:
+        """Hand on what a hand does at the controls of the driver `panel`."""
+        driver = self.drivers.get(panel)
+        if driver is None:
+            raise RequestError(f"there is no driver {panel!r}")
+        try:
+            driver.take_hand(hand)
+        except RejectedError as error:
+            raise RequestError(error.what, error.remedy) from error
+
+    def lose_hands(self, client: str) -> None:
+        """The connection `client` has ended: what it held is let go."""
+        for driver in self.drivers.values():
+            driver.lose_hand(client)
 
     def _driver_of_same_robot(self, driver: str, on: str) -> str:
         """The full name of `on` beside `driver`: robots of an experiment keep to themselves."""

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import yaml
 
+from woz_drivers.control_functions import ControlFunction, MappedControl
 from woz_drivers.midi import devices
 from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal
 from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
-from woz_drivers.midi.resolved_map import MappedControl, controls_by_signal, mapped_controls
+from woz_drivers.midi.resolved_map import controls_by_signal, mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM, MidiDecoder, MidiMessage
 from woz_tui.drivers.contract import DriverError
@@ -208,7 +209,7 @@ def map_text(panel: PanelMap) -> str:
     return map_yaml({**head, "controls": controls})
 
 
-def mapping_entries(mapped: ControlMapping) -> dict[str, object]:
+def mapping_entries(mapped: ControlFunction) -> dict[str, object]:
     """What a file must say of a control: everything that is not as it would be without."""
     entries = {}
     for item in fields(mapped):

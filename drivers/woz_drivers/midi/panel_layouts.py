@@ -9,10 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from woz_drivers.control_functions import BUTTON, KNOB, SLIDER, PanelControl
 from woz_drivers.midi.wire import CC
-
-KNOB, SLIDER, BUTTON = "knob", "slider", "button"
-KINDS = (KNOB, SLIDER, BUTTON)
 
 #: Native mode on and off (section 3, "Native mode In/Out request"): the lights then belong to us.
 #: 0x40 is the device on its first global channel, where it is when it comes from the factory.
@@ -34,16 +32,15 @@ class MidiSignal:
         return f"{self.kind} {self.number}{channel}"
 
 
-@dataclass(frozen=True, slots=True)
-class PanelControl:
-    """One control of a panel; `column` and `row` count from 1, from the upper left."""
+#: Sent by nobody: a control that the rules refuse has been reported already.
+NOTHING = MidiSignal("", -1)
 
-    name: str
-    kind: str
-    signal: MidiSignal
-    column: int
-    row: int
-    lamp: bool = False
+
+@dataclass(frozen=True, slots=True)
+class MidiControl(PanelControl):
+    """A control of a MIDI panel, and what it sends; nothing where no map says it."""
+
+    signal: MidiSignal = NOTHING
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +56,7 @@ class PanelModel:
     """
 
     device: str = ""
-    controls: Mapping[str, PanelControl] = ()  # type: ignore[assignment]
+    controls: Mapping[str, MidiControl] = ()  # type: ignore[assignment]
     begin: bytes = b""
     end: bytes = b""
     lamp_channel: int = 0
@@ -67,13 +64,13 @@ class PanelModel:
 
 def _row(
     kind: str, first_name: int, first_cc: int, row: int, lamp: bool = False
-) -> dict[str, PanelControl]:
+) -> dict[str, MidiControl]:
     """Eight controls of a kind beside each other, their numbers running on."""
     return {
-        f"{kind}-{first_name + index}": PanelControl(
+        f"{kind}-{first_name + index}": MidiControl(
             f"{kind}-{first_name + index}",
             kind,
-            MidiSignal(CC, first_cc + index),
+            signal=MidiSignal(CC, first_cc + index),
             column=4 + index,
             row=row,
             lamp=lamp,
@@ -82,8 +79,8 @@ def _row(
     }
 
 
-def _single(name: str, number: int, column: int, row: int, lamp: bool = False) -> PanelControl:
-    return PanelControl(name, BUTTON, MidiSignal(CC, number), column, row, lamp)
+def _single(name: str, number: int, column: int, row: int, lamp: bool = False) -> MidiControl:
+    return MidiControl(name, BUTTON, column, row, lamp, MidiSignal(CC, number))
 
 
 #: Buttons left of the channel strips; those without a lamp have none on the device.

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
+from woz_drivers.control_functions import JUMP, SOFT
 from woz_drivers.midi.panel_layouts import LAYOUTS
 from woz_drivers.midi.panel_maps import (
     BUILT_IN,
-    JUMP,
-    SOFT,
     ControlMapping,
     PanelMap,
     duplicate_signals,

@@ -109,15 +109,3 @@ def control_change(channel: int, number: int, value: int) -> bytes:
 def note_on(channel: int, number: int, velocity: int) -> bytes:
     """The same for pads that send notes."""
     return bytes((0x90 | (channel - 1) & 0x0F, number & 0x7F, velocity & 0x7F))
-
-
-def control_place(value: int) -> float:
-    """Where a control stands, 0..1, for its value 0..127; 64, the middle, is exactly 0.5."""
-    value = min(max(value, 0), 127)
-    return value / 128 if value <= 64 else 0.5 + (value - 64) / 126
-
-
-def control_value(where: float) -> int:
-    """The value that is nearest to the place `where`, 0..1: the inverse of `control_place`."""
-    where = min(max(where, 0.0), 1.0)
-    return round(where * 128) if where <= 0.5 else 64 + round((where - 0.5) * 126)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from woz_drivers.control_requests import RequestQueue
 from woz_drivers.midi import MidiPanel
-from woz_drivers.midi.control_requests import RequestQueue
 from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.midi.learning import MapLearning
 from woz_drivers.midi.panel_maps import BUILT_IN, ControlMapping, PanelMap
-from woz_drivers.midi.resolved_map import mapped_controls
+from woz_drivers.midi.resolved_map import mapped_controls, signal_of
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.config.annotated_decoder import settings_from_texts
@@ -49,7 +49,7 @@ def test_each_target_gets_the_control_that_was_moved_for_it(tmp_path: Path) -> N
     assert lesson.over
     assert lesson.count == 3
     panel = read_back(lesson, tmp_path)
-    assert [str(it.control.signal) for it in mapped_controls(MidiSettings(map=panel))] == [
+    assert [str(signal_of(it)) for it in mapped_controls(MidiSettings(map=panel))] == [
         *("cc 20, channel 1", "note 36, channel 10", "program 4, channel 2"),
     ]
     assert panel.controls["cc-20"].range == (0.1, 0.9)
@@ -85,7 +85,7 @@ def test_a_known_panel_keeps_its_names_and_its_lights(name: str, tmp_path: Path)
     lesson = MapLearning(BUILT_IN[name], "nanoKONTROL2", -1)
     wanted = [it for it in mapped_controls(MidiSettings(map=name)) if not it.free]
     for it in wanted:
-        number = it.control.signal.number
+        number = signal_of(it).number
         said = lesson.add(knob(number, 127, 0) if it.pressed else knob(number, 1, 2, 3))
         assert said == f"{it.name}: {it.label}"
     panel = read_back(lesson, tmp_path)

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from woz_drivers.midi import MidiPanel
 from woz_drivers.midi.panel_maps import BUILT_IN
-from woz_drivers.midi.resolved_map import mapped_controls
+from woz_drivers.midi.resolved_map import mapped_controls, signal_of
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.config.annotated_decoder import settings_from_texts
@@ -95,7 +95,7 @@ def test_a_robot_changes_some_controls_of_a_map_in_a_file(tmp_path: Path) -> Non
     assert tmp_path / "midi" / "mine.yaml" in found.files
     settings = next(spec.settings for spec in found.drivers if spec.name == "panel")
     by_name = {it.name: it for it in mapped_controls(settings)}
-    assert str(by_name["fader"].control.signal) == "cc 7, channel 2"
+    assert str(signal_of(by_name["fader"])) == "cc 7, channel 2"
     assert by_name["fader"].turned(0.25) == Ask(
         "verb", "control", {"control": "tempo", "value": 0.25}, "body", "midi", "fader"
     )

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from woz_drivers.body.settings import BodySettings
 from woz_drivers.midi import MidiPanel
 from woz_drivers.midi.panel_maps import BUILT_IN
-from woz_drivers.midi.resolved_map import mapped_controls
+from woz_drivers.midi.resolved_map import mapped_controls, signal_of
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.config.loading import load
@@ -282,7 +282,7 @@ def test_the_first_touch_of_anything_that_turns_changes_nothing(tmp_path: Path, 
     at_the_end = [it for it in turning if abs(stage.places()[it.mapped.control] - 1) < 0.02]
     for it in turning:
         value = 0 if it in at_the_end and not it.mapped.reversed else 127
-        stage.turn(it.control.signal.number, value)
+        stage.turn(signal_of(it).number, value)
         ticks = stage.play(0.2)
         assert all(tick.joints == pytest.approx(joints) for tick in ticks), it.name
     assert stage.asks == []

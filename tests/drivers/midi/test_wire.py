@@ -7,12 +7,11 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from woz_drivers.control_functions import control_place, control_value
 from woz_drivers.midi.wire import (
     MidiDecoder,
     MidiMessage,
     control_change,
-    control_place,
-    control_value,
     note_on,
 )
 

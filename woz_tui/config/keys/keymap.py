@@ -21,7 +21,7 @@ import string
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from woz_tui.config.experiment import FilePosition
 from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal_key, parse_chord
@@ -59,6 +59,9 @@ class KeyedAction(Protocol):
     def label(self) -> str: ...  # noqa: D102
     @property
     def key(self) -> str: ...  # noqa: D102
+
+
+_Keyed = TypeVar("_Keyed", bound=KeyedAction)
 
 
 class KeyedPanel(Protocol):
@@ -315,6 +318,15 @@ class FileKeys:
         first, _, second = key.partition(" ")
         if second:
             self._begun.setdefault(first, (key, who))
+
+
+def actions_on(key: str, actions: Iterable[_Keyed], layout: str) -> list[_Keyed]:
+    """Those of `actions` that the key `key` plays, in whatever form it is written."""
+    try:
+        chord = normal_key(key, layout)
+    except KeyNameError:
+        return []
+    return [action for action in actions if action.key == chord]
 
 
 def typeable(chord: str, layout: str) -> bool:

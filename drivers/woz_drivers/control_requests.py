@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_drivers.midi.panel_maps import MOMENTARY, START, TOGGLE
-from woz_drivers.midi.resolved_map import MappedControl
+from woz_drivers.control_functions import MOMENTARY, START, TOGGLE, MappedControl
 from woz_tui.drivers.contract import Ask
 from woz_tui.motion.body_feeds import BodyState
 
@@ -157,7 +156,7 @@ class PanelKnob:
         present = self._present(state)
         return None if present is None else self.fitted.value(present)
 
-    def moved(self, value: int, state: BodyState | None) -> None:
+    def moved(self, value: float, state: BodyState | None) -> None:
         """The hand moved it to `value`, 0..127."""
         self.compare(state)
         to = self.fitted.place(value)
@@ -195,7 +194,7 @@ class PanelButton:
         #: Whether a toggling verb is on; nobody else knows.
         self._on = False
 
-    def pressed(self, value: int, state: BodyState | None) -> None:
+    def pressed(self, value: float, state: BodyState | None) -> None:
         """It sent `value`: 0 when it is let go."""
         down = value > 0
         was, self._down = self._down, down

@@ -1,0 +1,108 @@
+"""Finds the gamepads and Stream Decks of this computer, opens them, and finds them again."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Collection
+from typing import Any
+
+from woz_drivers.hands.device_models import DEVICES, GAMEPAD, STREAM_DECK
+from woz_drivers.hands.gamepad import Gamepad, device_name, present_gamepads
+from woz_drivers.hands.hand_device import HandDevice
+from woz_drivers.hands.stream_deck import StreamDeckKeys, find_decks
+from woz_tui.drivers.contract import DeviceLostError
+
+#: How often devices are looked for, in seconds.
+LOOK_S = 1.0
+
+
+class DeviceWatch:
+    """Devices as they are plugged in.
+
+    Args:
+        wanted: Paths, or parts of names, of those that count; none: all.
+        find_decks: Finds Stream Decks; called in a thread.
+    """
+
+    def __init__(
+        self, wanted: Collection[str] = (), find_decks: Callable[[], list[Any]] = find_decks
+    ) -> None:
+        self._wanted = tuple(wanted)
+        self._find_decks = find_decks
+        self.devices: list[HandDevice] = []
+        #: Called for each device that has been found and opened; then it can be heard.
+        self.on_found: Callable[[HandDevice], None] = lambda device: None
+        #: Called once for each thing that is wrong, and what to do.
+        self.on_trouble: Callable[[str, str], None] = lambda what, remedy: None
+        self._troubles: set[str] = set()
+
+    async def run(self, kinds: Collection[str] = DEVICES) -> None:
+        """Look for devices of these kinds until cancelled; then all are let go."""
+        try:
+            while True:
+                await self.look(kinds)
+                await asyncio.sleep(LOOK_S)
+        finally:
+            for device in self.devices:
+                device.close()
+
+    async def look(self, kinds: Collection[str] = DEVICES) -> None:
+        """Look once."""
+        for device in list(self.devices):
+            if isinstance(device, StreamDeckKeys) and not device.open:
+                device.on_lost("unplugged")
+        if GAMEPAD in kinds:
+            self._look_for_gamepads()
+        if STREAM_DECK in kinds:
+            await self._look_for_decks()
+
+    def _look_for_gamepads(self) -> None:
+        paths = [path for path in self._wanted if "/" in path]
+        listed = [path for path in present_gamepads() if self._fits(path, device_name(path))]
+        for path in dict.fromkeys((*paths, *listed)):
+            if not self._has(path):
+                self._open(lambda path=path: Gamepad(path))  # type: ignore[misc]
+
+    async def _look_for_decks(self) -> None:
+        try:
+            decks = await asyncio.to_thread(self._find_decks)
+        except DeviceLostError as error:
+            self._trouble(error)
+            return
+        for deck in decks:
+            path, name = str(deck.id()), str(deck.deck_type())
+            if not self._has(path) and self._fits(path, name):
+                self._open(lambda deck=deck: StreamDeckKeys(deck))  # type: ignore[misc]
+
+    def _has(self, path: str) -> bool:
+        return any(device.path == path for device in self.devices)
+
+    def _fits(self, path: str, name: str) -> bool:
+        if not self._wanted:
+            return True
+        return any(
+            wanted == path or ("/" not in wanted and wanted.casefold() in name.casefold())
+            for wanted in self._wanted
+        )
+
+    def _open(self, make: Callable[[], HandDevice]) -> None:
+        try:
+            device = make()
+        except DeviceLostError as error:
+            self._trouble(error)
+            return
+        self.devices.append(device)
+        device.on_lost = lambda why: self._drop(device)
+        self.on_found(device)
+
+    def _drop(self, device: HandDevice) -> None:
+        if device in self.devices:
+            self.devices.remove(device)
+            device.close()
+            device.held.clear()
+            device.on_gone()
+
+    def _trouble(self, error: DeviceLostError) -> None:
+        if error.what not in self._troubles:
+            self._troubles.add(error.what)
+            self.on_trouble(error.what, error.remedy)

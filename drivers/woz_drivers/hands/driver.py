@@ -1,0 +1,395 @@
+"""The driver: from what hands do at a gamepad or a Stream Deck to what is asked of the session."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from woz_drivers.control_functions import MappedControl
+from woz_drivers.control_panel import ControlPanel, drawn_control
+from woz_drivers.control_requests import RequestQueue
+from woz_drivers.hands import doctor
+from woz_drivers.hands.device_models import STICKS
+from woz_drivers.hands.device_watch import DeviceWatch
+from woz_drivers.hands.settings import (
+    LEAST_EVERY_S,
+    HandControl,
+    HandsSettings,
+    mapped_controls,
+)
+from woz_tui.drivers.contract import (
+    Ask,
+    DriverContext,
+    DriverFacts,
+    Finding,
+    HandInput,
+    Health,
+    Probe,
+    RejectedError,
+    Scope,
+    Verb,
+)
+from woz_tui.protocol.messages import Json
+
+#: A trigger that is pulled further counts as a button that is held.
+PULLED = 0.5
+#: Steps under way at once: one is replaced by the next.
+_STEPS_AT_ONCE = 4
+
+
+class StickGroup:
+    """Axes that set arguments of the same verb, such as both of a stick: they ask for it together.
+
+    With `every` it asks for steps, again and again while an axis is away from its middle, and what
+    is left of them is cut short when the stick comes back; else it sets a value whenever it moves.
+    The newest values count: what could not be sent yet is replaced by them.
+
+    Args:
+        axes: The axes.
+        asking: Asks the session.
+        now_us: The session's clock.
+    """
+
+    def __init__(
+        self,
+        axes: list[MappedControl],
+        asking: Callable[[Ask, Callable[[bool, str], None]], None],
+        now_us: Callable[[], int],
+    ) -> None:
+        self.axes = axes
+        self._function = _function(axes[0])
+        self.hold = self._function.hold
+        self.every_us = round(self._function.every * 1_000_000)
+        stems = {axis.name.removesuffix("-x").removesuffix("-y") for axis in axes}
+        self._key = stems.pop() if len(stems) == 1 else "+".join(axis.name for axis in axes)
+        self._asking = asking
+        self._now_us = now_us
+        self._queue = RequestQueue(self._send, _STEPS_AT_ONCE if self.every_us else 1)
+        self._sent: dict[str, float] = {}
+        self._sent_us = 0
+        #: Whether steps may be under way.
+        self.active = False
+        #: Set by a refusal: it counts again when the stick has been let go.
+        self.refused = False
+
+    def look(self, values: Mapping[str, float], *, held: bool) -> None:
+        """Ask for what `values` say, by axis, -1..1 or 0..1; `held`: the dead man's button is."""
+        moved = {axis.name: values.get(axis.name, 0.0) for axis in self.axes}
+        away = any(moved.values())
+        if not away:
+            self.refused = False
+        if self.hold and not held:
+            self.refused = False
+            self.end("the dead man's button was let go")
+            return
+        if self.refused:
+            return
+        if self.every_us:
+            self._step(moved, away=away)
+        elif moved != self._sent and (away or self._sent):
+            self._sent = moved
+            self._queue.send(self._request(moved))
+
+    def _step(self, moved: dict[str, float], *, away: bool) -> None:
+        if not away:
+            self.end("the stick was let go")
+            return
+        since_us = self._now_us() - self._sent_us
+        due_us = self.every_us if moved == self._sent else LEAST_EVERY_S * 1_000_000
+        if self.active and since_us < due_us:
+            return
+        self.active = True
+        self._sent, self._sent_us = moved, self._now_us()
+        self._queue.send(self._request(moved, when_busy="replace"))
+
+    def end(self, why: str) -> None:
+        """Nothing more of it: what is left of its steps is cut short."""
+        self._sent = {}
+        if self.active:
+            self.active = False
+            first = self.axes[0]
+            self._asking(
+                Ask("cancel", why, source=first.source, key=self._key), lambda carried, why: None
+            )
+
+    def _request(self, moved: Mapping[str, float], *, when_busy: str = "") -> Ask:
+        args: dict[str, Json] = dict(self._function.args)
+        for axis in self.axes:
+            args |= axis.turned(axis.place(_panel_value(axis.name, moved[axis.name]))).args
+        ask = self.axes[0].turned(0.0)
+        return replace(ask, args=args, key=self._key, when_busy=when_busy)
+
+    def _send(self, ask: Ask, done: Callable[[bool, str], None]) -> None:
+        def ended(carried: bool, why: str) -> None:
+            # What a newer one replaced has no reason; what was cut short is over anyway.
+            if not carried and why and (self.active or not self.every_us):
+                self.refused = True
+                self.active = False
+            done(carried, why)
+
+        self._asking(ask, ended)
+
+
+class HandsPanel(ControlPanel):
+    """A gamepad or a Stream Deck in front of one robot; see `docs/how-to/hands.md`.
+
+    Whatever is held when the hand is lost (unplugged, cut off, silent for longer than `hold`), the
+    stop is pressed or the line was too slow, counts as let go; it counts again once it has been at
+    rest.
+    """
+
+    Settings = HandsSettings
+    summary = "a gamepad, a Stream Deck or pedals, on this computer or on the wizard's"
+    facts = DriverFacts(
+        needs="a gamepad or a Stream Deck where woz hands runs",
+        page="docs/how-to/hands.md",
+    )
+    settings: HandsSettings
+
+    def __init__(self, name: str, settings: HandsSettings, context: DriverContext) -> None:
+        controls = mapped_controls(settings)
+        super().__init__(name, settings, context, controls)
+        #: Whose hand it is, and what lies under it.
+        self._client = ""
+        self._device = ""
+        #: Controls that are not at rest, and those of them that do not count before they were.
+        self._held: dict[str, float] = {}
+        self._spent: set[str] = set()
+        self._heard_us = 0
+        self._age_us = 0
+        groups: dict[tuple[str, str, str, float], list[MappedControl]] = {}
+        for it in controls:
+            if not it.pressed and not it.free and not self._is_knob(it):
+                function = _function(it)
+                same = (function.verb, it.on, function.hold, function.every)
+                groups.setdefault(same, []).append(it)
+        self._groups = [StickGroup(axes, self._ask, self._now_us) for axes in groups.values()]
+
+    # -- what the class tells ------------------------------------------------------------------
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """As other panels, if it has controls that could be taken over."""
+        takes = any(it.soft for it in mapped_controls(settings))
+        return super().verbs(settings) if takes else ()
+
+    @classmethod
+    def outline(cls, settings: Any) -> dict[str, Json]:
+        """The panel as the console draws it, and as `woz hands` reads it."""
+        kept: HandsSettings = settings
+        mapped = mapped_controls(kept)
+        used = {_function(it).hold for it in mapped} | {it.name for it in mapped if not it.free}
+        return {
+            "kind": "panel",
+            "name": kept.device,
+            "device": kept.device,
+            "hold": kept.hold,
+            "controls": [_outlined(it) for it in mapped if it.name in used]
+            or [_outlined(mapped[0])],
+        }
+
+    @classmethod
+    def asks(cls, settings: Any) -> tuple[tuple[str, Ask], ...]:
+        """Everything its controls may ask for, each with the path of the setting that says so."""
+        return tuple(
+            (f"controls.{it.name}", ask) for it in mapped_controls(settings) for ask in it.asks()
+        )
+
+    @classmethod
+    def watch(cls, wanted: list[str]) -> DeviceWatch:
+        """The devices of this computer, for `woz hands`; `wanted`: paths or parts of names."""
+        return DeviceWatch(wanted)
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Which devices are plugged in here, and what the map leaves free."""
+        return doctor.examine(probe.name, probe.settings)
+
+    # -- the bus -------------------------------------------------------------------------------
+
+    async def open(self) -> None:
+        """Wait for a hand; without one nothing is missing at the robot."""
+        self.context.health(Health.CONNECTED, self._waits)
+        self._begin_looking()
+
+    async def stop(self, scope: Scope) -> None:
+        """Whatever is held counts no more, but for buttons that only have to be let go."""
+        self._spend()
+        await super().stop(scope)
+
+    async def close(self) -> None:
+        """Hear of no hand any more."""
+        await self._end_looking()
+
+    @property
+    def _waits(self) -> str:
+        return f"no {self.settings.device}: start woz hands where it is plugged in"
+
+    # -- hands ---------------------------------------------------------------------------------
+
+    def take_hand(self, hand: HandInput) -> None:
+        """Take what a hand does. Raises `RejectedError`."""
+        self._check(hand)
+        now_us = self._now_us()
+        if hand.client != self._client:
+            if self._client:
+                self._lose(f"{hand.client} has taken it over")
+            self._client, self._device = hand.client, ""
+            # Whoever plugs in with a finger on a button has not pressed it.
+            self._spent = set(hand.values)
+        if hand.device is not None and hand.device != self._device:
+            self._rename(hand.device)
+            self._spent |= set(hand.values)
+        self._heard_us = now_us
+        values = self._counted(hand)
+        let_go = [name for name in self._held if name not in hand.values]
+        self._spent &= set(hand.values)
+        for name in let_go:
+            self._moved_to(name, 0.0)
+        self._age_us = hand.age_us
+        try:
+            for name, value in values.items():
+                if value != self._held.get(name):
+                    self._moved_to(name, value)
+        finally:
+            self._age_us = 0
+        if hand.stale:  # a press has been refused with its reason; a stick is no longer there
+            self._spent |= set(hand.values)
+        self._held = dict(hand.values)
+        self._look_at_sticks()
+        self._compare_and_show()
+
+    def lose_hand(self, client: str) -> None:
+        """The connection has ended."""
+        if client == self._client:
+            self._lose(f"the connection of {client} has ended")
+            self._client = ""
+            if self._device:
+                self._rename("")
+
+    def _check(self, hand: HandInput) -> None:
+        """Raises `RejectedError` for what cannot be taken."""
+        if self._client and hand.client != self._client and not hand.take_over:
+            raise RejectedError(
+                f"{self.name} is in the hands of {self._client} ({self._device or 'no device'})",
+                "woz hands --take-over takes it",
+            )
+        for name, value in hand.values.items():
+            if name not in self._controls:
+                near = difflib.get_close_matches(name, self._controls, n=1)
+                meant = f"; did you mean {near[0]!r}?" if near else ""
+                raise RejectedError(f"a {self.settings.device} has no {name!r}{meant}")
+            low = -1.0 if name in STICKS else 0.0
+            if not low <= value <= 1.0:
+                raise RejectedError(f"{name} goes from {low:g} to 1, not to {value}")
+
+    def _counted(self, hand: HandInput) -> dict[str, float]:
+        """What counts of the hand: no axis in its dead zone, nothing that is spent."""
+        return {name: value for name, value in hand.values.items() if name not in self._spent}
+
+    def _moved_to(self, name: str, value: float) -> None:
+        it = self._controls[name]
+        if name in STICKS:
+            value = self._beyond_dead_zone(value)
+        elif it.pressed:
+            value = float(value > PULLED)
+        place = _panel_value(name, value)
+        hold = _function(it).hold
+        if name in self._knobs and hold and not self._is_held(hold):
+            self._moved[name] = round(place)
+            return
+        self._turned(name, place)
+
+    def _beyond_dead_zone(self, value: float) -> float:
+        """A stick's place with its dead zone taken out, so that it begins at 0 behind it."""
+        zone = self.settings.dead_zone
+        if abs(value) <= zone:
+            return 0.0
+        return round((abs(value) - zone) / (1 - zone), 3) * (1 if value > 0 else -1)
+
+    def _is_held(self, name: str) -> bool:
+        return name not in self._spent and self._held.get(name, 0.0) > PULLED
+
+    def _look_at_sticks(self) -> None:
+        values = {
+            name: self._beyond_dead_zone(value) if name in STICKS else value
+            for name, value in self._held.items()
+            if name not in self._spent
+        }
+        for group in self._groups:
+            group.look(values, held=self._is_held(group.hold))
+
+    def _is_knob(self, it: MappedControl) -> bool:
+        return bool(it.mapped.control)
+
+    # -- let go --------------------------------------------------------------------------------
+
+    def _compare_and_show(self) -> None:
+        silent_us = self._now_us() - self._heard_us
+        if self._held and silent_us > self.settings.hold * 1_000_000:
+            device = self.settings.device
+            self._lose(f"nothing was heard of the {device} for {silent_us / 1e6:.1f} s")
+        self._look_at_sticks()
+        super()._compare_and_show()
+
+    def _spend(self) -> None:
+        """What is held now counts again once it has been at rest."""
+        self._spent |= set(self._held)
+        self._look_at_sticks()
+
+    def _lose(self, why: str) -> None:
+        """The hand is gone: all it held is let go, and what it drove stands still."""
+        was_driving = any(group.active for group in self._groups)
+        held = list(self._held)
+        self._spend()
+        self._held = {}
+        self._let_go()
+        for name in held:
+            self._moved[name] = 64 if name in STICKS else 0
+        if was_driving:
+            self._ask(
+                Ask("halt", f"{self.name}: {why}", source=self.settings.device),
+                lambda carried, why: None,
+            )
+        if held:
+            remedy = "let go of the controls, then go on"
+            self.context.notice("warning", f"what was held has been let go: {why}", remedy)
+
+    def _rename(self, device: str) -> None:
+        """Another device lies under the hand, or none."""
+        was, self._device = self._device, device
+        if was and self._held:
+            self._lose(f"{was} was unplugged")
+        elif was and not device:
+            self.context.notice("warning", f"{was} is not there any more", "plug it in again")
+        whose = f"{device} ({self._client})" if device else self._waits
+        self.context.health(Health.CONNECTED, whose)
+
+    def _ask(self, ask: Ask, done: Callable[[bool, str], None]) -> None:
+        if ask.what == "stop" and self._stopped:
+            done(True, "")  # `woz hands` has sent it already, by the shorter way
+            return
+        super()._ask(replace(ask, age_us=self._age_us) if self._age_us else ask, done)
+
+
+def _function(it: MappedControl) -> HandControl:
+    assert isinstance(it.mapped, HandControl)
+    return it.mapped
+
+
+def _panel_value(name: str, value: float) -> float:
+    """What a control says on the scale of panels, 0..127, on which a stick rests at 64."""
+    if name not in STICKS:
+        return value * 127
+    return 64 + value * (64 if value < 0 else 63)
+
+
+def _outlined(it: MappedControl) -> dict[str, Json]:
+    """A control for the console's picture, and what a Stream Deck needs to label its key."""
+    drawn = drawn_control(it)
+    for what in ("action", "key", "stop", "script", "release"):
+        if told := getattr(it.mapped, what):
+            drawn[what] = told
+    return drawn

@@ -1,0 +1,230 @@
+"""`woz hands`: a gamepad or a Stream Deck at this computer plays a session, here or elsewhere."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import shlex
+import socket
+import sys
+import threading
+from argparse import ArgumentParser, Namespace
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from woz_tui.cli.attach import find_socket
+from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.hand_client import HandClient
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import DriverError
+from woz_tui.protocol.codec import MAX_LINE
+from woz_tui.system.clock import RealClock
+
+#: The driver that knows gamepads and Stream Decks.
+DRIVER = "hands"
+#: How often what is held is looked at, in seconds, and how soon a lost session is looked for.
+TICK_S, AGAIN_S = 0.02, 2.0
+#: A line from the session may be long: the welcome holds the whole state.
+_LINE_LIMIT = 16 * MAX_LINE
+#: So that a dead network is noticed; the session itself lets go long before.
+_SSH = ("ssh", "-T", "-o", "ServerAliveInterval=5", "-o", "ServerAliveCountMax=2")
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "name", nargs="?", default="", help="session code or socket (default: the only one)"
+    )
+    parser.add_argument(
+        "--to", default="", metavar="HOST", help="the session runs there; ssh is started"
+    )
+    parser.add_argument(
+        "--device",
+        action="append",
+        default=[],
+        metavar="[PANEL=]DEVICE",
+        help="only this device: a path, or part of its name; may be repeated",
+    )
+    parser.add_argument(
+        "--take-over", action="store_true", help="take panels that are in other hands"
+    )
+    parser.add_argument(
+        "--woz", default="woz", metavar="COMMAND", help="with --to: how woz is called there"
+    )
+    mode = parser.add_mutually_exclusive_group()
+    mode.add_argument(
+        "--show", action="store_true", help="show the names of controls that are moved, and no more"
+    )
+    mode.add_argument(
+        "--into",
+        action="store_true",
+        help="connect standard input and output to the session: what --to starts by ssh",
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Read devices until the session ends, or ctrl+c."""
+    if arguments.into:
+        return _into(arguments)
+    return with_error_sentences(lambda: asyncio.run(_hands(arguments)), DriverError)
+
+
+# -- standard input and output as a session's socket -----------------------------------------------
+
+
+def _into(arguments: Namespace) -> int:
+    """Carry bytes both ways; whoever ends first ends both, so that the session lets go at once."""
+    path = find_socket(_attach_arguments(arguments))
+    if path is None:
+        return 1
+    with socket.socket(socket.AF_UNIX) as session:
+        session.connect(str(path))
+        threading.Thread(target=_copy_in, args=(session,), daemon=True).start()
+        with contextlib.suppress(OSError):
+            while data := session.recv(1 << 16):
+                _write_all(sys.stdout.fileno(), data)
+    return 0
+
+
+def _copy_in(session: socket.socket) -> None:
+    with contextlib.suppress(OSError):
+        while data := os.read(sys.stdin.fileno(), 1 << 16):
+            session.sendall(data)
+    with contextlib.suppress(OSError):
+        session.shutdown(socket.SHUT_RDWR)
+
+
+def _write_all(fd: int, data: bytes) -> None:
+    while data:
+        data = data[os.write(fd, data) :]
+
+
+def _attach_arguments(arguments: Namespace) -> Namespace:
+    return Namespace(name=arguments.name, watch=False, take_over=False, questionnaire=None)
+
+
+# -- reading devices -------------------------------------------------------------------------------
+
+
+async def _hands(arguments: Namespace) -> int:
+    catalogue = plugins.installed()
+    if DRIVER not in catalogue:
+        raise plugins.PluginError(f"no installed package offers the driver {DRIVER!r}")
+    wanted = _wanted(arguments.device)
+    panel: Any = catalogue[DRIVER]
+    watch = panel.watch(list(wanted))
+    watch.on_trouble = lambda what, remedy: _say(f"{what}{remedy and f' ({remedy})'}")
+    if arguments.show:
+        watch.on_found = _show
+        await watch.run()
+    client = HandClient(RealClock(), _say, wanted=wanted, take_over=arguments.take_over)
+    watch.on_found = client.add
+    return await _play(arguments, client, watch)
+
+
+def _wanted(devices: list[str]) -> dict[str, str]:
+    """Device -> its panel, or nothing."""
+    split = [word.rpartition("=") for word in devices]
+    return {device: panel for panel, _, device in split}
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
+
+
+def _show(device: Any) -> None:
+    _say(f"{device.path}: {device.name} ({device.kind})")
+    before: dict[str, float] = {}
+
+    def changed() -> None:
+        for name in sorted(before.keys() | device.held.keys()):
+            value = device.held.get(name, 0.0)
+            if value != before.get(name, 0.0):
+                _say(f"  {name} {value:g}")
+        before.clear()
+        before.update(device.held)
+
+    device.on_change = changed
+    device.on_gone = lambda: _say(f"{device.path}: gone")
+
+
+async def _play(arguments: Namespace, client: HandClient, watch: Any) -> int:
+    looking: asyncio.Task[None] | None = None
+    try:
+        while True:
+            async with _connected(arguments) as (reader, writer):
+                if reader is None:
+                    return 1
+                client.connect(writer.write)
+                ticking = asyncio.create_task(_tick(client))
+                try:
+                    while line := await _line(reader):
+                        client.receive(line)
+                        if client.welcomed and looking is None:
+                            kinds = {one.device for one in client.panels.values()}
+                            looking = asyncio.create_task(watch.run(kinds))
+                finally:
+                    ticking.cancel()
+                    client.disconnect()
+            if client.ended:
+                _say("the session has ended")
+                return 0
+            if looking is None:
+                _say("no session answered; if woz was not found there, say where it is: --woz PATH")
+                return 1
+            _say("the connection to the session is lost; looking for it again")
+            await asyncio.sleep(AGAIN_S)
+    finally:
+        if looking is not None:
+            looking.cancel()
+            await asyncio.gather(looking, return_exceptions=True)
+
+
+async def _line(reader: asyncio.StreamReader) -> bytes:
+    """The next line; empty at the end."""
+    with contextlib.suppress(OSError, ValueError):
+        return await reader.readline()
+    return b""
+
+
+async def _tick(client: HandClient) -> None:
+    while True:
+        client.tick()
+        await asyncio.sleep(TICK_S)
+
+
+@asynccontextmanager
+async def _connected(
+    arguments: Namespace,
+) -> AsyncIterator[tuple[asyncio.StreamReader | None, Any]]:
+    """The session's end of a line: its socket here, or ssh's pipes."""
+    if not arguments.to:
+        path = await asyncio.to_thread(find_socket, _attach_arguments(arguments))
+        if path is None:
+            yield None, None
+            return
+        reader, writer = await asyncio.open_unix_connection(path, limit=_LINE_LIMIT)
+        try:
+            yield reader, writer
+        finally:
+            writer.close()
+        return
+    into = f"{arguments.woz} hands --into {shlex.quote(arguments.name)}".rstrip(" '")
+    ssh = await asyncio.create_subprocess_exec(
+        *_SSH,
+        arguments.to,
+        into,
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        limit=_LINE_LIMIT,
+    )
+    assert ssh.stdin is not None
+    try:
+        yield ssh.stdout, ssh.stdin
+    finally:
+        ssh.stdin.close()
+        with contextlib.suppress(ProcessLookupError):
+            ssh.terminate()
+        await ssh.wait()

@@ -14,6 +14,7 @@ from woz_drivers.camera.settings import CameraSettings
 from woz_drivers.dynamixel import DynamixelServos
 from woz_drivers.faces.settings import FacesSettings
 from woz_drivers.furhat import FurhatSettings
+from woz_drivers.hands.settings import HandControl, HandsSettings
 from woz_drivers.led_face import LedFace
 from woz_drivers.led_face.settings import LedFaceSettings
 from woz_drivers.microphone.settings import MicrophoneSettings
@@ -43,6 +44,7 @@ SETTINGS: list[tuple[str, Any]] = [
     ("led-face", LedFaceSettings(NOWHERE)),
     ("microphone", MicrophoneSettings(command=("no-such-program",))),
     ("midi", MidiSettings(device=NOWHERE)),
+    ("hands", HandsSettings(controls={"south": HandControl(control="pitch")})),
     *(("pepper", PepperSettings(robots=robots)) for robots in [(), ("simulated",), ("a/b",)]),
     ("pepper", PepperSettings(robots=("tcp://127.0.0.1:1",))),
     *(("nao", NaoSettings(address=address)) for address in ("", "simulated", "a/b", "127.0.0.1:1")),

@@ -43,7 +43,7 @@ FACES_US = 100_000
 BEAT_SHARE = 0.25
 
 
-class Device(Protocol):
+class PluggedInDevice(Protocol):
     """A gamepad or a Stream Deck (`woz_drivers.hands`), which this package must not import."""
 
     kind: str
@@ -80,7 +80,7 @@ class HandPanel(msgspec.Struct, frozen=True):
 class Hand:
     """A device in front of a panel, and the states of it that have not been sent."""
 
-    device: Device
+    device: PluggedInDevice
     panel: str = ""
     #: States that were not sent yet, and when it was in them (`Clock.boot_us`).
     waiting: list[tuple[dict[str, float], int]] = field(default_factory=list)
@@ -227,7 +227,7 @@ class HandClient:
 
     # -- devices -------------------------------------------------------------------------------
 
-    def add(self, device: Device) -> None:
+    def add(self, device: PluggedInDevice) -> None:
         """A device has been plugged in."""
         hand = Hand(device)
         self.hands.append(hand)
@@ -254,7 +254,7 @@ class HandClient:
         self._say(f"{device.name} is {hand.panel}: {clean(used)}")
         self._queue(hand, dict(device.held))
 
-    def _panel_for(self, device: Device) -> str:
+    def _panel_for(self, device: PluggedInDevice) -> str:
         """The panel that was named for it, or the first of its kind that has no device yet."""
         taken = {hand.panel for hand in self.hands}
         for wanted, panel in self._wanted.items():

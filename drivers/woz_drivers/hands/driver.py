@@ -35,6 +35,8 @@ from woz_tui.protocol.messages import Json
 
 #: A trigger that is pulled further counts as a button that is held.
 PULLED = 0.5
+#: A trigger that is pulled no further is at rest.
+TRIGGER_REST = 0.05
 #: Steps under way at once: one is replaced by the next.
 _STEPS_AT_ONCE = 4
 
@@ -232,32 +234,33 @@ class HandsPanel(ControlPanel):
     def take_hand(self, hand: HandInput) -> None:
         """Take what a hand does. Raises `RejectedError`."""
         self._check(hand)
-        now_us = self._now_us()
+        values = {name: value for name, value in hand.values.items() if self._is_away(name, value)}
         if hand.client != self._client:
             if self._client:
                 self._lose(f"{hand.client} has taken it over")
             self._client, self._device = hand.client, ""
             # Whoever plugs in with a finger on a button has not pressed it.
-            self._spent = set(hand.values)
+            self._spent = set(values)
         if hand.device is not None and hand.device != self._device:
             self._rename(hand.device)
-            self._spent |= set(hand.values)
-        self._heard_us = now_us
-        values = self._counted(hand)
-        let_go = [name for name in self._held if name not in hand.values]
-        self._spent &= set(hand.values)
-        for name in let_go:
+            self._spent |= set(values)
+        if hand.device == "":
+            self._client = ""
+            return
+        self._heard_us = self._now_us()
+        self._spent &= set(values)
+        before, self._held = self._held, values
+        for name in before.keys() - self._held.keys():
             self._moved_to(name, 0.0)
         self._age_us = hand.age_us
         try:
-            for name, value in values.items():
-                if value != self._held.get(name):
+            for name, value in self._held.items():
+                if value != before.get(name) and name not in self._spent:
                     self._moved_to(name, value)
         finally:
             self._age_us = 0
         if hand.stale:  # a press has been refused with its reason; a stick is no longer there
-            self._spent |= set(hand.values)
-        self._held = dict(hand.values)
+            self._spent |= set(values)
         self._look_at_sticks()
         self._compare_and_show()
 
@@ -285,9 +288,11 @@ class HandsPanel(ControlPanel):
             if not low <= value <= 1.0:
                 raise RejectedError(f"{name} goes from {low:g} to 1, not to {value}")
 
-    def _counted(self, hand: HandInput) -> dict[str, float]:
-        """What counts of the hand: no axis in its dead zone, nothing that is spent."""
-        return {name: value for name, value in hand.values.items() if name not in self._spent}
+    def _is_away(self, name: str, value: float) -> bool:
+        """Whether a control is not at rest: no stick and no trigger comes back to 0 every time."""
+        if name in STICKS:
+            return abs(value) > self.settings.dead_zone
+        return value > TRIGGER_REST
 
     def _moved_to(self, name: str, value: float) -> None:
         it = self._controls[name]

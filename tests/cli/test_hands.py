@@ -1,0 +1,152 @@
+"""`woz hands` as the wizard starts it: the program, a gamepad's bytes, a line by ssh, a session."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+from asyncio.subprocess import PIPE, STDOUT, Process
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.drivers.heard import PATIENCE_S
+from tests.fakes.joystick import Joystick
+from tests.host.rig import Served
+from tests.host.test_controls import session
+from woz_tui.protocol import messages as m
+
+#: Runs the command here instead of somewhere else.
+SSH = '#!/bin/sh\nfor last; do :; done\nexec sh -c "$last"\n'
+
+
+class Program:
+    """`woz hands` under way."""
+
+    def __init__(self, process: Process) -> None:
+        self.process = process
+
+    async def says(self, words: str) -> str:
+        """The first line with these words."""
+        assert self.process.stdout is not None
+        seen = b""
+        async with asyncio.timeout(PATIENCE_S):
+            while line := await self.process.stdout.readline():
+                if words.encode() in line:
+                    return line.decode()
+                seen += line
+        raise AssertionError(seen.decode())
+
+
+@asynccontextmanager
+async def program(folder: Path, *arguments: str) -> AsyncIterator[Program]:
+    """Start it; it is ended afterwards."""
+    (folder / "bin").mkdir(exist_ok=True)
+    ssh = folder / "bin" / "ssh"
+    ssh.write_text(SSH)
+    ssh.chmod(0o755)
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "woz_tui", "hands", *arguments),
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=PIPE,
+        stderr=STDOUT,
+        env={**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}"},
+    )
+    try:
+        yield Program(process)
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            process.send_signal(signal.SIGINT)
+        assert process.stdout is not None
+        async with asyncio.timeout(PATIENCE_S):
+            await process.stdout.read()  # to its end: nothing that was started goes on
+            await process.wait()
+
+
+def by_ssh(place: Served) -> tuple[str, ...]:
+    """Arguments for a session on another computer."""
+    return ("--to", "robot", "--woz", f"{sys.executable} -m woz_tui", str(place.path))
+
+
+@pytest.mark.parametrize("far", [False, True])
+async def test_a_gamepad_plays_and_drives_until_its_program_is_killed(
+    tmp_path: Path, far: bool
+) -> None:
+    pad = Joystick(tmp_path / "js0")
+    async with session(tmp_path) as (place, reader):
+        reader.leave()
+        words = by_ssh(place) if far else (str(place.path),)
+        async with program(tmp_path, *words, "--device", str(pad.port)) as it:
+            await it.says("south Hello")
+            pad.press("south")
+            asked = await place.published(lambda line: isinstance(line, m.ActionRequested))
+            assert isinstance(asked, m.ActionRequested)
+            assert (asked.action, asked.source) == ("Hello", "gamepad")
+            pad.let_go("south")
+            pad.press("west")
+            assert "locked" in await it.says("Locked: ")
+            pad.push("left-stick-y", -1)
+            pad.press("left-bumper")
+            await place.published(lambda line: isinstance(line, m.Command) and line.verb == "drive")
+            it.process.kill()
+            halted = await place.published(lambda line: isinstance(line, m.StopPressed))
+            assert isinstance(halted, m.StopPressed)
+            assert halted.scope == "drive"
+    pad.unplug()
+
+
+async def test_a_frozen_program_holds_nothing(tmp_path: Path) -> None:
+    pad = Joystick(tmp_path / "js0")
+    async with session(tmp_path) as (place, reader):
+        reader.leave()
+        async with program(tmp_path, *by_ssh(place), "--device", str(pad.port)) as it:
+            await it.says("south Hello")
+            pad.push("left-stick-y", -1)
+            pad.press("left-bumper")
+            await place.published(lambda line: isinstance(line, m.Command) and line.verb == "drive")
+            it.process.send_signal(signal.SIGSTOP)
+            halted = await place.published(lambda line: isinstance(line, m.StopPressed))
+            assert isinstance(halted, m.StopPressed)
+            assert "nothing was heard" in halted.source
+            it.process.send_signal(signal.SIGCONT)
+    pad.unplug()
+
+
+async def test_the_end_of_the_session_is_its_end(tmp_path: Path) -> None:
+    pad = Joystick(tmp_path / "js0")
+    async with session(tmp_path) as (place, reader):
+        reader.leave()
+        async with program(tmp_path, *by_ssh(place), "--device", str(pad.port)) as it:
+            await it.says("south Hello")
+            await place.session.close("test", rest=False)
+            await place.host.close()
+            await it.says("the session has ended")
+            assert await it.process.wait() == 0
+    pad.unplug()
+
+
+async def test_without_a_session_it_says_so_and_ends(tmp_path: Path) -> None:
+    async with program(tmp_path, str(tmp_path / "nobody")) as it:
+        await it.says("no session is running")
+        assert await it.process.wait() == 1
+    far = ("--to", "robot", "--woz", f"{sys.executable} -m woz_tui", str(tmp_path / "nobody"))
+    async with program(tmp_path, *far) as it:
+        await it.says("no session is running")
+        await it.says("no session answered")
+        assert await it.process.wait() == 1
+
+
+async def test_it_shows_the_names_of_controls(tmp_path: Path) -> None:
+    pad = Joystick(tmp_path / "js0")
+    async with program(tmp_path, "--show", "--device", str(pad.port)) as it:
+        await it.says("gamepad")
+        pad.press("north")
+        await it.says("north 1")
+        pad.push("left-stick-y", -1)
+        await it.says("left-stick-y 1")
+        pad.unplug()
+        await it.says("gone")

@@ -25,8 +25,10 @@ def test_it_offers_what_the_class_offers() -> None:
 
 def test_every_bundled_driver_can_be_rehearsed() -> None:
     catalogue = installed()
-    assert set(rehearsed(catalogue)) == set(catalogue)
-    for made in rehearsed(catalogue).values():
+    found = rehearsed(catalogue)
+    assert set(found) == set(catalogue)
+    assert found.pop("hands") is catalogue["hands"], "what the wizard learns lies in her hands"
+    for made in found.values():
         driver: type[Driver] = made
         assert "rehearsed" in driver.summary
 

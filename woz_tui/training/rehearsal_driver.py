@@ -71,5 +71,10 @@ def rehearsal_of(real: type[Driver]) -> type[Driver]:
 
 
 def rehearsed(catalogue: Mapping[str, type[Driver]]) -> dict[str, type[Driver]]:
-    """The whole catalogue, by type, with nothing in it that moves."""
-    return {name: rehearsal_of(real) for name, real in catalogue.items()}
+    """The whole catalogue, by type, with nothing in it that moves; what lies in the wizard's hands
+    is as it will be.
+    """
+    return {
+        name: rehearsal_of(real) if real.take_hand is Driver.take_hand else real
+        for name, real in catalogue.items()
+    }

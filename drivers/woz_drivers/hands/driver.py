@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import difflib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -52,6 +53,7 @@ class StickGroup:
         axes: The axes.
         asking: Asks the session.
         now_us: The session's clock.
+        on_refusal: Told what moves nothing, and why.
     """
 
     def __init__(
@@ -59,8 +61,10 @@ class StickGroup:
         axes: list[MappedControl],
         asking: Callable[[Ask, Callable[[bool, str], None]], None],
         now_us: Callable[[], int],
+        on_refusal: Callable[[str, str], None],
     ) -> None:
         self.axes = axes
+        self._on_refusal = on_refusal
         self._function = _function(axes[0])
         self.hold = self._function.hold
         self.every_us = round(self._function.every * 1_000_000)
@@ -127,6 +131,8 @@ class StickGroup:
         def ended(carried: bool, why: str) -> None:
             # What a newer one replaced has no reason; what was cut short is over anyway.
             if not carried and why and (self.active or not self.every_us):
+                if not self.refused:
+                    self._on_refusal(f"{self._key} ({ask.name})", why)
                 self.refused = True
                 self.active = False
             done(carried, why)
@@ -167,7 +173,10 @@ class HandsPanel(ControlPanel):
                 function = _function(it)
                 same = (function.verb, it.on, function.hold, function.every)
                 groups.setdefault(same, []).append(it)
-        self._groups = [StickGroup(axes, self._ask, self._now_us) for axes in groups.values()]
+        self._groups = [
+            StickGroup(axes, self._ask, self._now_us, self._tell_refusal)
+            for axes in groups.values()
+        ]
 
     # -- what the class tells ------------------------------------------------------------------
 
@@ -182,14 +191,16 @@ class HandsPanel(ControlPanel):
         """The panel as the console draws it, and as `woz hands` reads it."""
         kept: HandsSettings = settings
         mapped = mapped_controls(kept)
-        used = {_function(it).hold for it in mapped} | {it.name for it in mapped if not it.free}
+        held = {_function(it).hold for it in mapped}
+        used = {it.name for it in mapped if not it.free}
         return {
             "kind": "panel",
             "name": kept.device,
             "device": kept.device,
             "hold": kept.hold,
-            "controls": [_outlined(it) for it in mapped if it.name in used]
-            or [_outlined(mapped[0])],
+            "controls": [
+                _outlined(it, holds=it.name in held) for it in mapped if it.name in used | held
+            ],
         }
 
     @classmethod
@@ -287,6 +298,17 @@ class HandsPanel(ControlPanel):
             low = -1.0 if name in STICKS else 0.0
             if not low <= value <= 1.0:
                 raise RejectedError(f"{name} goes from {low:g} to 1, not to {value}")
+
+    def _tell_refusal(self, what: str, why: str) -> None:
+        """Once for each time that a stick is used: its commands have no lines of their own."""
+
+        def tell() -> None:
+            if not self._stopped:
+                text = f"{what} moves nothing: {why}"
+                self.context.notice("warning", text, "let go, then try again")
+
+        # A stop ends the command first, and tells the drivers then.
+        asyncio.get_running_loop().call_soon(tell)
 
     def _is_away(self, name: str, value: float) -> bool:
         """Whether a control is not at rest: no stick and no trigger comes back to 0 every time."""
@@ -391,9 +413,13 @@ def _panel_value(name: str, value: float) -> float:
     return 64 + value * (64 if value < 0 else 63)
 
 
-def _outlined(it: MappedControl) -> dict[str, Json]:
-    """A control for the console's picture, and what a Stream Deck needs to label its key."""
+def _outlined(it: MappedControl, *, holds: bool) -> dict[str, Json]:
+    """A control for the console's picture, and what a Stream Deck needs to label its key; `holds`:
+    it is a dead man's button.
+    """
     drawn = drawn_control(it)
+    if holds and it.free:
+        drawn["label"] = "dead man"
     for what in ("action", "key", "stop", "script", "release"):
         if told := getattr(it.mapped, what):
             drawn[what] = told

@@ -283,6 +283,9 @@ def test_a_refused_drive_is_not_asked_for_again_and_again() -> None:
         it.session.outcome = (False, "no wizard's console is attached")
         await it.hold_for(4.0, left_stick_y=1, left_bumper=1)
         assert len(it.drives()) == 1
+        [(level, text, _)] = it.session.notices
+        assert level == "warning"
+        assert "no wizard's console" in text
         it.hold(left_stick_y=1)
         await it.hold_for(4.0, left_stick_y=1, left_bumper=1)
         assert len(it.drives()) == 1

@@ -78,7 +78,9 @@ WATCHER_MAY = (*(AskDescribe, AskPreflight, AskMarker, AskNote, AskPicture, AskS
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: Sources of what the robot process, its drivers and its re-runs do by themselves.
-NOT_OF_CLIENTS = ("engagement", "replay", "phase", "midi", "driver", "body")
+NOT_OF_CLIENTS = frozenset(
+    {"engagement", "replay", "phase", "midi", "gamepad", "stream-deck", "driver", "body"}
+)
 #: What takes its time, because it reads files or asks devices.
 Slow = AskReload | AskKeepTyped | AskPredict | AskPreflight | AskProposal
 #: So many of one kind may wait for each client, while the one before is worked on.

@@ -111,8 +111,7 @@ async def test_a_cut_connection_stops_the_drive(tmp_path: Path) -> None:
 
 async def test_without_a_wizard_who_watches_no_stick_drives(tmp_path: Path) -> None:
     async with session(tmp_path) as (place, hands):
-        wizard = place.host.wizard
-        assert wizard is not None
+        [wizard] = place.host.wizards
         wizard.close("test")
         await place.published(lambda line: isinstance(line, m.ConsoleLost))
         await move(hands, DRIVE)

@@ -14,7 +14,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from woz_tui.cli.attach import find_socket
+from woz_tui.cli.attach import find_session
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.hand_client import HandClient
 from woz_tui.drivers import plugins
@@ -76,7 +76,7 @@ def run(arguments: Namespace) -> int:
 
 def _into(arguments: Namespace) -> int:
     """Carry bytes both ways; whoever ends first ends both, so that the session lets go at once."""
-    path = find_socket(_attach_arguments(arguments))
+    path = find_session(arguments.name, "woz hands --to ROBOT")
     if path is None:
         return 1
     with socket.socket(socket.AF_UNIX) as session:
@@ -99,10 +99,6 @@ def _copy_in(session: socket.socket) -> None:
 def _write_all(fd: int, data: bytes) -> None:
     while data:
         data = data[os.write(fd, data) :]
-
-
-def _attach_arguments(arguments: Namespace) -> Namespace:
-    return Namespace(name=arguments.name, watch=False, take_over=False, questionnaire=None)
 
 
 # -- reading devices -------------------------------------------------------------------------------
@@ -201,7 +197,7 @@ async def _connected(
 ) -> AsyncIterator[tuple[asyncio.StreamReader | None, Any]]:
     """The session's end of a line: its socket here, or ssh's pipes."""
     if not arguments.to:
-        path = await asyncio.to_thread(find_socket, _attach_arguments(arguments))
+        path = await asyncio.to_thread(find_session, arguments.name, "woz hands")
         if path is None:
             yield None, None
             return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import socket
@@ -10,6 +11,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import jsonschema
 import msgspec
 import pytest
 
@@ -44,6 +46,18 @@ def test_golden_lines_come_out_as_they_went_in(name: str) -> None:
 @pytest.mark.parametrize("name", FILES)
 def test_golden_files_are_what_todays_code_writes(name: str) -> None:
     assert (examples.GOLDEN / name).read_bytes() == examples.golden()[name]
+
+
+def test_the_published_schema_takes_what_the_codec_takes() -> None:
+    schema = json.loads(PROTOCOL.with_name("protocol.schema.json").read_text())
+    of = {"requests.jsonl": "Request", "answers.jsonl": "Answer", "messages.jsonl": "Message"}
+    for name, part in of.items():
+        validator = jsonschema.Draft202012Validator({**schema, "$ref": f"#/$defs/{part}"})
+        for line in golden_lines(name):
+            validator.validate(json.loads(line))
+    requests = jsonschema.Draft202012Validator(schema)
+    for wrong in ({"kind": "dance"}, {"kind": "action", "actin": "x"}, {"kind": "verb"}):
+        assert not requests.is_valid(wrong)
 
 
 @pytest.mark.parametrize("name", FILES)

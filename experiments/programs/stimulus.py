@@ -37,7 +37,7 @@ except ImportError:  # the same three calls, without a screen
 
 win = Window(fullscr=True)
 with connect(name="stimulus") as woz:
-    for word in ("whale", "anchor", "lighthouse"):
+    for word in ("whale", "boat", "lighthouse"):
         TextStim(win, text=word).draw()
         win.callOnFlip(woz.mark_soon, f"onset {word}")  # returns at once: no frame is lost
         shown = woz.session_time(win.flip())

@@ -99,7 +99,7 @@ async def test_the_logger_writes_until_the_session_ends(tmp_path: Path) -> None:
 async def test_the_stimuli_are_marked_and_commented_in_their_time(tmp_path: Path) -> None:
     async with served(tmp_path) as host, running(host, "stimulus.py") as program:
         text = await output(program)
-        words = ("whale", "anchor", "lighthouse")
+        words = ("whale", "boat", "lighthouse")
         assert [line for line in text.splitlines() if line in words] == [*words]
         marks = [line for line in host.lines if isinstance(line, m.Marker)]
         assert [mark.text for mark in marks] == [f"onset {word}" for word in words]

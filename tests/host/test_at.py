@@ -115,6 +115,19 @@ async def test_what_makes_no_sense_is_refused_at_once(tmp_path: Path) -> None:
             assert "stop" in (await peer.ask(kind, **fields, at=at))["reason"]
 
 
+@pytest.mark.parametrize("at", [-5, 1 << 62, -(1 << 62), 10**30])
+@pytest.mark.parametrize(("kind", "fields"), REQUESTS)
+async def test_a_moment_that_makes_no_sense_is_refused(
+    tmp_path: Path, kind: str, fields: dict[str, Any], at: int
+) -> None:
+    async with served(tmp_path) as host:
+        peer = await program(host)
+        assert not (await peer.ask(kind, **fields, at=at))["ok"]
+        assert not (await peer.ask("marker", text="x", at=10**30))["ok"]
+        assert (await peer.ask("marker", text="x", at=-(10**30)))["ok"] in (True, False)
+        assert (await peer.ask("action", action="Hello"))["ok"], "it goes on"
+
+
 async def test_so_many_wait_and_no_more(tmp_path: Path) -> None:
     async with served(tmp_path) as host:
         peer = await program(host)

@@ -59,8 +59,8 @@ from woz_tui.timeline.session_state import SessionState
 CLOCK_TIE_S = 30.0
 log = logging.getLogger(__name__)
 
-#: Requests that may wait for their moment.
-MOST_SCHEDULED = 256
+#: Requests that may wait for their moment, and how far it may be away, in microseconds.
+MOST_SCHEDULED, FURTHEST_US = 256, 86_400_000_000
 #: What helps against a press that came too late.
 AGAIN = "press it again"
 #: Seconds between two checkpoints of the log.
@@ -294,10 +294,14 @@ class Session:
 
     def _no_moment(self, at: int) -> str:
         """Why nothing can be asked for the moment `at` (0: now); empty: it can."""
+        if not at:
+            return ""
         late_us = self.hub.now() - at
-        if at and late_us > 0:
+        if abs(late_us) > FURTHEST_US:
+            return "the moment is more than a day away"
+        if late_us > 0:
             return f"too late: it was to begin {late_us / 1_000_000:.3f} s ago"
-        if at and len(self.runner.scheduled) >= MOST_SCHEDULED:
+        if len(self.runner.scheduled) >= MOST_SCHEDULED:
             return f"{MOST_SCHEDULED} requests wait for their moment already"
         return ""
 

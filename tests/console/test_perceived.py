@@ -202,6 +202,12 @@ def test_what_a_sensor_tells(sensor: str, kind: str) -> None:
     assert perceived_kind(sensor) == kind
 
 
+def test_who_is_addressed_is_kept_with_who_is_there() -> None:
+    addressed = m.AddressedChanged(driver="eye", face=2)
+    assert kept("presence").message(addressed) is None
+    assert kept("distance").message(addressed) is addressed
+
+
 def test_the_words_of_a_blurred_text_are_left_out() -> None:
     word = m.SpokenWord(text="roman", began=1, ended=2)
     text = m.SpeechText(driver="ears", segment=1, text="roman glass", words=[word], t=NOW)

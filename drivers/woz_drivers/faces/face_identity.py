@@ -19,7 +19,7 @@ from woz_drivers.faces.face_tracks import FaceTrack
 from woz_drivers.faces.settings import FacesSettings
 from woz_drivers.resident_program import ResidentProgram
 from woz_tui.drivers.contract import DriverContext, DriverError, RejectedError
-from woz_tui.drivers.face_store import key_of
+from woz_tui.drivers.face_store import FaceStore, default_path, key_of
 from woz_tui.protocol.messages import Json
 
 #: Readings: of who is addressed, and of each face.
@@ -185,11 +185,14 @@ class FaceIdentity:
             self._consents[key_of(name)] = name
             return {"name": name, "given": True}
         self._consents.pop(key_of(name), None)
-        answer = await self._ask("forget", names=[name])
+        # Not by our program, which may not run: what is withdrawn must be deleted all the same.
+        deleted = await asyncio.to_thread(FaceStore(default_path()).forget, [name])
+        if self._settings.recogniser:  # it may have a store of its own
+            deleted += (await self._ask("forget", names=[name])).names
         for known in self._tracks.values():
             if known.name and key_of(known.name) == key_of(name):
                 known.name = known.latest = ""
-        return {"name": name, "given": False, "deleted": bool(answer.names)}
+        return {"name": name, "given": False, "deleted": bool(deleted)}
 
     async def learn(self, name: str, addressed: FaceTrack | None) -> Mapping[str, Json]:
         """Have the addressed face learnt. Raises `DriverError`, `RejectedError`."""

@@ -195,6 +195,22 @@ async def test_a_consent_that_is_withdrawn_deletes_what_was_kept(desk: IdentityD
     assert desk.name == ""
 
 
+async def test_a_consent_can_be_withdrawn_where_the_recogniser_does_not_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    FaceStore(default_path()).learn("V3", b"template", "2026-03-01", "log")
+    desk = IdentityDesk(tmp_path, recogniser="", models=str(tmp_path / "none"))
+    await desk.driver.open()
+    try:
+        await until(desk.pipe.connected)
+        told = await (await desk.perform("face_consent", name="V3", given=False))
+    finally:
+        await desk.driver.close()
+    assert told["deleted"] is True
+    assert FaceStore(default_path()).faces() == []
+
+
 async def test_woz_visitors_forget_reaches_a_session_that_runs(
     desk: IdentityDesk, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -228,12 +228,12 @@ def _services(robot: RosbridgeSimulator) -> list[tuple[str, Any]]:
 
 async def test_a_drive_is_velocities_while_it_lasts_and_zero_at_its_end() -> None:
     async with played(pace=1.0) as it:
-        sent = await it.play("drive", x=0.2, turn=-18.0)
-        assert sent["seconds"] == 0.4
+        sent = await it.play("drive", x=0.5, turn=-45.0)
+        assert sent["seconds"] == 1.0
         told = [(x, turn) for _, x, turn in it.robot.velocities]
         [_, moving, standing] = [[*group] for _, group in itertools.groupby(told)]
         assert moving[0] == (0.5, -0.7854)
-        assert 2 <= len(moving) <= 5
+        assert 2 <= len(moving) <= 11
         assert standing[0] == (0.0, 0.0)
         with pytest.raises(RejectedError):
             await it.play("drive")
@@ -243,9 +243,9 @@ async def test_a_stamped_velocity_has_its_frame() -> None:
     text = ROBOT.replace("/cmd_vel, ", "/cmd_vel, type: geometry_msgs/TwistStamped, ")
     async with played(settings(text)) as it:
         await it.play("drive", x=0.01)
-        message = it.sent("/cmd_vel")[1]
-        assert message["header"] == {"frame_id": "base_link"}
-        assert message["twist"]["linear"]["x"] == 0.5
+        velocities = {message["twist"]["linear"]["x"] for message in it.sent("/cmd_vel")}
+        assert velocities == {0.0, 0.5}  # how often each is sent depends on the machine
+        assert all(sent["header"] == {"frame_id": "base_link"} for sent in it.sent("/cmd_vel"))
         assert it.robot.velocities[-1][1:] == (0.0, 0.0)
 
 

@@ -647,7 +647,7 @@ async def test_moves_of_another_program_are_stopped_too(it: PlayedReachy) -> Non
 async def test_a_robot_that_moves_on_has_not_confirmed(it: PlayedReachy) -> None:
     it.robot.oddities.drifts = 1.0
     report = await it.driver.stop(Scope.ALL)
-    assert report is not None and report.missing == ("motion",)
+    assert report is not None and "motion" in report.missing
 
 
 @pytest.mark.usefixtures("soon")

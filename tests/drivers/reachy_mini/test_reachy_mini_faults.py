@@ -173,7 +173,6 @@ async def test_a_command_that_comes_late_moves_nothing_after_the_stop(it: Played
 # -- requests that hang, or are not answered -------------------------------------------------------
 
 
-@pytest.mark.usefixtures("soon")
 async def test_every_stop_asks_for_no_tracking_until_that_is_confirmed(it: PlayedReachy) -> None:
     await it.do("mode", mode="tracking")
     it.robot.faults.refused["/api/media/tracking/enable"] = "the camera is busy"
@@ -399,7 +398,7 @@ async def test_poses_that_are_none_are_told_of_once_and_confirm_nothing(it: Play
     it.robot.oddities.nan = True
     await until(lambda: any("understand" in text for _, text, _ in it.context.notices))
     report = await it.driver.stop(Scope.ALL)
-    assert report is not None and report.missing == ("motion",)
+    assert report is not None and "motion" in report.missing
     assert sum("understand" in text for _, text, _ in it.context.notices) == 1
     assert all(reading.value is not None for reading in it.context.of("joint.pan"))
     it.robot.oddities.nan = False

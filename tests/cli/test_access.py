@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from woz_tui import cli
-from woz_tui.remote.certificates import AccessFile
+from woz_tui.network.certificates import AccessFile
 
 
 @pytest.fixture(autouse=True)

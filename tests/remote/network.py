@@ -13,9 +13,9 @@ import pytest
 
 from tests.host.rig import WAIT_S, Peer, Served, served
 from woz_tui.config.experiment import AccessRole, SessionSettings
+from woz_tui.network.certificates import AccessFile, Authority
+from woz_tui.network.listen_address import ListenAddress
 from woz_tui.remote.access_server import AccessServer
-from woz_tui.remote.certificates import AccessFile, Authority
-from woz_tui.remote.listen_address import ListenAddress
 from woz_tui.remote.remote_session import RemoteSession, RemoteSessionError
 from woz_tui.system.clock import RealClock
 

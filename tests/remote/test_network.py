@@ -17,13 +17,13 @@ from tests.host.rig import WAIT_S
 from tests.remote.network import BootClock, Machines, S, connected, machines
 from woz_tui.config.experiment import AccessRole
 from woz_tui.host.remote_access import RemoteAccess
+from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
+from woz_tui.network.clock_offset import ClockOffset
+from woz_tui.network.listen_address import ListenAddress
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskStop, Beat, Hello, Reply
 from woz_tui.remote.access_server import BURST, LOCAL, MAY_BE, AccessServer, RequestFilter
-from woz_tui.remote.certificates import SERVER_NAME, AccessError, AccessFile, Authority
-from woz_tui.remote.listen_address import ListenAddress
-from woz_tui.remote.remote_session import ClockOffset
 from woz_tui.system.clock import ManualClock
 from woz_tui.testing import until
 

@@ -11,7 +11,7 @@ from rich.table import Table
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.console.text_console import TextConsole
-from woz_tui.remote.certificates import AccessError, Authority
+from woz_tui.network.certificates import AccessError, Authority
 
 LONGEST_DAYS = 3650
 

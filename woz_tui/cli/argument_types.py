@@ -6,7 +6,7 @@ import contextlib
 from argparse import ArgumentTypeError
 from collections.abc import Callable
 
-from woz_tui.remote.listen_address import ListenAddress
+from woz_tui.network.listen_address import ListenAddress
 
 
 def number(

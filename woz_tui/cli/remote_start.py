@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from woz_tui.remote.certificates import AccessError, AccessFile
+from woz_tui.network.certificates import AccessError, AccessFile
 
 #: How long the process may take to end, in seconds.
 _END_S = 3.0

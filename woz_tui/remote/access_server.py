@@ -26,10 +26,10 @@ from pathlib import Path
 import msgspec
 from aiohttp import WSMsgType, web
 
+from woz_tui.network.certificates import AccessError, Authority
+from woz_tui.network.listen_address import ListenAddress
 from woz_tui.protocol import codec
 from woz_tui.protocol.requests import AnyRequest, AskStop, AskTakeOver, Beat, Hello, Reply
-from woz_tui.remote.certificates import AccessError, Authority
-from woz_tui.remote.listen_address import ListenAddress
 from woz_tui.remote.parent_lines import announce, standard_input
 from woz_tui.system.clock import Clock, RealClock, boot_id
 

@@ -19,17 +19,16 @@ import socket
 import ssl
 import sys
 from argparse import ArgumentParser
-from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import aiohttp
 import msgspec
 
+from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile
+from woz_tui.network.clock_offset import ClockComparison, ClockOffset
 from woz_tui.protocol import codec
-from woz_tui.remote.certificates import SERVER_NAME, AccessError, AccessFile
 from woz_tui.remote.parent_lines import announce, standard_input
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import Clock, RealClock, boot_id
@@ -38,51 +37,11 @@ from woz_tui.system.clock import Clock, RealClock, boot_id
 _CONNECT_S, _ANSWER_S = 5.0, 3.0
 #: The other clock is asked so often at first, later so often, in seconds.
 _ASK_FIRST_S, _ASK_S, _ASK_FIRST = 0.1, 1.0, 5
-#: How many answers count: the one that came soonest is the best.
-_ANSWERS = 20
 _RETRY_S = 1.0
 #: Seconds from one ping to the next; one that is not answered in half of it ends the connection.
 _HEARTBEAT_S = 2.0
 _READ = 1 << 16
 _LONGEST_LINE = 16 * codec.MAX_LINE
-
-
-@dataclass(frozen=True, slots=True)
-class ClockOffset:
-    """What the other machine's clock has more than this one's, and how far that may be off, in
-    microseconds.
-    """
-
-    offset_us: int
-    uncertainty_us: int
-
-    @classmethod
-    def measured(cls, sent_us: int, other_us: int, received_us: int) -> ClockOffset:
-        """From one question: when it was sent, what the other said, when that was here."""
-        half = (received_us - sent_us) // 2
-        return cls(other_us - sent_us - half, half + 1)
-
-    def there(self, here_us: int) -> int:
-        """The other's time at a time of ours: the earliest it can have been, so that nothing that
-        was under way for long is taken for fresh.
-        """
-        return here_us + self.offset_us - self.uncertainty_us
-
-
-class ClockComparison:
-    """The best of the last answers of the other clock."""
-
-    def __init__(self) -> None:
-        self._answers: deque[ClockOffset] = deque(maxlen=_ANSWERS)
-
-    def add(self, answer: ClockOffset) -> None:
-        """One more answer."""
-        self._answers.append(answer)
-
-    @property
-    def best(self) -> ClockOffset:
-        """The one that is known best. Raises ValueError before the first."""
-        return min(self._answers, key=lambda each: each.uncertainty_us)
 
 
 class LineTranslator:

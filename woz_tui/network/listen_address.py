@@ -16,25 +16,28 @@ class ListenAddress:
 
     @classmethod
     def read(cls, text: str) -> ListenAddress:
-        """From `HOST:PORT`, `[IPv6]:PORT`, `:PORT` (everywhere) or `ws://127.0.0.1:PORT`.
+        """From `HOST:PORT`, `[IPv6]:PORT`, `:PORT` (everywhere), or of this machine alone
+        `ws://127.0.0.1:PORT` and for drivers `tcp://127.0.0.1:PORT`.
 
         Raises `ValueError` with a sentence.
         """
         scheme, _, rest = text.rpartition("://")
         host, colon, port = rest.rpartition(":")
         host = host.removeprefix("[").removesuffix("]")
-        if scheme not in ("", "ws", "wss") or not (colon and port.isascii() and port.isdigit()):
+        if scheme not in ("", "ws", "wss", "tcp") or not (
+            colon and port.isascii() and port.isdigit()
+        ):
             raise ValueError(
                 f"{text!r} is no address; for example 0.0.0.0:8765 or robot.local:8765"
             )
         if int(port) > 0xFFFF:
             raise ValueError(f"{text!r}: ports go up to {0xFFFF}")
-        if scheme == "ws" and not _is_loopback(host):
+        if scheme in ("ws", "tcp") and not _is_loopback(host):
             raise ValueError(
-                f"{text!r} would let the whole network in without certificates: without `ws://`"
-                " the connection is encrypted, and each name has its certificate"
+                f"{text!r} would let the whole network in without certificates: without"
+                f" `{scheme}://` the connection is encrypted, and each name has its certificate"
             )
-        return cls(host, int(port), scheme == "ws")
+        return cls(host, int(port), scheme in ("ws", "tcp"))
 
 
 def _is_loopback(host: str) -> bool:

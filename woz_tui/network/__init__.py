@@ -1,0 +1,1 @@
+"""What two machines of one robot need: certificates, clocks, drivers on another computer."""

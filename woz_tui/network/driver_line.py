@@ -1,0 +1,380 @@
+"""The line between a session and the computers of its drivers, over Eclipse Zenoh.
+
+The session's process is the router: it listens, and with TLS it lets in only whom its authority has
+given a certificate, each name to the keys of its own drivers. A driver's computer is a client of
+it. Nothing here waits: what a full line cannot take is dropped, and the frames' numbers show it.
+
+This is the only module that imports zenoh, and only when a line is opened: its threads live in the
+process from then on.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import contextlib
+import json
+import socket
+import ssl
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
+from woz_tui.network.listen_address import ListenAddress
+
+if TYPE_CHECKING:
+    import zenoh
+
+#: Where a session listens for the computers of its drivers, unless the robot file says otherwise.
+LISTEN = "0.0.0.0:7447"
+#: Who has said nothing for so long is gone, in seconds.
+SILENCE_S = 1.0
+#: Frames that may wait to be sent; one more is dropped.
+CAPACITY = 2000
+#: How long a connection may take, in seconds.
+CONNECT_S = 3.0
+#: What cannot be done without the extra.
+MISSING = "drivers on another computer need the package `eclipse-zenoh`"
+MISSING_REMEDY = "pip install 'woz-tui[remote-drivers]'"
+
+#: Is given what came; in a thread of the line.
+Receive = Callable[[bytes], None]
+#: Hears whether the other side is there; in a thread of the line.
+Presence = Callable[[bool], None]
+
+
+class LineError(Exception):
+    """The line cannot be opened; what is wrong, and what helps."""
+
+    def __init__(self, what: str, remedy: str = "") -> None:
+        super().__init__(what)
+        self.remedy = remedy
+
+
+def _module() -> Any:
+    try:
+        import zenoh  # noqa: PLC0415 - its threads begin with the first session
+    except ImportError:
+        raise LineError(MISSING, MISSING_REMEDY) from None
+    return zenoh
+
+
+class DriverLine:
+    """One open session of zenoh, with a thread of its own that sends: urgent things first."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._zenoh = _module()
+        self._session = session
+        self._waiting: deque[tuple[str, bytes]] = deque()
+        self._urgent: deque[tuple[str, bytes]] = deque()
+        self._some = threading.Condition()
+        self._open = True
+        self._held: list[Any] = []
+        self._thread = threading.Thread(target=self._run, name="driver line", daemon=True)
+        self._thread.start()
+
+    def send(self, key: str, payload: bytes, *, urgent: bool = False) -> bool:
+        """Have it sent and return at once; whether there was room. From any thread."""
+        with self._some:
+            if not self._open or len(self._waiting) >= CAPACITY:
+                return False
+            (self._urgent if urgent else self._waiting).append((key, payload))
+            self._some.notify()
+        return True
+
+    def receive(self, key: str, receive: Receive) -> None:
+        """Hand over what comes under this key."""
+        self._held.append(
+            self._session.declare_subscriber(key, lambda sample: receive(sample.payload.to_bytes()))
+        )
+
+    def show_presence(self, key: str) -> None:
+        """Let the others notice when this process goes."""
+        self._held.append(self._session.liveliness().declare_token(key))
+
+    def watch_presence(self, key: str, presence: Presence) -> None:
+        """Hear of everybody who comes and goes."""
+        put = self._zenoh.SampleKind.PUT
+        self._held.append(
+            self._session.liveliness().declare_subscriber(
+                key, lambda sample: presence(sample.kind == put), history=True
+            )
+        )
+
+    def close(self) -> None:
+        """End it; may wait for a moment, so call it in a thread."""
+        with self._some:
+            self._open = False
+            self._some.notify()
+        self._thread.join(SILENCE_S)  # what was sent last goes out first
+        with contextlib.suppress(self._zenoh.ZError):
+            self._session.close()
+
+    def _run(self) -> None:
+        drop, priority = self._zenoh.CongestionControl.DROP, self._zenoh.Priority
+        while True:
+            with self._some:
+                while self._open and not self._urgent and not self._waiting:
+                    self._some.wait()
+                if not self._urgent and not self._waiting:
+                    return
+                urgent = bool(self._urgent)
+                key, payload = (self._urgent if urgent else self._waiting).popleft()
+            with contextlib.suppress(self._zenoh.ZError):  # closed meanwhile
+                self._session.put(
+                    key,
+                    payload,
+                    congestion_control=drop,
+                    priority=priority.REAL_TIME if urgent else priority.DATA,
+                    express=True,
+                )
+
+
+# -- keys ------------------------------------------------------------------------------------------
+
+
+def to_key(place: str, driver: str) -> str:
+    """What goes to a driver."""
+    return f"woz/{place}/{driver}/to"
+
+
+def from_key(place: str, driver: str) -> str:
+    """What a driver sends."""
+    return f"woz/{place}/{driver}/from"
+
+
+def place_key(place: str) -> str:
+    """Shows that the computer of the drivers is there."""
+    return f"woz/{place}/here"
+
+
+def session_key(place: str) -> str:
+    """Shows that the session is there."""
+    return f"woz/{place}/session"
+
+
+# -- opening ---------------------------------------------------------------------------------------
+
+
+def _open(settings: Mapping[str, Any], silence_s: float) -> DriverLine:
+    """Raises `zenoh.ZError`, `LineError`."""
+    zenoh = _module()
+    config = zenoh.Config()
+    common: dict[str, Any] = {
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "scouting/delay": 0,
+        "transport/link/tx/lease": round(silence_s * 1000),
+        "transport/link/tx/keep_alive": 4,
+    }
+    for name, value in {**common, **settings}.items():
+        config.insert_json5(name, json.dumps(value))
+    return DriverLine(zenoh.open(config))
+
+
+class DriverRouter:
+    """Where the computers of a session's drivers come in; opened by the first that needs it.
+
+    Args:
+        listen: Where.
+        places: Names of those computers, as their access files have them.
+        authority: Says who may come in; not asked for an address without TLS.
+        silence_s: After so long without a sign of life somebody is gone.
+    """
+
+    def __init__(
+        self,
+        listen: str = LISTEN,
+        places: Sequence[str] = (),
+        authority: Authority | None = None,
+        silence_s: float = SILENCE_S,
+    ) -> None:
+        self.listen = listen
+        self.silence_s = silence_s
+        self.places = set(places)
+        self._authority = authority or Authority()
+        self._line: DriverLine | None = None
+        self._users = 0
+        self._lock = asyncio.Lock()
+
+    async def join(self) -> DriverLine:
+        """The open line, for one more user. Raises `LineError`."""
+        async with self._lock:
+            if self._line is None:
+                self._line = await asyncio.to_thread(self._opened)
+            self._users += 1
+            return self._line
+
+    async def leave(self) -> None:
+        """One user less; the last one closes it."""
+        async with self._lock:
+            self._users -= 1
+            if self._users <= 0 and self._line is not None:
+                line, self._line = self._line, None
+                await asyncio.to_thread(line.close)
+
+    def barred(self, place: str) -> str:
+        """Why this computer cannot come in; empty: it can."""
+        if ListenAddress.read(self.listen).plain:
+            return ""
+        try:
+            names = [each for each in self._authority.names() if each.name == place]
+        except AccessError as error:
+            return str(error)
+        if not names:
+            return f"{place} has no access"
+        # The line knows names and not serial numbers: one that was revoked counts for the name.
+        return f"the access of {place} was revoked" if any(n.revoked for n in names) else ""
+
+    def _opened(self) -> DriverLine:
+        zenoh = _module()
+        address = ListenAddress.read(self.listen)
+        scheme = "tcp" if address.plain else "tls"
+        where = f"{scheme}/{_host(address)}:{address.port}"
+        settings: dict[str, Any] = {"mode": "router", "listen/endpoints": [where]}
+        if not address.plain:
+            folder = self._authority.place
+            try:
+                self._authority.context()  # whether its files can be used
+            except AccessError as error:
+                raise LineError(str(error)) from None
+            settings["transport/link/tls"] = {
+                "root_ca_certificate": str(folder / "authority.crt"),
+                "listen_private_key": str(folder / "server.pem"),
+                "listen_certificate": str(folder / "server.pem"),
+                "enable_mtls": True,
+            }
+            settings["access_control"] = _access_control(
+                place for place in sorted(self.places) if not self.barred(place)
+            )
+        try:
+            line = _open(settings, self.silence_s)
+        except zenoh.ZError as error:
+            in_use = "in use" in str(error)
+            raise LineError(
+                f"{self.listen} is used by another program, perhaps another session"
+                if in_use
+                else f"cannot listen at {self.listen}: {error}",
+                "end it, or write another address into the robot file: at: {name: NAME, listen:"
+                " 0.0.0.0:7448}",
+            ) from None
+        for place in self.places:
+            line.show_presence(session_key(place))
+        return line
+
+
+def _host(address: ListenAddress) -> str:
+    host = address.host or "0.0.0.0"
+    return f"[{host}]" if ":" in host else host
+
+
+def _access_control(places: Any) -> dict[str, Any]:
+    """Each name may use the keys of its own drivers, and nobody anything else."""
+    rules, policies, subjects = [], [], []
+    for place in places:
+        to, back = to_key(place, "*"), from_key(place, "*")
+        here, session = place_key(place), session_key(place)
+        for name, messages, flow, keys in (
+            ("says", ["put", "liveliness_token"], "ingress", [back, here]),
+            (
+                *("hears", ["declare_subscriber", "declare_liveliness_subscriber"], "ingress"),
+                [to, session],
+            ),
+            ("asks", ["liveliness_query"], "ingress", [session]),
+            (
+                *("gets", ["put", "liveliness_token", "declare_subscriber"], "egress"),
+                [to, session, back],
+            ),
+        ):
+            rules.append(
+                {
+                    "id": f"{place} {name}",
+                    "messages": messages,
+                    "flows": [flow],
+                    "permission": "allow",
+                    "key_exprs": keys,
+                }
+            )
+        subjects.append({"id": place, "cert_common_names": [place]})
+        policies.append(
+            {
+                "rules": [f"{place} {name}" for name in ("says", "hears", "asks", "gets")],
+                "subjects": [place],
+            }
+        )
+    return {
+        "enabled": True,
+        "default_permission": "deny",
+        "rules": rules,
+        "subjects": subjects,
+        "policies": policies,
+    }
+
+
+def connect(address: str, access: AccessFile | None, silence_s: float = SILENCE_S) -> DriverLine:
+    """From a driver's computer to the session at `address`. Blocks for seconds.
+
+    Raises `LineError`, with why it cannot be reached.
+    """
+    zenoh = _module()
+    at = ListenAddress.read(address)
+    scheme = "tcp" if at.plain else "tls"
+    settings: dict[str, Any] = {
+        "mode": "client",
+        "connect/endpoints": [f"{scheme}/{_host(at)}:{at.port}"],
+        "connect/timeout_ms": round(CONNECT_S * 1000),
+    }
+    if not at.plain:
+        if access is None:
+            raise LineError("an access file is needed", "on the robot: woz access new NAME")
+        settings["transport/link/tls"] = {
+            "root_ca_certificate_base64": base64.b64encode(access.authority.encode()).decode(),
+            "connect_private_key": str(access.path.absolute()),
+            "connect_certificate": str(access.path.absolute()),
+            "enable_mtls": True,
+            # Robots are reached by any address; only the robot's own certificate is one of a
+            # server.
+            "verify_name_on_connect": False,
+        }
+    why = _examined(at, access)
+    if why is not None:
+        raise why
+    try:
+        return _open(settings, silence_s)
+    except zenoh.ZError as error:
+        raise LineError(f"no session answers at {address}: {error}") from None
+
+
+def _examined(at: ListenAddress, access: AccessFile | None) -> LineError | None:
+    """Why a connection will not come about, in words that zenoh does not have."""
+    try:
+        with socket.create_connection((at.host, at.port), CONNECT_S) as plain:
+            if at.plain or access is None:
+                return None
+            with access.context().wrap_socket(plain, server_hostname=SERVER_NAME) as there:
+                # A certificate that is not wanted is refused after the handshake; with one that is,
+                # nobody says anything before we do.
+                there.settimeout(0.3)
+                there.recv(1)
+    except TimeoutError:
+        return None
+    except ssl.SSLCertVerificationError as error:
+        return LineError(
+            f"{at.host}:{at.port} is not the robot that this access file is for"
+            f" ({error.verify_message})",
+            "take the access file that `woz access new` wrote on this robot",
+        )
+    except ssl.SSLError as error:
+        return LineError(
+            f"{at.host}:{at.port} does not let this access file in ({error.reason or error})",
+            "make a new one on the robot: woz access new NAME",
+        )
+    except (AccessError, OSError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        return LineError(
+            f"no session can be reached at {at.host}:{at.port}: {reason}",
+            "start one there whose robot file says `at:`, or correct the address",
+        )
+    return None

@@ -1,0 +1,261 @@
+"""What a session and the computer of a driver send each other, as MessagePack.
+
+Both sides say the same things in a frame: which life of the served driver (`instance`) and which
+conversation with it (`epoch`) they belong to. `number` counts those that must not be lost, from 1
+in each direction; who sees a gap ends the conversation, and everything is told anew in the next
+one. Frames with number 0 may be lost: readings, which the next one replaces, and pings.
+
+Changing anything here needs another `LINK`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from woz_tui.drivers.contract import Ask
+from woz_tui.protocol.messages import Json
+
+#: Which form of these messages; two sides of different forms do not talk.
+LINK = 1
+
+
+class _Body(msgspec.Struct, frozen=True, tag_field="is"):
+    """What a frame carries."""
+
+
+class Failure(msgspec.Struct, frozen=True):
+    """How something failed: the exception's class among those of the contract, and its words."""
+
+    kind: str
+    what: str
+    remedy: str = ""
+
+
+# -- from the session ------------------------------------------------------------------------------
+
+
+class Hello(_Body, frozen=True, tag="hello"):
+    """A session wants to use the driver. What it decoded must be what is served: hashes of each of
+    its `settings`, and of its verbs and sensors (`offer`). `stopped`: the stop is pressed.
+    """
+
+    link: int
+    version: str
+    session: str
+    name: str
+    type: str
+    settings: dict[str, str]
+    offer: str
+    media: str
+    stopped: bool
+
+
+class Pong(_Body, frozen=True, tag="pong"):
+    """The answer to a ping, at once: this computer's time, and the last number it has sent."""
+
+    sent_us: int
+    boot_us: int
+    t_us: int
+    last: int
+
+
+class Perform(_Body, frozen=True, tag="perform"):
+    """Carry out a command, unless it comes after `deadline_us` of the session's clock."""
+
+    id: int
+    command: str
+    verb: str
+    args: dict[str, Json]
+    source: str
+    deadline_us: int
+
+
+class Cancel(_Body, frozen=True, tag="cancel"):
+    """End a command or a call."""
+
+    id: int
+
+
+class Stop(_Body, frozen=True, tag="stop"):
+    """Stop; commands up to number `up_to` that have not begun must not begin any more."""
+
+    id: int
+    scope: str
+    up_to: int
+
+
+class Invoke(_Body, frozen=True, tag="invoke"):
+    """Call a method of the driver: prepare, resume, reread, rest, close."""
+
+    id: int
+    what: str
+    args: list[Any] = []
+
+
+class AskEnded(_Body, frozen=True, tag="ask-ended"):
+    """How something ended that the driver has asked the session for."""
+
+    id: int
+    ok: bool
+    why: str
+
+
+# -- from the driver -------------------------------------------------------------------------------
+
+
+class Here(_Body, frozen=True, tag="here"):
+    """It is here; sent again and again. `epoch` of the conversation and driver of the session
+    (`user`) that has it; 0: no session.
+    """
+
+    link: int
+    version: str
+    epoch: int = 0
+    user: str = ""
+
+
+class NotTaken(_Body, frozen=True, tag="not-taken"):
+    """The session cannot have it."""
+
+    why: str
+    remedy: str = ""
+
+
+class Ping(_Body, frozen=True, tag="ping"):
+    """What is your time? The first one says that the session has the driver. With the last number
+    sent, and how long an answer takes (0: unknown).
+    """
+
+    sent_us: int
+    last: int
+    round_trip_us: int
+
+
+class Ended(_Body, frozen=True, tag="ended"):
+    """A command or a call has ended; without `failure` well, and this came of it."""
+
+    id: int
+    failure: Failure | None = None
+    result: Any = None
+
+
+class Expects(_Body, frozen=True, tag="expects"):
+    """A command takes so many seconds more."""
+
+    id: int
+    seconds: float
+
+
+class StopTaken(_Body, frozen=True, tag="stop-taken"):
+    """The stop has come and is being carried out."""
+
+    id: int
+
+
+class Stopped(_Body, frozen=True, tag="stopped"):
+    """The stop has been carried out, or has failed."""
+
+    id: int
+    failure: Failure | None = None
+    confirmed: tuple[str, ...] | None = None
+    missing: tuple[str, ...] = ()
+
+
+class ReadingSent(_Body, frozen=True, tag="reading"):
+    """`DriverContext.reading`."""
+
+    sensor: str
+    value: float | None
+    text: str = ""
+    unit: str = ""
+    raw: float | None = None
+
+
+class SensorSent(_Body, frozen=True, tag="sensor"):
+    """`DriverContext.sensor`."""
+
+    sensor: str
+    state: str
+    why: str = ""
+
+
+class HealthSent(_Body, frozen=True, tag="health"):
+    """`DriverContext.health`."""
+
+    health: str
+    detail: str = ""
+    remedy: str = ""
+
+
+class ModeSent(_Body, frozen=True, tag="mode"):
+    """`DriverContext.mode`."""
+
+    mode: str
+    why: str = ""
+
+
+class NoticeSent(_Body, frozen=True, tag="notice"):
+    """`DriverContext.notice`."""
+
+    level: str
+    text: str
+    remedy: str = ""
+    tells: tuple[str, ...] = ()
+
+
+class MessageSent(_Body, frozen=True, tag="message"):
+    """`DriverContext.show` and `DriverContext.tell`: a line of the session's protocol."""
+
+    line: bytes
+
+
+class AskSent(_Body, frozen=True, tag="ask"):
+    """`DriverContext.ask`; `answered`: the driver wants to hear how it ended."""
+
+    id: int
+    ask: Ask
+    answered: bool
+
+
+ToDriver = Hello | Pong | Perform | Cancel | Stop | Invoke | AskEnded
+FromDriver = (
+    Here
+    | NotTaken
+    | Ping
+    | Ended
+    | Expects
+    | StopTaken
+    | Stopped
+    | ReadingSent
+    | SensorSent
+    | HealthSent
+    | ModeSent
+    | NoticeSent
+    | MessageSent
+    | AskSent
+)
+
+
+class FrameToDriver(msgspec.Struct, frozen=True, array_like=True):
+    """One frame from the session."""
+
+    instance: str
+    epoch: int
+    number: int
+    body: ToDriver
+
+
+class FrameFromDriver(msgspec.Struct, frozen=True, array_like=True):
+    """One frame to the session."""
+
+    instance: str
+    epoch: int
+    number: int
+    body: FromDriver
+
+
+encode = msgspec.msgpack.Encoder(enc_hook=str).encode
+to_driver = msgspec.msgpack.Decoder(FrameToDriver)
+from_driver = msgspec.msgpack.Decoder(FrameFromDriver)

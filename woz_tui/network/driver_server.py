@@ -1,0 +1,686 @@
+"""Offers drivers of this computer to a session on another one, which uses them as its own.
+
+Each driver has one conversation at a time (`driver_messages`). When the session has been silent for
+a second, or something was lost on the way, everything that it began is stopped here, without being
+asked; the hardware stays held until that session is back, another one comes, or this process ends.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import functools
+import logging
+import secrets
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from woz_tui import __version__
+from woz_tui.drivers.argument_check import ArgumentError, checked
+from woz_tui.drivers.contract import (
+    Ask,
+    Driver,
+    DriverError,
+    Health,
+    RejectedError,
+    Scope,
+    StopReport,
+    Verb,
+)
+from woz_tui.drivers.feeds import Feed, Feeds
+from woz_tui.network import driver_messages as dm
+from woz_tui.network.clock_offset import ClockComparison, ClockOffset
+from woz_tui.network.driver_line import (
+    SILENCE_S,
+    DriverLine,
+    from_key,
+    place_key,
+    session_key,
+    to_key,
+)
+from woz_tui.network.remote_driver import offer_hash, setting_hashes
+from woz_tui.protocol import codec
+from woz_tui.protocol.messages import Json, Shown, Speech
+from woz_tui.system.clock import Clock, RealClock
+
+#: How often the session's clock is asked, and how often it is said that the driver is here, in
+#: seconds.
+PING_S, HERE_S = 0.2, 0.5
+#: Messages to the session are one with its log: files of its own are called after it.
+_UNSAFE = "/\\\0"
+
+log = logging.getLogger(__name__)
+
+#: Is given a sentence for whoever looks at this computer.
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class OfferedDriver:
+    """A driver of the robot file: its name and type there, its class, its settings."""
+
+    name: str
+    type: str
+    driver: type[Driver]
+    settings: Any
+
+
+class ServedContext:
+    """`DriverContext` of a driver whose session is elsewhere. What holds is told again to a session
+    that comes back.
+    """
+
+    def __init__(self, served: ServedDriver, folder: Path, media: str, feeds: Feeds) -> None:
+        self._driver = served
+        self._folder = folder
+        self._media = folder / (media if not set(media) & set(_UNSAFE) else "session.media")
+        self._feeds = feeds
+        self._lasting: dict[tuple[str, str], dm.FromDriver] = {}
+        self._asked: dict[int, Callable[[bool, str], None]] = {}
+        self._asks = 0
+
+    @property
+    def clock(self) -> Clock:
+        """This computer's clock."""
+        return self._driver.clock
+
+    @property
+    def folder(self) -> Path:
+        """The folder of the robot file here."""
+        return self._folder
+
+    @property
+    def media(self) -> Path:
+        """Called as the session's, in the folder of the robot file here."""
+        return self._media
+
+    def t(self, clock_us: int) -> int:
+        """On the axis of the session's messages, as far as its clock is known."""
+        return self._driver.session_t(clock_us)
+
+    def reading(
+        self,
+        sensor: str,
+        value: float | None,
+        *,
+        text: str = "",
+        unit: str = "",
+        raw: float | None = None,
+    ) -> None:
+        """Send it; the next one replaces it."""
+        self._driver.send(dm.ReadingSent(sensor, value, text, unit, raw), kept=False)
+
+    def sensor(self, sensor: str, state: str, why: str = "") -> None:
+        """Send it."""
+        self._last("sensor", sensor, dm.SensorSent(sensor, state, why))
+
+    def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
+        """Send it."""
+        self._last("health", "", dm.HealthSent(health.value, detail, remedy))
+
+    def mode(self, mode: str, why: str = "") -> None:
+        """Send it."""
+        self._last("mode", "", dm.ModeSent(mode, why))
+
+    def notice(
+        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
+    ) -> None:
+        """Send it."""
+        self._driver.send(dm.NoticeSent(level, text, remedy, tells))
+
+    def show(self, shown: Shown) -> None:
+        """Send it."""
+        self._last("shown", type(shown).__name__, dm.MessageSent(codec.encode(shown)))
+
+    def tell(self, speech: Speech) -> None:
+        """Send it."""
+        self._driver.send(dm.MessageSent(codec.encode(speech)))
+
+    def feed(self, topic: str, of: str = "") -> Feed:
+        """Of the drivers at this computer."""
+        return self._feeds.feed(of or self._driver.name, topic)
+
+    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
+        """Have the session carry it out."""
+        self._driver.in_loop(functools.partial(self._ask, ask, done))
+
+    def _ask(self, ask: Ask, done: Callable[[bool, str], None] | None) -> None:
+        self._asks += 1
+        if done is not None:
+            self._asked[self._asks] = done
+        sent = self._driver.send(dm.AskSent(self._asks, ask, done is not None))
+        if not sent:
+            self.ask_ended(self._asks, False, "no session uses this driver at the moment")
+
+    def _last(self, kind: str, name: str, body: dm.FromDriver) -> None:
+        self._lasting[kind, name] = body
+        self._driver.send(body)
+
+    # -- the server's side -----------------------------------------------------------------------
+
+    def tell_again(self) -> None:
+        """What holds, to a session that is back."""
+        for body in list(self._lasting.values()):
+            self._driver.send(body)
+
+    def ask_ended(self, number: int, ok: bool, why: str) -> None:
+        """How something ended that was asked for."""
+        done = self._asked.pop(number, None)
+        if done is not None:
+            done(ok, why)
+
+    def session_lost(self) -> None:
+        """Nobody answers any more."""
+        for number in list(self._asked):
+            self.ask_ended(number, False, "the session was lost")
+
+
+@dataclass(frozen=True, slots=True)
+class ServedJob:
+    """A command of the session, for the driver here."""
+
+    command: str
+    verb: str
+    args: Mapping[str, Any]
+    source: str
+    told: Callable[[float], None]
+
+    def expects(self, seconds: float) -> None:
+        """Told to the session."""
+        self.told(seconds)
+
+
+class ServedDriver:
+    """One driver and its conversation with a session.
+
+    Args:
+        offer: The driver.
+        place: What this computer is called.
+        folder: The robot file's.
+        feeds: Of all drivers of this computer.
+        clock: This computer's.
+        tell: For sentences about what happens.
+        silence_s: After so long without an answer the session is gone.
+    """
+
+    def __init__(
+        self,
+        offer: OfferedDriver,
+        place: str,
+        *,
+        folder: Path,
+        feeds: Feeds,
+        clock: Clock,
+        tell: Tell,
+        silence_s: float = SILENCE_S,
+    ) -> None:
+        self.name = offer.name
+        self.clock = clock
+        self._offer = offer
+        self._place = place
+        self._folder = folder
+        self._feeds = feeds
+        self._tell = tell
+        self._silence_s = silence_s
+        self._verbs: dict[str, Verb] = {v.name: v for v in offer.driver.verbs(offer.settings)}
+        self._keys = to_key(place, offer.name), from_key(place, offer.name)
+        self._instance = secrets.token_hex(8)
+        self._line: DriverLine | None = None
+        self._loop = asyncio.get_running_loop()
+        self._driver: Driver | None = None
+        self._context: ServedContext | None = None
+        #: Which session made the driver, and the driver's name there.
+        self._session = self._user = self._media = ""
+        self._stopped = False
+        self._epoch = 0
+        self._ready = False
+        self._sent = self._received = 0
+        self._alive_us = 0
+        self._round_trip_us = 0
+        self._clocks = ClockComparison()
+        self._t_us = 0
+        self._stopped_up_to: dict[Scope, int] = dict.fromkeys(Scope, 0)
+        self._running: dict[int, tuple[asyncio.Task[None], Verb | None, str]] = {}
+        self._lanes: dict[str, asyncio.Lock] = {}
+        self._tasks: set[asyncio.Task[Any]] = set()
+
+    # -- its life --------------------------------------------------------------------------------
+
+    async def serve(self) -> None:
+        """Until cancelled: say that it is here, ask the session's clock, notice its silence."""
+        here_us = 0
+        while True:
+            now = self.clock.boot_us()
+            if self._epoch and now - self._alive_us > self._silence_s * 1e6:
+                self.lose("the session does not answer")
+            if now - here_us >= HERE_S * 1e6:
+                here_us = now
+                self._send_raw(0, dm.Here(dm.LINK, __version__, self._epoch, self._user))
+            if self._epoch:
+                self._ping()
+            await asyncio.sleep(PING_S)
+
+    def attach(self, line: DriverLine) -> None:
+        """Use this line."""
+        self._line = line
+        line.receive(self._keys[0], lambda data: self.in_loop(lambda: self._receive(data)))
+
+    async def close(self) -> None:
+        """Stop and let go of the hardware."""
+        if self._epoch:
+            self.lose("this program ends")
+        await self._let_go()
+
+    def lose(self, why: str) -> None:
+        """The session cannot be trusted to be there: what it began ends now."""
+        if not self._epoch:
+            return
+        self._epoch, self._ready = 0, False
+        self._tell(f"{self.name}: {why}; {self._user} is stopped")
+        self._user = ""
+        for task, _, _ in self._running.values():
+            task.cancel()
+        if self._context is not None:
+            self._context.session_lost()
+        if self._driver is not None:
+            self._spawn(self._stop_alone(self._driver))
+
+    async def _stop_alone(self, driver: Driver) -> None:
+        try:
+            await _guarded(lambda: driver.stop(Scope.ALL))
+        except Exception as error:  # whatever a driver raises
+            log.exception("%s did not stop", self.name)
+            self._tell(f"{self.name}: it may not have stopped: {error}")
+
+    async def _let_go(self) -> None:
+        driver, self._driver, self._context = self._driver, None, None
+        self._session = ""
+        tasks = [task for task, _, _ in self._running.values()] + list(self._tasks)
+        tasks = [task for task in tasks if task is not asyncio.current_task()]
+        for task in tasks:
+            task.cancel()
+        if tasks:
+            await asyncio.wait(tasks, timeout=self._silence_s)
+        if driver is not None:
+            try:
+                await _guarded(driver.close)
+            except Exception as error:  # whatever a driver raises
+                log.exception("%s did not close", self.name)
+                self._tell(f"{self.name}: it did not close: {error}")
+
+    def _spawn(self, coroutine: Any) -> None:
+        task = self._loop.create_task(coroutine)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def in_loop(self, call: Callable[[], None]) -> None:
+        """Soon, from any thread."""
+        with contextlib.suppress(RuntimeError):  # closed: the program ends
+            self._loop.call_soon_threadsafe(call)
+
+    # -- sending ---------------------------------------------------------------------------------
+
+    def send(self, body: dm.FromDriver, *, kept: bool = True) -> bool:
+        """To the session, if there is one; from any thread. Whether there is."""
+        if not self._ready:
+            return False
+        try:
+            here = asyncio.get_running_loop() is self._loop
+        except RuntimeError:
+            here = False
+        if here:
+            self._send(body, kept=kept)
+        else:
+            self.in_loop(lambda: self._send(body, kept=kept))
+        return True
+
+    def _send(self, body: dm.FromDriver, *, kept: bool = True) -> None:
+        if not self._epoch:
+            return
+        self._sent += kept
+        self._send_raw(self._epoch, body, self._sent if kept else 0)
+
+    def _send_raw(
+        self, epoch: int, body: dm.FromDriver, number: int = 0, *, urgent: bool = False
+    ) -> None:
+        if self._line is not None:
+            frame = dm.FrameFromDriver(self._instance, epoch, number, body)
+            self._line.send(self._keys[1], dm.encode(frame), urgent=urgent)
+
+    def _ping(self) -> None:
+        self._send_raw(self._epoch, dm.Ping(self.clock.boot_us(), self._sent, self._round_trip_us))
+
+    # -- receiving -------------------------------------------------------------------------------
+
+    def _receive(self, data: bytes) -> None:
+        try:
+            frame = dm.to_driver.decode(data)
+        except msgspec.MsgspecError as error:
+            log.warning("%s: what came cannot be read: %s", self.name, error)
+            return
+        if frame.instance != self._instance or not frame.epoch:
+            return
+        if isinstance(frame.body, dm.Hello):
+            self._spawn(self._on_hello(frame.epoch, frame.body))
+        elif frame.epoch == self._epoch:
+            if frame.number:
+                if frame.number != self._received + 1:
+                    self.lose("something that the session sent was lost")
+                    return
+                self._received = frame.number
+            self._on_body(frame.body)
+
+    async def _on_hello(self, epoch: int, hello: dm.Hello) -> None:
+        refusal = self._refusal(hello)
+        if refusal is not None:
+            self._send_raw(epoch, refusal)
+            return
+        if self._driver is not None and self._session != hello.session:
+            await self._let_go()
+        if self._epoch:  # another one was faster
+            return
+        self._session, self._user = hello.session, hello.name
+        self._sent = self._received = 0
+        self._stopped_up_to = dict.fromkeys(Scope, 0)
+        self._clocks.forget()
+        self._alive_us = self.clock.boot_us()
+        self._epoch, self._media, self._stopped = epoch, hello.media, hello.stopped
+        self._ping()
+
+    def _refusal(self, hello: dm.Hello) -> dm.NotTaken | None:
+        mine = setting_hashes(self._offer.settings)
+        if self._epoch:
+            return dm.NotTaken(f"{self.name} at {self._place} is used by {self._user}")
+        copy = f"the same robot file belongs on both: copy it to {self._place} and start it anew"
+        if hello.link != dm.LINK or hello.type != self._offer.type:
+            return dm.NotTaken(
+                f"{self.name} at {self._place} is of type {self._offer.type} (woz-tui"
+                f" {__version__}), here of type {hello.type} (woz-tui {hello.version})",
+                copy,
+            )
+        differ = [
+            name
+            for name in sorted(mine.keys() | hello.settings.keys())
+            if mine.get(name) != hello.settings.get(name)
+        ]
+        if differ:
+            return dm.NotTaken(
+                f"{self.name} at {self._place} has other settings: {', '.join(differ)}", copy
+            )
+        if hello.offer != offer_hash(self._offer.driver, self._offer.settings):
+            return dm.NotTaken(
+                f"the driver {self._offer.type} at {self._place} is another version, with other"
+                f" verbs or sensors (woz-tui {__version__} there, {hello.version} here)",
+                "install the same version on both computers",
+            )
+        return None
+
+    def _on_body(self, body: dm.ToDriver) -> None:
+        match body:
+            case dm.Pong():
+                self._on_pong(body)
+            case dm.Perform() if self._ready:
+                self._on_perform(body)
+            case dm.Cancel(id=number):
+                if number in self._running:
+                    self._running[number][0].cancel()
+            case dm.Stop():
+                self._on_stop(body)
+            case dm.Invoke() if self._ready:
+                self._enter(body.id, None, body.what, _guarded(lambda: self._invoke(body)))
+            case dm.AskEnded(id=number, ok=ok, why=why) if self._context is not None:
+                self._context.ask_ended(number, ok, why)
+
+    def _on_pong(self, pong: dm.Pong) -> None:
+        now = self.clock.boot_us()
+        if pong.last > self._received:
+            self.lose("something that the session sent was lost")
+            return
+        offset = ClockOffset.measured(pong.sent_us, pong.boot_us, now)
+        self._clocks.add(offset)
+        self._t_us = pong.t_us - pong.boot_us
+        self._round_trip_us = now - pong.sent_us
+        # It was alive when it got the question at the earliest, not now: an answer may have waited.
+        self._alive_us = max(self._alive_us, pong.sent_us)
+        if not self._ready:
+            self._ready = True
+            self._begin()
+
+    def _begin(self) -> None:
+        """The session is there and its clock is known."""
+        self._tell(f"{self.name}: {self._user} uses it")
+        if self._driver is not None and self._context is not None:
+            self._context.tell_again()
+            if not self._stopped:  # we stopped it when the session was lost
+                self._spawn(self._aside("resume", self._driver.resume))
+            return
+        context = ServedContext(self, self._folder, self._media, self._feeds)
+        try:
+            driver = self._offer.driver(self._user, self._offer.settings, context)
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever a driver raises
+            context.health(Health.FAULTED, f"it cannot be created: {type(error).__name__}: {error}")
+            return
+        self._driver, self._context = driver, context
+        self._spawn(self._aside("open", driver.open))
+
+    async def _aside(self, what: str, call: Callable[[], Awaitable[None]]) -> None:
+        try:
+            await _guarded(call)
+        except Exception as error:
+            log.exception("%s failed to %s", self.name, what)
+            if self._context is not None:
+                self._context.notice("error", f"{what} failed: {type(error).__name__}: {error}")
+
+    def session_t(self, clock_us: int) -> int:
+        """A time of this computer's clock on the axis of the session's messages."""
+        if not self._clocks:
+            return 0
+        boot_us = clock_us + self.clock.boot_us() - self.clock.now_us()
+        return boot_us + self._clocks.best.offset_us + self._t_us
+
+    # -- commands --------------------------------------------------------------------------------
+
+    def _enter(
+        self, number: int, verb: Verb | None, what: str, call: Coroutine[Any, Any, Any]
+    ) -> None:
+        """Begin something whose end is sent to the session, however it ends."""
+        task, epoch = self._loop.create_task(call), self._epoch
+        self._running[number] = task, verb, what
+        task.add_done_callback(lambda task: self._on_end(number, epoch, what, task))
+
+    def _on_end(self, number: int, epoch: int, what: str, task: asyncio.Task[Any]) -> None:
+        if self._running.get(number, (None,))[0] is task:
+            del self._running[number]
+        failure, result = None, None
+        if task.cancelled():
+            failure = dm.Failure("DriverError", "it was cancelled")
+        elif (error := task.exception()) is None:
+            result = task.result()
+        elif isinstance(error, DriverError):
+            failure = _failure(error)
+        else:
+            log.error("%s failed", self.name, exc_info=error)
+            failure = dm.Failure(
+                "DriverError",
+                f"{type(error).__name__}: {error}",
+                f"this is an error in the driver; the traceback is at {self._place}",
+            )
+        if self._epoch != epoch:
+            return
+        self._send(dm.Ended(number, failure, result))
+        if what == "close":
+            self._tell(f"{self.name}: {self._user} has ended")
+            self._epoch, self._ready, self._user = 0, False, ""
+
+    def _late(self, deadline_us: int) -> bool:
+        """By the session's clock, as far as it is known; what is unknown counts as time."""
+        return self._clocks.best.latest_there(self.clock.boot_us()) > deadline_us
+
+    def _on_perform(self, command: dm.Perform) -> None:
+        verb = self._verbs.get(command.verb)
+        driver = self._driver
+        why = ""
+        if verb is None or driver is None:
+            why = f"{self.name} at {self._place} cannot {command.verb}"
+        elif command.id <= self._stopped_up_to[Scope.ALL] or (
+            verb.drives and command.id <= self._stopped_up_to[Scope.DRIVE]
+        ):
+            why = "the stop was faster"
+        elif self._late(command.deadline_us):
+            why = f"it came to {self._place} too late and was not carried out"
+        if why or verb is None or driver is None:
+            remedy = "the network is too slow, or was interrupted" if "late" in why else ""
+            self._send(dm.Ended(command.id, dm.Failure("DriverError", why, remedy)))
+            return
+        self._enter(
+            *(command.id, verb, "perform"),
+            _guarded(lambda: self._perform(driver, verb, command)),
+        )
+
+    async def _perform(self, driver: Driver, verb: Verb, command: dm.Perform) -> Json:
+        lane = f"{verb.lane}~{verb.name}" if verb.stream else verb.lane
+        async with self._lanes.setdefault(lane, asyncio.Lock()):
+            if self._late(command.deadline_us):
+                raise DriverError("the command before it has not ended", f"see {self._place}")
+            try:
+                args = checked(verb, command.args)
+            except ArgumentError as error:
+                raise RejectedError(str(error)) from None
+            job = ServedJob(
+                *(command.command, verb.name, args, command.source),
+                lambda seconds: self.in_loop(
+                    lambda: self._send(dm.Expects(command.id, float(seconds)))
+                ),
+            )
+            sent: Json = codec.plain(await driver.perform(job))
+            return sent
+
+    async def _invoke(self, call: dm.Invoke) -> Any:
+        driver = self._driver
+        if driver is None:
+            return None
+        match call.what, call.args:
+            case "resume", []:
+                await driver.resume()
+            case "rest", []:
+                await driver.rest()
+            case "prepare_say", [list() as utterances]:
+                await driver.prepare_say(utterances)
+            case "reread", [bool() as dry_run]:
+                settings = self._offer.settings
+                return await asyncio.to_thread(driver.reread, settings, dry_run=dry_run)
+            case "close", []:
+                await self._let_go()
+        return None
+
+    # -- the stop --------------------------------------------------------------------------------
+
+    def _on_stop(self, stop: dm.Stop) -> None:
+        self._send_raw(self._epoch, dm.StopTaken(stop.id), urgent=True)
+        scope = Scope.DRIVE if stop.scope == Scope.DRIVE.value else Scope.ALL
+        self._stopped_up_to[scope] = max(self._stopped_up_to[scope], stop.up_to)
+        driver = self._driver
+        if driver is None:
+            self._send_raw(self._epoch, dm.Stopped(stop.id), urgent=True)
+            return
+        self._spawn(self._stop(driver, scope, stop.id))
+        for task, verb, what in self._running.values():
+            every = scope is Scope.ALL and what in ("perform", "rest")
+            if every or (verb is not None and verb.drives):
+                task.cancel()
+
+    async def _stop(self, driver: Driver, scope: Scope, number: int) -> None:
+        epoch, failure, report = self._epoch, None, None
+        try:
+            report = await _guarded(lambda: driver.stop(scope))
+        except DriverError as error:
+            failure = _failure(error)
+        except Exception as error:  # whatever a driver raises
+            log.exception("stop of %s failed", self.name)
+            failure = dm.Failure("DriverError", f"{type(error).__name__}: {error}")
+        told = report if isinstance(report, StopReport) else None
+        stopped = dm.Stopped(
+            number,
+            failure,
+            None if told is None else tuple(told.confirmed),
+            () if told is None else tuple(told.missing),
+        )
+        if self._epoch == epoch:
+            self._send_raw(epoch, stopped, urgent=True)
+
+
+def _failure(error: DriverError) -> dm.Failure:
+    kinds = [kind.__name__ for kind in type(error).__mro__]
+    known = ("RejectedError", "DeviceLostError", "DriverError")
+    return dm.Failure(next(kind for kind in kinds if kind in known), error.what, error.remedy)
+
+
+async def _guarded(call: Callable[[], Awaitable[Any]]) -> Any:
+    """A maker's library that ends the process does not end this one."""
+    try:
+        return await call()
+    except (SystemExit, KeyboardInterrupt) as error:
+        raise DriverError(f"the driver raised {type(error).__name__}") from error
+
+
+class DriverServer:
+    """All drivers of this computer, over one line.
+
+    Args:
+        place: What this computer is called.
+        offers: The drivers.
+        folder: The robot file's.
+        tell: For sentences about what happens.
+        clock: This computer's.
+        silence_s: After so long without an answer a session is gone.
+    """
+
+    def __init__(
+        self,
+        place: str,
+        offers: Sequence[OfferedDriver],
+        *,
+        folder: Path,
+        tell: Tell,
+        clock: Clock | None = None,
+        silence_s: float = SILENCE_S,
+    ) -> None:
+        self._place = place
+        self._loop = asyncio.get_running_loop()
+        feeds, clock = Feeds(), clock or RealClock()
+        self._drivers = [
+            ServedDriver(
+                offer,
+                place,
+                folder=folder,
+                feeds=feeds,
+                clock=clock,
+                tell=tell,
+                silence_s=silence_s,
+            )
+            for offer in offers
+        ]
+
+    async def run(self, line: DriverLine) -> None:
+        """Serve over this line until cancelled; then everything is stopped and let go."""
+        line.watch_presence(session_key(self._place), self._on_presence)
+        for driver in self._drivers:
+            driver.attach(line)
+        line.show_presence(place_key(self._place))
+        try:
+            await asyncio.gather(*(driver.serve() for driver in self._drivers))
+        finally:
+            await asyncio.gather(*(driver.close() for driver in self._drivers))
+
+    def _on_presence(self, there: bool) -> None:
+        if not there:
+            with contextlib.suppress(RuntimeError):  # closed: the program ends
+                self._loop.call_soon_threadsafe(self._lose)
+
+    def _lose(self) -> None:
+        for driver in self._drivers:
+            driver.lose("the session is gone")

@@ -1,0 +1,496 @@
+"""A driver whose hardware is at another computer, used by the session as if it were here.
+
+What it offers and which settings it takes is known here, from the driver's own class: experiment
+files are checked without the other computer. Everything else is done there (`driver_server`).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import itertools
+import logging
+import secrets
+import uuid
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import msgspec
+
+from woz_tui import __version__
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    Driver,
+    DriverContext,
+    DriverError,
+    Health,
+    Job,
+    RejectedError,
+    Scope,
+    StopReport,
+)
+from woz_tui.network import driver_messages as dm
+from woz_tui.network.driver_line import (
+    DriverLine,
+    DriverRouter,
+    LineError,
+    from_key,
+    place_key,
+    to_key,
+)
+from woz_tui.protocol import codec
+from woz_tui.protocol.messages import Json, Shown, Speech
+
+#: Which robot process this is, for the other computers.
+SESSION = uuid.uuid4().hex
+#: A command that arrives later than this is not carried out, in seconds.
+LATE_S = 0.5
+#: A stop that the other computer has not even received by then has not reached it, in seconds.
+STOP_S = 0.4
+#: How long `rest`, `close` and `reread` may take there, in seconds.
+REST_S, CLOSE_S, REREAD_S = 9.0, 4.0, 3.0
+#: With a longer round trip a cancelled command is not waited for, since its lane would count as
+#: faulted: the other computer keeps the order. In seconds.
+SLOW_S = 0.1
+_CANCEL_S = 0.2
+#: How often it is seen whether the other side is silent, and a line tried that cannot be opened, in
+#: seconds.
+_WATCH_S, _RETRY_S = 0.1, 2.0
+
+_ERRORS: Mapping[str, type[DriverError]] = {
+    each.__name__: each for each in (DriverError, RejectedError, DeviceLostError)
+}
+
+log = logging.getLogger(__name__)
+
+
+def setting_hashes(settings: Any) -> dict[str, str]:
+    """Each setting's name and a hash of its value: two sides compare without telling passwords."""
+    fields = getattr(settings, "__dataclass_fields__", {})
+    return {name: _hash(repr(getattr(settings, name))) for name in fields}
+
+
+def offer_hash(driver: type[Driver], settings: Any) -> str:
+    """A hash of verbs and sensors: another version of a driver has another one."""
+    verbs = [
+        (
+            *(verb.name, verb.lane, verb.stream, verb.drives),
+            *(
+                (each.name, each.kind, each.required, each.range, each.choices)
+                for each in verb.arguments
+            ),
+        )
+        for verb in driver.verbs(settings)
+    ]
+    return _hash(repr((verbs, tuple(driver.sensors(settings)))))
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
+
+
+class RemoteDriver(Driver):
+    """A driver of this session that is served by another computer.
+
+    Args:
+        name: In full, as for every driver.
+        settings: Decoded here; those that are served must be the same.
+        context: The session.
+        local: The driver's class.
+        kind: Its type in robot files.
+        router: Where the other computer comes in.
+        place: What that computer is called.
+    """
+
+    summary = "A driver at another computer of the robot"
+
+    def __init__(
+        self,
+        name: str,
+        settings: Any,
+        context: DriverContext,
+        *,
+        local: type[Driver],
+        kind: str,
+        router: DriverRouter,
+        place: str,
+    ) -> None:
+        super().__init__(name, settings, context)
+        self._kind = kind
+        self._router = router
+        self._place = place
+        self._served = name.rpartition(".")[2]
+        self._verbs = {verb.name for verb in local.verbs(settings)}
+        self._offer = offer_hash(local, settings)
+        self._keys = to_key(place, self._served), from_key(place, self._served)
+        self._line: DriverLine | None = None
+        self._tasks: set[asyncio.Task[Any]] = set()
+        self._ids = itertools.count(1)
+        self._epoch = 0
+        #: The served life that we talk to, and the one that was greeted last.
+        self._bound = ""
+        self._greeted, self._greeted_us = "", 0
+        self._sent = self._received = 0
+        self._heard_us = 0
+        self._round_trip_s = 0.0
+        self._last_perform = 0
+        self._twice = ""
+        self._jobs: dict[int, Job] = {}
+        self._ends: dict[int, asyncio.Future[Any]] = {}
+        self._stops: dict[int, tuple[asyncio.Future[None], asyncio.Future[Any]]] = {}
+        self._sensors: dict[str, str] = {}
+        self._utterances: list[Mapping[str, Json]] = []
+        self._closed = asyncio.Event()
+        self._stopped = False
+
+    # -- what the session calls ------------------------------------------------------------------
+
+    async def open(self) -> None:
+        """Wait for the other computer."""
+        self.context.health(
+            Health.CONNECTING,
+            f"{self._place} has not come yet",
+            self._router.barred(self._place) or "there: woz drivers --serve ROBOT_FILE",
+        )
+        self._spawn(self._keep())
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Have it carried out there."""
+        if job.verb not in self._verbs:
+            raise RejectedError(f"{self.name} cannot {job.verb}")
+        number = self._last_perform = next(self._ids)
+        deadline = self.context.clock.boot_us() + round(LATE_S * 1e6)
+        self._jobs[number] = job
+        try:
+            return await self._ended(
+                number,
+                dm.Perform(*(number, job.command, job.verb, dict(job.args), job.source, deadline)),
+            )
+        finally:
+            self._jobs.pop(number, None)
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Beside everything that waits; confirmed by the driver itself."""
+        self._stopped |= scope is Scope.ALL
+        if not self._bound:
+            raise DeviceLostError(f"{self._place} cannot be reached")
+        number = next(self._ids)
+        loop = asyncio.get_running_loop()
+        taken, ended = loop.create_future(), loop.create_future()
+        self._stops[number] = taken, ended
+        try:
+            self._send(dm.Stop(number, scope.value, self._last_perform), urgent=True)
+            try:
+                await asyncio.wait_for(asyncio.shield(taken), STOP_S)
+            except TimeoutError:
+                raise DeviceLostError(f"{self._place} did not confirm the stop in time") from None
+            report: StopReport | None = await ended
+            return report
+        finally:
+            del self._stops[number]
+            for future in (taken, ended):
+                _abandon(future)
+
+    async def resume(self) -> None:
+        """The stop was released."""
+        self._stopped = False
+        await self._call("resume", [], CLOSE_S)
+
+    async def prepare_say(self, utterances: list[Mapping[str, Json]]) -> None:
+        """Told again when the other computer comes back."""
+        self._utterances = utterances
+        await self._prepare()
+
+    def reread(self, settings: Any, *, dry_run: bool) -> list[str]:
+        """The files that its settings name are those of the other computer."""
+        loop = next((task.get_loop() for task in self._tasks), None)
+        if not self._bound or loop is None:
+            return []
+        asked = asyncio.run_coroutine_threadsafe(self._call("reread", [dry_run], REREAD_S), loop)
+        try:
+            found = asked.result(REREAD_S + 1)
+        except (TimeoutError, DriverError):
+            return []
+        return [str(each) for each in found] if isinstance(found, list) else []
+
+    async def rest(self) -> None:
+        """Take the rest pose there."""
+        await self._call("rest", [], REST_S)
+
+    async def close(self) -> None:
+        """Let the driver go, and the line if nobody else uses it."""
+        if self._closed.is_set():
+            return
+        self._closed.set()
+        with contextlib.suppress(DriverError, TimeoutError):
+            await self._call("close", [], CLOSE_S)
+        self._unbind("the session has ended")
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        if self._line is not None:
+            self._line = None
+            await self._router.leave()
+
+    # -- the line --------------------------------------------------------------------------------
+
+    def _spawn(self, coroutine: Any) -> None:
+        task = asyncio.get_running_loop().create_task(coroutine)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _keep(self) -> None:
+        """Open the line, then watch that the other side is not silent."""
+        loop = asyncio.get_running_loop()
+
+        def in_loop(call: Callable[..., None], *args: Any) -> None:
+            with contextlib.suppress(RuntimeError):  # closed: the session is over
+                loop.call_soon_threadsafe(call, *args)
+
+        while self._line is None:
+            try:
+                self._line = await self._router.join()
+            except LineError as error:
+                if await self._closed_within(0):
+                    return
+                self.context.health(Health.FAULTED, str(error), error.remedy)
+                if await self._closed_within(_RETRY_S):
+                    return
+        self._line.receive(self._keys[1], lambda data: in_loop(self._receive, data))
+        self._line.watch_presence(
+            place_key(self._place), lambda there: in_loop(self._on_presence, there)
+        )
+        while not await self._closed_within(_WATCH_S):
+            silent_us = self.context.clock.boot_us() - self._heard_us
+            if self._bound and silent_us > self._router.silence_s * 1e6:
+                self._lose(f"{self._place} does not answer")
+
+    async def _closed_within(self, seconds: float) -> bool:
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._closed.wait(), seconds)
+        return self._closed.is_set()
+
+    def _on_presence(self, there: bool) -> None:
+        if not there and self._bound:
+            self._lose(f"{self._place} is gone")
+
+    def _send(self, body: dm.ToDriver, *, urgent: bool = False, instance: str = "") -> None:
+        """Numbered, unless it is urgent or an answer to a ping."""
+        number = 0
+        if not urgent and not isinstance(body, dm.Pong | dm.Hello):
+            self._sent += 1
+            number = self._sent
+        frame = dm.FrameToDriver(instance or self._bound, self._epoch, number, body)
+        if self._line is not None:
+            self._line.send(self._keys[0], dm.encode(frame), urgent=urgent)
+
+    def _receive(self, data: bytes) -> None:
+        if self._closed.is_set() and not self._ends:
+            return
+        try:
+            frame = dm.from_driver.decode(data)
+        except msgspec.MsgspecError as error:
+            log.warning("%s: %s sent what cannot be read: %s", self.name, self._place, error)
+            return
+        if isinstance(frame.body, dm.Here):
+            self._on_here(frame.instance, frame.body)
+        elif frame.epoch == self._epoch and frame.instance == (self._bound or self._greeted):
+            if frame.number:
+                if frame.number != self._received + 1:
+                    self._lose(f"something that {self._place} sent was lost")
+                    return
+                self._received = frame.number
+            self._on_body(frame.instance, frame.body)
+
+    def _on_here(self, instance: str, here: dm.Here) -> None:
+        """It waits for a session."""
+        now = self.context.clock.boot_us()
+        if self._closed.is_set():
+            return
+        if self._bound and instance != self._bound:
+            if self._twice != instance:
+                self._twice = instance
+                self.context.notice(
+                    "warning",
+                    f"two computers call themselves {self._place}; the second one is not used",
+                    "give each an access file of its own: woz access new NAME",
+                )
+            return
+        if self._bound and here.epoch == self._epoch:
+            return
+        if self._bound:
+            self._lose(f"{self._place} had lost the line")
+        if self._greeted and now - self._greeted_us < self._router.silence_s * 1e6:
+            return
+        if here.link != dm.LINK:
+            self.context.health(
+                Health.FAULTED,
+                f"{self._place} has woz-tui {here.version}, this computer {__version__}:"
+                " they do not understand each other",
+                "install the same version on both",
+            )
+            return
+        if here.epoch:
+            self.context.health(
+                Health.FAULTED,
+                f"{self._served} at {self._place} is used by {here.user}",
+                "one driver of one session can use it: give each its own",
+            )
+            return
+        self._epoch = secrets.randbits(62)
+        self._sent = self._received = 0
+        self._greeted, self._greeted_us = instance, now
+        self._send(
+            dm.Hello(
+                link=dm.LINK,
+                version=__version__,
+                session=SESSION,
+                name=self.name,
+                type=self._kind,
+                settings=setting_hashes(self.settings),
+                offer=self._offer,
+                media=self.context.media.name,
+                stopped=self._stopped,
+            ),
+            instance=instance,
+        )
+
+    def _on_body(self, instance: str, body: dm.FromDriver) -> None:
+        self._heard_us = self.context.clock.boot_us()
+        if not self._bound and not isinstance(body, dm.Ping | dm.NotTaken):
+            return
+        match body:
+            case dm.Ping(sent_us=sent_us, last=last, round_trip_us=round_trip_us):
+                if last > self._received:
+                    self._lose(f"something that {self._place} sent was lost")
+                    return
+                self._round_trip_s = round_trip_us / 1e6
+                clock = self.context.clock
+                boot_us, t_us = clock.boot_us(), self.context.t(clock.now_us())
+                new, self._bound, self._greeted = not self._bound, instance, ""
+                self._send(dm.Pong(sent_us, boot_us, t_us, self._sent))
+                if new and self._utterances:
+                    self._spawn(self._prepare())
+            case dm.NotTaken(why=why, remedy=remedy):
+                self._greeted = ""
+                self.context.health(Health.FAULTED, why, remedy)
+            case dm.Ended(id=number, failure=failure, result=result):
+                _settle(self._ends.get(number), failure, result)
+            case dm.Expects(id=number, seconds=seconds):
+                if number in self._jobs:
+                    self._jobs[number].expects(seconds)
+            case dm.StopTaken(id=number):
+                if number in self._stops:
+                    _settle(self._stops[number][0], None, None)
+            case dm.Stopped(id=number, failure=failure, confirmed=confirmed, missing=missing):
+                if number in self._stops:
+                    report = None if confirmed is None else StopReport(confirmed, missing)
+                    _settle(self._stops[number][0], None, None)
+                    _settle(self._stops[number][1], failure, report)
+            case _ if not self._closed.is_set():
+                self._tell(body)
+
+    def _tell(self, body: dm.FromDriver) -> None:
+        """What the driver says to its session."""
+        context = self.context
+        match body:
+            case dm.ReadingSent(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
+                context.reading(sensor, value, text=text, unit=unit, raw=raw)
+            case dm.SensorSent(sensor=sensor, state=state, why=why):
+                self._sensors[sensor] = state
+                context.sensor(sensor, state, why)
+            case dm.HealthSent(health=health, detail=detail, remedy=remedy):
+                with contextlib.suppress(ValueError):
+                    context.health(Health(health), detail, remedy)
+            case dm.ModeSent(mode=mode, why=why):
+                context.mode(mode, why)
+            case dm.NoticeSent(level=level, text=text, remedy=remedy, tells=tells):
+                context.notice(level, text, remedy, tells=tells)
+            case dm.MessageSent(line=line):
+                message = codec.decode_message(line)
+                if isinstance(message, Shown):
+                    context.show(message)
+                elif isinstance(message, Speech):
+                    context.tell(message)
+            case dm.AskSent(id=number, ask=ask, answered=answered):
+                context.ask(
+                    ask, (lambda ok, why: self._answer(number, ok, why)) if answered else None
+                )
+
+    def _answer(self, number: int, ok: bool, why: str) -> None:
+        if self._bound:
+            self._send(dm.AskEnded(number, ok, why))
+
+    # -- the end of a line -----------------------------------------------------------------------
+
+    def _lose(self, why: str) -> None:
+        """Nothing more comes of what is under way; the other side stops by itself."""
+        self._unbind(why)
+        if self._closed.is_set():
+            return
+        self.context.health(
+            Health.LOST,
+            f"{why}; what runs there ends by itself",
+            "it is found again by itself; see the network, and `woz drivers` there",
+        )
+        for sensor, state in self._sensors.items():
+            if state not in ("", "stale", "silent"):
+                self.context.sensor(sensor, "stale", why)
+        self._sensors.clear()
+
+    def _unbind(self, why: str) -> None:
+        self._bound = self._greeted = ""
+        self._epoch = 0
+        lost = dm.Failure(DeviceLostError.__name__, why)
+        for future in [*self._ends.values(), *(f for both in self._stops.values() for f in both)]:
+            _settle(future, lost, None)
+
+    # -- calls ------------------------------------------------------------------------------------
+
+    async def _prepare(self) -> None:
+        with contextlib.suppress(DeviceLostError):
+            await self._call("prepare_say", [self._utterances], None)
+
+    async def _call(self, what: str, args: list[Any], seconds: float | None) -> Any:
+        """A method of the driver there; without a line nothing. Raises `DriverError`."""
+        if not self._bound:
+            return None
+        number = next(self._ids)
+        async with asyncio.timeout(seconds):
+            return await self._ended(number, dm.Invoke(number, what, args))
+
+    async def _ended(self, number: int, body: dm.Perform | dm.Invoke) -> Any:
+        """Send it and wait until it has ended there. Cancelled, it is cancelled there, too."""
+        if not self._bound:
+            raise DeviceLostError(
+                f"{self._place} cannot be reached", "see the network, and `woz drivers` there"
+            )
+        epoch, future = self._epoch, asyncio.get_running_loop().create_future()
+        self._ends[number] = future
+        self._send(body)
+        try:
+            return await asyncio.shield(future)
+        except asyncio.CancelledError:
+            if self._epoch == epoch and not future.done():
+                self._send(dm.Cancel(number))
+                limit = _CANCEL_S if self._round_trip_s > SLOW_S else None
+                await asyncio.wait([future], timeout=limit)
+            raise
+        finally:
+            del self._ends[number]
+            _abandon(future)
+
+
+def _settle(future: asyncio.Future[Any] | None, failure: dm.Failure | None, result: Any) -> None:
+    if future is None or future.done():
+        return
+    if failure is None:
+        future.set_result(result)
+    else:
+        future.set_exception(_ERRORS.get(failure.kind, DriverError)(failure.what, failure.remedy))
+
+
+def _abandon(future: asyncio.Future[Any]) -> None:
+    """Nobody waits for it any more: an exception in it is no news."""
+    if future.done() and not future.cancelled():
+        future.exception()
+    future.cancel()

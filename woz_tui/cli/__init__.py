@@ -22,6 +22,7 @@ COMMANDS = {
     "train": "train a wizard: a simulated visitor gives cues, answers are scored",
     "host": "start only the robot process",
     "attach": "join a running session",
+    "drivers": "offer drivers of this computer to a session on another one",
     "access": "give access from other machines: new, list, revoke",
     "listen": "write the sound of the robot's microphone to standard output",
     "talk": "send a voice from standard input to the robot's loudspeaker",

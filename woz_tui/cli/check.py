@@ -139,7 +139,7 @@ def _check_robot(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) ->
         _print_drivers(console, drivers)
     else:
         rows = (
-            (f"{spec.name} ({spec.type})", "\n".join(_offered(spec)) or "nothing")
+            (f"{spec.name} ({spec.kind})", "\n".join(_offered(spec)) or "nothing")
             for spec in drivers
         )
         _print_section(console, "what it offers", _subject_rows(rows))
@@ -247,7 +247,7 @@ def _print_drivers(console: TextConsole, drivers: Iterable[DriverSpec]) -> None:
         if spec.sensors:
             sensors = Text(", ".join(spec.sensors), style="dim")
             rows.append((Text("(senses)", style="dim"), sensors))
-        _print_section(console, f"{spec.name} ({spec.type})", rows)
+        _print_section(console, f"{spec.name} ({spec.kind})", rows)
 
 
 def _print_section(console: TextConsole, title: str, rows: Iterable[tuple[Text, Text]]) -> None:
@@ -441,6 +441,7 @@ def _drivers(drivers: Iterable[DriverSpec]) -> list[Json]:
         {
             "name": spec.name,
             "type": spec.type,
+            "at": spec.at.name if spec.at is not None else "",
             "verbs": [*map(_verb, spec.verbs)],
             "sensors": list(spec.sensors),
         }

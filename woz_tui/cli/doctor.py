@@ -60,6 +60,12 @@ def add(parser: ArgumentParser) -> None:
         "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
     )
     add_robot(parser)
+    parser.add_argument(
+        "--at",
+        default="",
+        metavar="NAME",
+        help="this computer is the one that robot files call so: examine the drivers at it",
+    )
     parser.add_argument("--json", action="store_true", help="for programs: one JSON object")
 
 
@@ -67,7 +73,9 @@ def run(arguments: Namespace) -> int:
     """Show every finding as it comes in; 0 if none is an error, 1 otherwise."""
     console = TextConsole()
     sections = []
-    for section in examine(arguments.experiment, arguments.recordings, arguments.robot):
+    for section in examine(
+        arguments.experiment, arguments.recordings, arguments.robot, arguments.at
+    ):
         sections.append(section)
         if not arguments.json:
             console.print(_table(section, console))
@@ -78,17 +86,20 @@ def run(arguments: Namespace) -> int:
     return 1 if _count(sections, "error") else 0
 
 
-def examine(experiment: Path | None, recordings: Path, robot: str = "") -> Iterator[DoctorSection]:
+def examine(
+    experiment: Path | None, recordings: Path, robot: str = "", at: str = ""
+) -> Iterator[DoctorSection]:
     """All checks, section by section, `experiment` being an experiment file or a robot file.
     Bounded in time; never raises.
 
-    `robot`: the one that plays the experiment instead of the one that its file names.
+    `robot`: the one that plays the experiment instead of the one that its file names. `at`: the
+    computer of the robot that this one is; empty: the one with the session.
     """
     yield DoctorSection("Terminal", _terminal())
     yield DoctorSection("Machine", _machine(recordings))
     yield DoctorSection("Ports", _ports())
     if experiment is not None:
-        yield from _experiment(experiment, robot)
+        yield from _experiment(experiment, robot, at)
 
 
 def _terminal() -> list[Finding]:
@@ -156,7 +167,7 @@ class _Devices:
     catalogue: plugins.Catalogue
 
 
-def _experiment(path: Path, robot: str) -> Iterator[DoctorSection]:
+def _experiment(path: Path, robot: str, at: str) -> Iterator[DoctorSection]:
     from woz_tui.config.robots import is_robot_file  # noqa: PLC0415 - not without a file
 
     loaded: list[_Devices] = []
@@ -166,8 +177,8 @@ def _experiment(path: Path, robot: str) -> Iterator[DoctorSection]:
     yield DoctorSection("Robot file" if is_robot else "Experiment", findings)
     for devices in loaded:
         for spec in devices.drivers:
-            findings = _driver(spec, devices)
-            yield DoctorSection(f"Driver {spec.name} ({spec.type})", findings)
+            findings = _driver(spec, devices, at)
+            yield DoctorSection(f"Driver {spec.name} ({spec.kind})", findings)
 
 
 def _load(path: Path, robot: str, loaded: list[_Devices]) -> list[Finding]:
@@ -216,7 +227,12 @@ def _problem(problem: Problem) -> Finding:
     return Finding(level, where, f"{problem.path}: {problem.message}")
 
 
-def _driver(spec: DriverSpec, devices: _Devices) -> list[Finding]:
+def _driver(spec: DriverSpec, devices: _Devices, at: str) -> list[Finding]:
+    place = spec.at.name if spec.at is not None else ""
+    if place != at:
+        text = f"its hardware is at {place}" if place else "its hardware is at the session's"
+        remedy = f"there: woz doctor ROBOT_FILE --at {place}" if place else ""
+        return [Finding("info", spec.name, text, remedy)]
     probe = Probe(spec.name, spec.settings, devices.folder)
     driver: type[Driver] = devices.catalogue[spec.type]
     findings = bounded(spec.name, lambda: asyncio.run(driver.examine(probe)), DRIVER_S)

@@ -15,6 +15,7 @@ from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.study import Study
 from woz_tui.drivers.contract import Verb
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOrMore, Range, Seconds, Unique
+from woz_tui.network.listen_address import DRIVERS_LISTEN
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import QuestionnaireWords
 
@@ -58,9 +59,21 @@ class ExperimentError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
+class DriverPlace(Entry):
+    """Another computer of the robot, which has a driver's hardware."""
+
+    what = "another computer"
+    example = "at: arm-pi"
+
+    name: Annotated[str, NotBlank(), Doc("the computer's name, as in its access file")]
+    listen: Annotated[str, Doc("where this computer lets it in: HOST:PORT")] = DRIVERS_LISTEN
+
+
+@dataclass(frozen=True, slots=True)
 class DriverSpec:
     """One driver of a robot: its name (`head`, or `left.head` with several robots), the entry
-    point it comes from, its decoded settings, what it offers with them.
+    point it comes from, its decoded settings, what it offers with them; `at`: its hardware is at
+    another computer.
     """
 
     name: str
@@ -69,6 +82,12 @@ class DriverSpec:
     verbs: tuple[Verb, ...]
     sensors: tuple[str, ...]
     place: FilePosition
+    at: DriverPlace | None = None
+
+    @property
+    def kind(self) -> str:
+        """Its type, and where its hardware is if that is another computer."""
+        return self.type if self.at is None else f"{self.type}, at {self.at.name}"
 
 
 @dataclass(frozen=True, slots=True)

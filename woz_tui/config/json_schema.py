@@ -20,9 +20,10 @@ from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotat
 from woz_tui.config.condition_texts import ANY
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, ON_ENTER
+from woz_tui.config.experiment import DriverPlace
 from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
 from woz_tui.config.languages import SPOKEN, Language
-from woz_tui.config.robots import NAMED
+from woz_tui.config.robots import AT, NAMED
 from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
 from woz_tui.config.study import CUES, Design
 from woz_tui.config.study_sections import NAME_PATTERN
@@ -164,6 +165,10 @@ _CHOSEN: Schema = {
         {"type": "object", "additionalProperties": {"anyOf": [TEXT, _ANY]}, "minProperties": 2},
     ],
 }
+_AT: Schema = {
+    "description": "another computer of the robot that has its hardware",
+    "oneOf": [TEXT, settings_schema(DriverPlace)],
+}
 _ROBOT_OR_FILE: Schema = {"oneOf": [{"type": "string"}, {"$ref": "#/$defs/robot"}]}
 _KEY: Schema = {
     "oneOf": [
@@ -239,6 +244,7 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
         mapping(
             {
                 "type": {"const": name, "description": driver.summary},
+                AT: _AT,
                 **settings_schema(driver.Settings)["properties"],
             },
             required=("type", *required(driver.Settings)),

@@ -56,6 +56,8 @@ def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
 def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
     if old.type != new.type:
         yield f"driver {new.name!r} is of type {new.type}, it was {old.type}"
+    elif old.at != new.at:
+        yield f"driver {new.name!r} is at another computer"
     elif old.settings != new.settings:
         changed = [
             name

@@ -8,9 +8,14 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.config.annotated_decoder import INVALID, read_settings, values_with_note
+from woz_tui.config.annotated_decoder import (
+    INVALID,
+    read_section,
+    read_settings,
+    values_with_note,
+)
 from woz_tui.config.bundled_files import is_path, robot_files
-from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.experiment import DriverPlace, DriverSpec
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.session_verbs import PERFORMERS, SESSION
@@ -25,6 +30,7 @@ from woz_tui.config.yaml_cursor import (
 from woz_tui.config.yaml_nodes import MappingNode, Node, parse_yaml
 from woz_tui.drivers.contract import Ask, Driver, Finding, Verb, Written
 from woz_tui.drivers.fields import Range, Sibling
+from woz_tui.network.listen_address import ListenAddress, is_access_name
 
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
 SIMULATED = "simulated"
@@ -33,6 +39,8 @@ SIMULATED = "simulated"
 PLAY = "play"
 #: What a robot file may say beside its drivers: names of its own, for which kind of argument.
 NAMED = {"moves": "move", "joints": "joints"}
+#: What an entry of a driver says beside its type and settings: the computer of its hardware.
+AT = "at"
 #: What a robot file may say.
 ROBOT_FIELDS = ("name", *NAMED, "drivers")
 
@@ -228,6 +236,24 @@ class RobotReader:
         for spec in self._robots.drivers[before:]:
             own = spec.name.removeprefix(prefix)
             self._siblings(spec, (entries or {})[own].path, own, [*(entries or {})])
+            self._together(spec, (entries or {})[own].path, prefix)
+
+    def _together(self, spec: DriverSpec, path: str, prefix: str) -> None:
+        """Drivers that hand each other values have to be at the same computer."""
+        there = {
+            other.name.removeprefix(prefix): other.at and other.at.name
+            for other in self._robots.drivers
+            if other.name.startswith(prefix)
+        }
+        own = spec.at and spec.at.name
+        for setting, name in values_with_note(spec.settings, Sibling):
+            if there.get(name, own) != own:
+                self._report.error_at(
+                    join(path, setting),
+                    f"{name} is at another computer, and the two work together many times a"
+                    " second: give both the same `at:`",
+                    spec.place.file,
+                )
 
     def _siblings(self, spec: DriverSpec, path: str, own: str, known: list[str]) -> None:
         """Settings that name another driver of the same robot."""
@@ -250,14 +276,15 @@ class RobotReader:
         kind = None if kind_cursor is None else read_text(kind_cursor, "the driver's type")
         if kind_cursor is not None and kind is not None:
             if kind in self._catalogue:
-                self._driver(cursor, name, kind)
+                at = table.get(AT) if table is not None else None
+                self._driver(cursor, name, kind, None if at is None else _place(at))
             else:
                 near = self._report.hint(kind, self._catalogue, or_list="installed are")
                 kind_cursor.error(f"there is no driver of type {quoted(kind)}{near}")
         if len(self._robots.drivers) == before:
             self._robots.incomplete = True
 
-    def _driver(self, cursor: Cursor, name: str, kind: str) -> None:
+    def _driver(self, cursor: Cursor, name: str, kind: str, at: DriverPlace | None = None) -> None:
         """Settings, verbs and sensors of one driver. Its code may be a stranger's."""
         try:
             driver = self._catalogue[kind]
@@ -267,7 +294,7 @@ class RobotReader:
         except Exception as error:  # noqa: BLE001 - a plug-in that cannot be imported
             cursor.error(str(error) or type(error).__name__)
             return
-        settings = read_settings(cursor, driver.Settings, others=("type",))
+        settings = read_settings(cursor, driver.Settings, others=("type", AT))
         for source in self._report.included:
             self._opened(source)
         if settings is INVALID:
@@ -281,6 +308,7 @@ class RobotReader:
                 verbs=tuple(driver.verbs(settings)),
                 sensors=tuple(driver.sensors(settings)),
                 place=cursor.place,
+                at=at,
             )
             joints = driver.joints(settings)
             asks = tuple(driver.asks(settings))
@@ -304,6 +332,24 @@ def _names_in(cursor: Cursor) -> dict[str, str]:
     table = cursor.table("a mapping such as {wave: Hey_1}") or {}
     read = {name: read_text(entry, "a name") for name, entry in table.items()}
     return {name: text for name, text in read.items() if text is not None}
+
+
+def _place(cursor: Cursor) -> DriverPlace | None:
+    """`arm-pi`, or a mapping with its name and where this computer listens."""
+    if isinstance(cursor.node, MappingNode):
+        place = read_section(cursor, DriverPlace)
+    else:
+        name = read_text(cursor, "the name of another computer")
+        place = None if name is None else DriverPlace(name)
+    if place is None:
+        return None
+    if not is_access_name(place.name):
+        cursor.error(f"{quoted(place.name)} is no name of a computer: use letters, digits, - and _")
+    try:
+        ListenAddress.read(place.listen)
+    except ValueError as error:
+        cursor.error(str(error))
+    return place
 
 
 def _named(cursor: Cursor, name: str) -> bool:

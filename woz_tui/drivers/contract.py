@@ -396,6 +396,8 @@ class Driver(Performer):
     summary: ClassVar[str]
     #: What `woz robots` tells of it beside its verbs and sensors.
     facts: ClassVar[DriverFacts] = DriverFacts()
+    #: Whether it has to be at the computer of its hardware (`at:` in a robot file).
+    needs_hardware: ClassVar[bool] = True
 
     def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
         """Keep what it is made with; hardware is opened in `open`."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from woz_tui.network.listen_address import is_access_name
 from woz_tui.system import files
 
 if TYPE_CHECKING:
@@ -124,7 +125,7 @@ class Authority:
             AccessError: The name cannot be used, or the extra `network` is not installed.
             OSError: A file cannot be written; no certificate was given out then.
         """
-        if not name.isascii() or not name.replace("-", "").replace("_", "").isalnum():
+        if not is_access_name(name):
             raise AccessError(f"{name!r} is no name: use letters, digits, - and _")
         if len(name) > LONGEST_NAME:
             raise AccessError(f"the name has more than {LONGEST_NAME} characters; choose a shorter")

@@ -22,13 +22,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
-from woz_tui.network.listen_address import ListenAddress
+from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
 
 if TYPE_CHECKING:
     import zenoh
 
-#: Where a session listens for the computers of its drivers, unless the robot file says otherwise.
-LISTEN = "0.0.0.0:7447"
 #: Who has said nothing for so long is gone, in seconds.
 SILENCE_S = 1.0
 #: Frames that may wait to be sent; one more is dropped.
@@ -186,7 +184,7 @@ class DriverRouter:
 
     def __init__(
         self,
-        listen: str = LISTEN,
+        listen: str = DRIVERS_LISTEN,
         places: Sequence[str] = (),
         authority: Authority | None = None,
         silence_s: float = SILENCE_S,
@@ -195,14 +193,23 @@ class DriverRouter:
         self.silence_s = silence_s
         self.places = set(places)
         self._authority = authority or Authority()
+        #: Those of them that could come in when the line was opened.
+        self._let_in: set[str] = set()
         self._line: DriverLine | None = None
         self._users = 0
         self._lock = asyncio.Lock()
 
-    async def join(self) -> DriverLine:
-        """The open line, for one more user. Raises `LineError`."""
+    async def join(self, place: str) -> DriverLine:
+        """The open line, for one more user: the driver of this computer. Raises `LineError`."""
         async with self._lock:
+            if why := self.barred(place):
+                raise LineError(why, f"woz access new {place} (a revoked name is gone for good)")
+            if self._line is not None and place not in self._let_in:
+                raise LineError(
+                    f"{place} was given access after the session began", "start it anew"
+                )
             if self._line is None:
+                self._let_in = {each for each in self.places if not self.barred(each)}
                 self._line = await asyncio.to_thread(self._opened)
             self._users += 1
             return self._line
@@ -246,9 +253,7 @@ class DriverRouter:
                 "listen_certificate": str(folder / "server.pem"),
                 "enable_mtls": True,
             }
-            settings["access_control"] = _access_control(
-                place for place in sorted(self.places) if not self.barred(place)
-            )
+            settings["access_control"] = _access_control(sorted(self._let_in))
         try:
             line = _open(settings, self.silence_s)
         except zenoh.ZError as error:
@@ -270,7 +275,7 @@ def _host(address: ListenAddress) -> str:
     return f"[{host}]" if ":" in host else host
 
 
-def _access_control(places: Any) -> dict[str, Any]:
+def _access_control(places: Sequence[str]) -> dict[str, Any]:
     """Each name may use the keys of its own drivers, and nobody anything else."""
     rules, policies, subjects = [], [], []
     for place in places:

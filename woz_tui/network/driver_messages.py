@@ -94,6 +94,10 @@ class Invoke(_Body, frozen=True, tag="invoke"):
     args: list[Any] = []
 
 
+class Left(_Body, frozen=True, tag="left"):
+    """The session has given this conversation up."""
+
+
 class AskEnded(_Body, frozen=True, tag="ask-ended"):
     """How something ended that the driver has asked the session for."""
 
@@ -219,7 +223,7 @@ class AskSent(_Body, frozen=True, tag="ask"):
     answered: bool
 
 
-ToDriver = Hello | Pong | Perform | Cancel | Stop | Invoke | AskEnded
+ToDriver = Hello | Pong | Perform | Cancel | Stop | Invoke | AskEnded | Left
 FromDriver = (
     Here
     | NotTaken
@@ -257,5 +261,7 @@ class FrameFromDriver(msgspec.Struct, frozen=True, array_like=True):
 
 
 encode = msgspec.msgpack.Encoder(enc_hook=str).encode
+#: What decoding raises if somebody sent nonsense.
+UNREADABLE = (msgspec.MsgspecError, ValueError, RecursionError)
 to_driver = msgspec.msgpack.Decoder(FrameToDriver)
 from_driver = msgspec.msgpack.Decoder(FrameFromDriver)

@@ -17,8 +17,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from woz_tui import __version__
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import (
@@ -42,6 +40,7 @@ from woz_tui.network.driver_line import (
     session_key,
     to_key,
 )
+from woz_tui.network.driver_messages import LINK
 from woz_tui.network.remote_driver import offer_hash, setting_hashes
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Json, Shown, Speech
@@ -259,10 +258,13 @@ class ServedDriver:
                 self.lose("the session does not answer")
             if now - here_us >= HERE_S * 1e6:
                 here_us = now
-                self._send_raw(0, dm.Here(dm.LINK, __version__, self._epoch, self._user))
+                self._say_here()
             if self._epoch:
                 self._ping()
             await asyncio.sleep(PING_S)
+
+    def _say_here(self) -> None:
+        self._send_raw(0, dm.Here(LINK, __version__, self._epoch, self._user))
 
     def attach(self, line: DriverLine) -> None:
         """Use this line."""
@@ -282,6 +284,7 @@ class ServedDriver:
         self._epoch, self._ready = 0, False
         self._tell(f"{self.name}: {why}; {self._user} is stopped")
         self._user = ""
+        self._say_here()
         for task, _, _ in self._running.values():
             task.cancel()
         if self._context is not None:
@@ -359,8 +362,8 @@ class ServedDriver:
     def _receive(self, data: bytes) -> None:
         try:
             frame = dm.to_driver.decode(data)
-        except msgspec.MsgspecError as error:
-            log.warning("%s: what came cannot be read: %s", self.name, error)
+        except dm.UNREADABLE as error:
+            log.debug("%s: what came cannot be read: %s", self.name, error)
             return
         if frame.instance != self._instance or not frame.epoch:
             return
@@ -396,7 +399,7 @@ class ServedDriver:
         if self._epoch:
             return dm.NotTaken(f"{self.name} at {self._place} is used by {self._user}")
         copy = f"the same robot file belongs on both: copy it to {self._place} and start it anew"
-        if hello.link != dm.LINK or hello.type != self._offer.type:
+        if hello.link != LINK or hello.type != self._offer.type:
             return dm.NotTaken(
                 f"{self.name} at {self._place} is of type {self._offer.type} (woz-tui"
                 f" {__version__}), here of type {hello.type} (woz-tui {hello.version})",
@@ -432,6 +435,8 @@ class ServedDriver:
                 self._on_stop(body)
             case dm.Invoke() if self._ready:
                 self._enter(body.id, None, body.what, _guarded(lambda: self._invoke(body)))
+            case dm.Left():
+                self.lose("the session has lost the line")
             case dm.AskEnded(id=number, ok=ok, why=why) if self._context is not None:
                 self._context.ask_ended(number, ok, why)
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import ipaddress
 from dataclasses import dataclass
 
+#: Where a session listens for the computers of its drivers, unless the robot file says otherwise.
+DRIVERS_LISTEN = "0.0.0.0:7447"
+
 
 @dataclass(frozen=True, slots=True)
 class ListenAddress:
@@ -38,6 +41,11 @@ class ListenAddress:
                 f" `{scheme}://` the connection is encrypted, and each name has its certificate"
             )
         return cls(host, int(port), scheme in ("ws", "tcp"))
+
+
+def is_access_name(name: str) -> bool:
+    """Whether somebody can be called so."""
+    return name.isascii() and name.replace("-", "").replace("_", "").isalnum()
 
 
 def _is_loopback(host: str) -> bool:

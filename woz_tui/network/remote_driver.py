@@ -16,8 +16,6 @@ import uuid
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import msgspec
-
 from woz_tui import __version__
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -174,7 +172,7 @@ class RemoteDriver(Driver):
         """Beside everything that waits; confirmed by the driver itself."""
         self._stopped |= scope is Scope.ALL
         if not self._bound:
-            raise DeviceLostError(f"{self._place} cannot be reached")
+            return None  # it stops there by itself, and counts as unreached
         number = next(self._ids)
         loop = asyncio.get_running_loop()
         taken, ended = loop.create_future(), loop.create_future()
@@ -248,7 +246,7 @@ class RemoteDriver(Driver):
 
         while self._line is None:
             try:
-                self._line = await self._router.join()
+                self._line = await self._router.join(self._place)
             except LineError as error:
                 if await self._closed_within(0):
                     return
@@ -276,7 +274,7 @@ class RemoteDriver(Driver):
     def _send(self, body: dm.ToDriver, *, urgent: bool = False, instance: str = "") -> None:
         """Numbered, unless it is urgent or an answer to a ping."""
         number = 0
-        if not urgent and not isinstance(body, dm.Pong | dm.Hello):
+        if not urgent and not isinstance(body, dm.Pong | dm.Hello | dm.Left):
             self._sent += 1
             number = self._sent
         frame = dm.FrameToDriver(instance or self._bound, self._epoch, number, body)
@@ -288,8 +286,8 @@ class RemoteDriver(Driver):
             return
         try:
             frame = dm.from_driver.decode(data)
-        except msgspec.MsgspecError as error:
-            log.warning("%s: %s sent what cannot be read: %s", self.name, self._place, error)
+        except dm.UNREADABLE as error:
+            log.debug("%s: %s sent what cannot be read: %s", self.name, self._place, error)
             return
         if isinstance(frame.body, dm.Here):
             self._on_here(frame.instance, frame.body)
@@ -424,6 +422,8 @@ class RemoteDriver(Driver):
 
     def _lose(self, why: str) -> None:
         """Nothing more comes of what is under way; the other side stops by itself."""
+        if self._bound:
+            self._send(dm.Left())
         self._unbind(why)
         if self._closed.is_set():
             return

@@ -15,6 +15,8 @@ from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Driver, DriverError
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.plugins import PluginError
+from woz_tui.network.driver_line import DriverRouter
+from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.driver_context import DriverRequestHandler, SessionDriverContext
@@ -37,6 +39,7 @@ def make_drivers(
     Raises `PluginError` if one cannot be made.
     """
     names, drivers = published_names(experiment.drivers), dict[str, Driver]()
+    routers = _routers(experiment)
     for spec in experiment.drivers:
         context = SessionDriverContext(
             spec.name,
@@ -49,12 +52,31 @@ def make_drivers(
             media=media,
         )
         try:
-            drivers[spec.name] = catalogue[spec.type](spec.name, spec.settings, context)
+            driver = catalogue[spec.type]
+            if spec.at is None or not driver.needs_hardware:
+                drivers[spec.name] = driver(spec.name, spec.settings, context)
+                continue
+            drivers[spec.name] = RemoteDriver(
+                *(spec.name, spec.settings, context),
+                local=driver,
+                kind=spec.type,
+                router=routers[spec.at.listen],
+                place=spec.at.name,
+            )
         except (Exception, SystemExit) as error:
             raise PluginError(
                 f"the driver {spec.name!r} cannot be created: {type(error).__name__}: {error}"
             ) from error
     return drivers
+
+
+def _routers(experiment: Experiment) -> dict[str, DriverRouter]:
+    """Where drivers at other computers come in, by address."""
+    places: dict[str, list[str]] = {}
+    for spec in experiment.drivers:
+        if spec.at is not None:
+            places.setdefault(spec.at.listen, []).append(spec.at.name)
+    return {listen: DriverRouter(listen, names) for listen, names in places.items()}
 
 
 #: Seconds that drivers may take to open, and to rest and to close when the session ends.

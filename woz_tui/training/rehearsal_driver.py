@@ -38,6 +38,8 @@ class Rehearsal(PassiveDriver):
     training the visitor gives all signs.
     """
 
+    needs_hardware = False
+
     def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
         super().__init__(name, settings, context)
         self._offered = {verb.name: verb for verb in self.verbs(settings)}

@@ -1,0 +1,508 @@
+"""A driver at another computer is used as one here; what the network does to it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import random
+import threading
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.simulated import SimulatedRobot
+
+from tests.network.other_computer import (
+    PLACE,
+    SILENCE_S,
+    Arm,
+    ArmSettings,
+    OtherComputer,
+    free_port,
+    pair,
+    remote_driver,
+)
+from tests.remote.network import Cable
+from woz_tui.drivers.contract import (
+    Ask,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Health,
+    RejectedError,
+    Scope,
+    StopReport,
+    Verb,
+)
+from woz_tui.network import driver_line, driver_messages, driver_server
+from woz_tui.network import remote_driver as remote_side
+from woz_tui.network.certificates import AccessFile, Authority
+from woz_tui.network.driver_line import DriverRouter, LineError, to_key
+from woz_tui.network.remote_driver import RemoteDriver
+from woz_tui.testing import Device, DriverTests, PlainJob, RecordingContext, until
+
+LIFT = PlainJob("lift", {"kg": 2.0})
+
+
+# -- the contract ----------------------------------------------------------------------------------
+
+
+class RemoteRobot(RemoteDriver):
+    """The simulated robot at another computer, as the tests of the contract make drivers."""
+
+    Settings = SimulatedRobot.Settings
+    verbs = staticmethod(SimulatedRobot.verbs)  # type: ignore[assignment]
+    sensors = staticmethod(SimulatedRobot.sensors)  # type: ignore[assignment]
+    joints = staticmethod(SimulatedRobot.joints)  # type: ignore[assignment]
+    remarks = staticmethod(SimulatedRobot.remarks)  # type: ignore[assignment]
+    port = 0
+
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        router = DriverRouter(f"tcp://127.0.0.1:{self.port}", [PLACE], silence_s=SILENCE_S)
+        super().__init__(
+            *("arm", settings, context),
+            local=SimulatedRobot,
+            kind="arm",
+            router=router,
+            place=PLACE,
+        )
+
+
+class TestServedRobot(DriverTests):
+    driver = RemoteRobot
+    settings = SimulatedRobot.Settings()
+
+    @pytest.fixture(autouse=True)
+    def _port(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(RemoteRobot, "port", asyncio.run(free_port()))
+
+    @contextlib.asynccontextmanager
+    async def device(self) -> AsyncIterator[Device]:
+        loop, cable = asyncio.get_running_loop(), Cable(RemoteRobot.port)
+        await cable.lay()
+        other = OtherComputer(SimulatedRobot, self.settings, Path())
+        starting = loop.create_task(other.start(f"tcp://127.0.0.1:{cable.own_port}"))
+        tasks: list[asyncio.Task[None]] = []
+        say = PlainJob("say", {"text": "a long sentence " * 50})
+        try:
+            yield Device(
+                self.settings,
+                unplug=lambda: tasks.append(loop.create_task(cable.cut())),
+                plug=lambda: tasks.append(loop.create_task(cable.lay())),
+                command=say,
+            )
+        finally:
+            starting.cancel()
+            await asyncio.gather(starting, *tasks, return_exceptions=True)
+            await other.end()
+            await cable.cut()
+
+
+# -- use -------------------------------------------------------------------------------------------
+
+
+async def test_a_command_gives_what_the_driver_gives(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        assert await two.remote.perform(PlainJob("wave")) == {"waved": 1}
+        with pytest.raises(RejectedError) as refused:
+            await two.remote.perform(PlainJob("lift", {"kg": 13.0}))
+        assert (refused.value.what, refused.value.remedy) == ("too heavy", "take less")
+        with pytest.raises(RejectedError):
+            await two.remote.perform(PlainJob("lift", {"kg": "much"}))
+        with pytest.raises(DriverError, match="ZeroDivisionError: no weight"):
+            await two.remote.perform(PlainJob("lift", {"kg": 14.0}))
+        job = replace(LIFT, expected=[])
+        lifting = asyncio.create_task(two.remote.perform(job))
+        await until(lambda: bool(job.expected))
+        assert job.expected == [20.0]
+        lifting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await lifting
+        assert not two.arm.under_way
+        assert [verb for verb, _ in two.arm.calls] == ["wave", "lift", "lift", "lift"]
+
+
+async def test_the_session_gets_everything_that_the_driver_tells(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        thread = threading.Thread(target=two.arm.tells)  # from any thread
+        thread.start()
+        await asyncio.to_thread(thread.join)
+        context = two.context
+        await until(lambda: bool(context.shown))
+        assert (context.latest("load"), context.of("load")[0].unit) == (2.5, "kg")
+        assert context.states == [("load", "ok", "")]
+        assert context.modes == ["demo"]
+        assert context.notices == [("warning", "warm", "wait")]
+        assert context.shown[0].values == {"lift": 3}  # type: ignore[attr-defined]
+        ended: list[tuple[bool, str]] = []
+        context.outcome = (False, "not now")
+        two.arm.asks(Ask("action", "Hello"), ended)
+        await until(lambda: bool(ended))
+        assert context.asks == [Ask("action", "Hello")]
+        assert ended == [(False, "not now")]
+
+
+async def test_what_is_called_aside_is_called_there(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        await two.remote.prepare_say([{"text": "Hello"}, {"text": "Bye"}])
+        await two.remote.rest()
+        await two.remote.resume()
+        assert two.arm.others == ["prepare Hello Bye", "rest", "resume"]
+        assert await asyncio.to_thread(two.remote.reread, ArmSettings(), dry_run=True) == [
+            "heavier"
+        ]
+        arm = two.arm
+        await two.remote.close()
+        assert arm.others[-1] == "close"
+
+
+async def test_times_are_the_sessions(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        clock = two.arm.context.clock
+        before = two.context.clock.now_us()
+        here = two.arm.context.t(clock.now_us())
+        # Both are processes of one machine, so the clocks are one; what remains is the measuring.
+        assert abs(here - before) < 2_000_000
+
+
+# -- the stop --------------------------------------------------------------------------------------
+
+
+async def test_a_stop_is_confirmed_by_the_driver_itself(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        lifting = asyncio.create_task(two.remote.perform(LIFT))
+        await until(lambda: bool(two.arm.under_way))
+        two.arm.report = StopReport(("lift",), ("hand",))
+        assert await two.remote.stop(Scope.ALL) == StopReport(("lift",), ("hand",))
+        assert not two.arm.under_way
+        assert two.arm.others == ["stop all"]
+        await asyncio.gather(lifting, return_exceptions=True)
+
+
+async def test_only_driving_ends_when_nobody_watches(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        tasks = [asyncio.create_task(two.remote.perform(job)) for job in (LIFT, PlainJob("roll"))]
+        await until(lambda: two.arm.under_way == {"lift", "roll"})
+        await two.remote.stop(Scope.DRIVE)
+        await until(lambda: two.arm.under_way == {"lift"})
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def test_a_driver_that_does_not_stop_is_no_lost_one(tmp_path: Path) -> None:
+    """The other computer has the stop, so it counts as not confirmed and not as unreached."""
+    async with pair(tmp_path) as two:
+        two.arm.stopping.clear()
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(two.remote.stop(Scope.ALL), 2 * remote_side.STOP_S)
+
+
+async def test_a_stop_that_does_not_arrive_is_unreached(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        two.cable.flowing.clear()
+        with pytest.raises(DeviceLostError):
+            await asyncio.wait_for(two.remote.stop(Scope.ALL), 2 * remote_side.STOP_S)
+
+
+async def test_a_command_that_the_stop_has_overtaken_does_not_begin(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        two.cable.flowing.clear()
+        lifting = asyncio.create_task(two.remote.perform(LIFT))
+        await until(lambda: two.cable.held > 0)
+        stopping = asyncio.create_task(two.remote.stop(Scope.ALL))
+        await asyncio.sleep(0)
+        lifting.cancel()
+        two.cable.flowing.set()
+        await asyncio.gather(stopping, lifting, return_exceptions=True)
+        await two.remote.perform(PlainJob("wave"))
+        assert "lift" not in two.arm.under_way
+
+
+# -- the network -----------------------------------------------------------------------------------
+
+
+async def test_a_cut_ends_everything_on_both_sides_and_is_repaired(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        two.arm.tells()
+        await until(lambda: bool(two.context.states))
+        lifting = asyncio.create_task(two.remote.perform(LIFT))
+        await until(lambda: bool(two.arm.under_way))
+        await two.cable.cut()
+        with pytest.raises(DeviceLostError):
+            await lifting
+        what, _ = await two.healthy(Health.LOST)
+        assert PLACE in what
+        assert two.context.states[-1][:2] == ("load", "stale")
+        await until(lambda: two.arm.others == ["stop all"])
+        assert not two.arm.under_way
+        with pytest.raises(DeviceLostError):
+            await two.remote.perform(LIFT)
+        arm = two.arm
+        await two.cable.lay()
+        await two.healthy(Health.CONNECTED)
+        assert two.arm is arm  # the hardware was held
+        await until(lambda: two.context.states[-1][:2] == ("load", "ok"))
+        await until(lambda: arm.others[-1] == "resume")
+        assert await two.remote.perform(PlainJob("wave")) == {"waved": 1}
+
+
+async def test_after_a_stop_nothing_moves_by_itself_when_the_line_is_back(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        await two.remote.stop(Scope.ALL)
+        await two.cable.cut()
+        await two.healthy(Health.LOST)
+        await two.cable.lay()
+        await two.healthy(Health.CONNECTED)
+        await two.remote.rest()
+        assert "resume" not in two.arm.others
+
+
+async def test_a_frozen_network_stops_the_driver_and_delivers_nothing_late(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        lifting = asyncio.create_task(two.remote.perform(LIFT))
+        await until(lambda: bool(two.arm.under_way))
+        two.cable.flowing.clear()
+        rolling = asyncio.create_task(two.remote.perform(PlainJob("roll")))
+        await until(lambda: not two.arm.under_way, 4 * SILENCE_S)
+        for each in (lifting, rolling):
+            with pytest.raises(DeviceLostError):
+                await each
+        two.cable.flowing.set()
+        await two.healthy(Health.CONNECTED)
+        await two.remote.perform(PlainJob("wave"))
+        assert "roll" not in {verb for verb, _ in two.arm.calls}
+
+
+async def test_a_slow_network_refuses_what_comes_late_and_lets_the_stop_through(
+    tmp_path: Path,
+) -> None:
+    async with pair(tmp_path) as two:
+        two.cable.delay = remote_side.LATE_S + 0.1
+        with pytest.raises(DriverError, match="too late"):
+            await two.remote.perform(LIFT)
+        assert not two.arm.calls
+        with pytest.raises(DeviceLostError):  # it comes after its time, and does come
+            await two.remote.stop(Scope.ALL)
+        await until(lambda: "stop all" in two.arm.others)
+
+
+async def test_what_was_lost_on_the_way_ends_the_conversation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A full line drops; neither side goes on as if nothing had been there."""
+    async with pair(tmp_path) as two:
+        lifting = asyncio.create_task(two.remote.perform(LIFT))
+        await until(lambda: bool(two.arm.under_way))
+        with monkeypatch.context() as full:
+            full.setattr(driver_line, "CAPACITY", 0)
+            two.arm.context.notice("info", "nobody gets this")
+        with pytest.raises(DeviceLostError):
+            await lifting
+        await until(lambda: not two.arm.under_way)
+        await two.healthy(Health.CONNECTED)
+
+
+# -- who may ---------------------------------------------------------------------------------------
+
+
+async def test_other_settings_are_refused_by_name(tmp_path: Path) -> None:
+    served = ArmSettings(speed=2.0)
+    async with pair(tmp_path, served=served, connected=False) as two:
+        what, remedy = await two.healthy(Health.FAULTED)
+        assert "speed" in what
+        assert "port" not in what
+        assert "copy" in remedy
+        with pytest.raises(DeviceLostError):
+            await two.remote.perform(LIFT)
+
+
+class LaterArm(Arm):
+    """What a later version offers."""
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        return (*super().verbs(settings), Verb("throw", "throw"))
+
+
+async def test_another_version_of_the_driver_is_refused(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        other = remote_driver(RecordingContext(), two.router, LaterArm)
+        await two.remote.close()
+        await other.open()
+        try:
+            context = other.context
+            assert isinstance(context, RecordingContext)
+            assert "version" in (await two.healthy(Health.FAULTED, context))[0]
+        finally:
+            await other.close()
+
+
+async def test_another_form_of_the_messages_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(driver_server, "LINK", 2)
+    async with pair(tmp_path, connected=False) as two:
+        what, _ = await two.healthy(Health.FAULTED)
+        assert "woz-tui" in what
+        with pytest.raises(DeviceLostError):
+            await two.remote.perform(LIFT)
+
+
+async def test_two_drivers_cannot_have_the_same_hardware(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        second, context = two.second()
+        await second.open()
+        try:
+            assert "is used by arm" in (await two.healthy(Health.FAULTED, context))[0]
+            assert await two.remote.perform(PlainJob("wave")) == {"waved": 1}
+            await two.remote.close()
+            await two.healthy(Health.CONNECTED, context)
+        finally:
+            await second.close()
+
+
+async def test_a_second_session_on_this_computer_is_refused_by_name(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        context = RecordingContext()
+        second = remote_driver(context, DriverRouter(two.router.listen, [PLACE]))
+        await second.open()
+        try:
+            what, remedy = await two.healthy(Health.FAULTED, context)
+            assert two.router.listen in what
+            assert "listen" in remedy
+        finally:
+            await second.close()
+
+
+async def test_two_computers_of_one_name_are_told_and_only_one_is_used(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        first = two.arm
+        other = OtherComputer(Arm, ArmSettings(), tmp_path)
+        await other.start(f"tcp://127.0.0.1:{two.cable.own_port}")
+        try:
+            await until(lambda: bool(two.context.notices))
+            assert PLACE in two.context.notices[0][1]
+            await two.remote.perform(PlainJob("wave"))
+            assert two.arm is first
+            assert first.calls
+        finally:
+            await other.end()
+
+
+async def test_the_other_program_is_restarted_during_a_command(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        lifting = asyncio.create_task(two.remote.perform(LIFT))
+        await until(lambda: bool(two.arm.under_way))
+        first = two.arm
+        await two.other.end()
+        with pytest.raises(DeviceLostError):
+            await lifting
+        assert first.others == ["stop all", "close"]
+        await two.other.start(f"tcp://127.0.0.1:{two.cable.own_port}")
+        await two.healthy(Health.CONNECTED)
+        assert two.arm is not first
+        assert not two.arm.calls
+
+
+async def test_nonsense_on_the_line_moves_nothing(tmp_path: Path) -> None:
+    dice = random.Random(7)
+    async with pair(tmp_path) as two:
+        line = await two.router.join(PLACE)
+        valid = driver_messages.encode(
+            driver_messages.FrameToDriver("x", 1, 1, driver_messages.Cancel(1))
+        )
+        for _ in range(1000):
+            changed = bytearray(valid)
+            changed[dice.randrange(len(changed))] = dice.randrange(256)
+            line.send(to_key(PLACE, "arm"), bytes(changed))
+            line.send(driver_line.from_key(PLACE, "arm"), dice.randbytes(dice.randrange(60)))
+            if dice.random() < 0.05:
+                await asyncio.sleep(0)
+        assert await two.remote.perform(PlainJob("wave")) == {"waved": 1}
+        await two.router.leave()
+
+
+# -- certificates ----------------------------------------------------------------------------------
+
+
+async def _entered(tmp_path: Path, made: Authority, access: AccessFile) -> list[Health]:
+    """How the session's side is once somebody has come with this file."""
+    port = await free_port()
+    context = RecordingContext()
+    router = DriverRouter(f"127.0.0.1:{port}", [PLACE], made, SILENCE_S)
+    remote = remote_driver(context, router)
+    other = OtherComputer(Arm, ArmSettings(), tmp_path)
+    await remote.open()
+    try:
+        await other.start(f"127.0.0.1:{port}", access)
+        with contextlib.suppress(TimeoutError):
+            await until(lambda: context.healths[-1][0] is Health.CONNECTED, 2.0)
+        if context.healths[-1][0] is Health.CONNECTED:
+            assert await remote.perform(PlainJob("wave")) == {"waved": 1}
+        return [health for health, *_ in context.healths]
+    finally:
+        await remote.close()
+        await other.end()
+
+
+def _access(authority: Authority, name: str, folder: Path) -> AccessFile:
+    file = folder / f"{name}.access"
+    authority.new(name, 30, "", file)
+    return AccessFile.read(file)
+
+
+async def test_a_computer_with_its_certificate_is_let_in(tmp_path: Path) -> None:
+    made = Authority(tmp_path / "authority")
+    access = _access(made, PLACE, tmp_path)
+    assert (await _entered(tmp_path, made, access))[-1] is Health.CONNECTED
+
+
+async def test_the_certificate_of_somebody_else_opens_no_driver(tmp_path: Path) -> None:
+    """A watcher's, for example, who calls itself as the computer of the arm."""
+    made = Authority(tmp_path / "authority")
+    _access(made, PLACE, tmp_path)
+    eve = replace(_access(made, "eve", tmp_path), name=PLACE)
+    assert await _entered(tmp_path, made, eve) == [Health.CONNECTING]
+
+
+@pytest.mark.parametrize("which", ["of another authority", "of another robot"])
+async def test_a_strange_certificate_is_refused_in_words(tmp_path: Path, which: str) -> None:
+    made, strange = Authority(tmp_path / "authority"), Authority(tmp_path / "strange")
+    mine = _access(made, PLACE, tmp_path)
+    (tmp_path / "there").mkdir()
+    other = _access(strange, PLACE, tmp_path / "there")
+    access = replace(other, authority=mine.authority) if which == "of another authority" else other
+    with pytest.raises(LineError, match=r"let this access file in|is not the robot"):
+        await _entered(tmp_path, made, access)
+
+
+async def test_a_revoked_name_is_not_let_in(tmp_path: Path) -> None:
+    made = Authority(tmp_path / "authority")
+    _access(made, PLACE, tmp_path)
+    made.revoke(PLACE)
+    port = await free_port()
+    context = RecordingContext()
+    remote = remote_driver(context, DriverRouter(f"127.0.0.1:{port}", [PLACE], made))
+    await remote.open()
+    try:
+        await until(lambda: context.healths[-1][0] is Health.FAULTED)
+        assert "revoked" in context.healths[-1][1]
+    finally:
+        await remote.close()
+
+
+async def test_without_the_extra_the_driver_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "zenoh", None)
+    context = RecordingContext()
+    remote = remote_driver(context, DriverRouter("tcp://127.0.0.1:1", [PLACE]))
+    await remote.open()
+    try:
+        await until(lambda: context.healths[-1][0] is Health.FAULTED)
+        assert "woz-tui[remote-drivers]" in context.healths[-1][2]
+    finally:
+        await remote.close()

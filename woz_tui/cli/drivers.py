@@ -1,0 +1,145 @@
+"""`woz drivers`: offer the drivers of this computer to a session on another one of the robot."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import signal
+import sys
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+
+from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.config.robots import load_robot
+from woz_tui.drivers import plugins
+from woz_tui.network.certificates import AccessError, AccessFile
+from woz_tui.network.driver_line import LineError, connect
+from woz_tui.network.driver_server import DriverServer, OfferedDriver
+from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
+
+#: How long until the session is looked for again, in seconds.
+RETRY_S = 1.0
+_PORT = DRIVERS_LISTEN.rpartition(":")[2]
+
+
+def _address(text: str) -> str:
+    try:
+        if text:
+            ListenAddress.read(text)
+    except ValueError as error:
+        raise ArgumentTypeError(str(error)) from None
+    return text
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "--serve",
+        type=Path,
+        required=True,
+        metavar="ROBOT_FILE",
+        help="the robot file of the session; drivers with `at: NAME` are offered here",
+    )
+    parser.add_argument(
+        "--access",
+        type=Path,
+        default=None,
+        metavar="FILE",
+        help="what lets this computer in, and gives it its name: `woz access new NAME`",
+    )
+    parser.add_argument(
+        "--at", default="", metavar="NAME", help="this computer's name (default: the access file's)"
+    )
+    parser.add_argument(
+        "address",
+        type=_address,
+        nargs="?",
+        default="",
+        metavar="HOST:PORT",
+        help=f"the session's computer (default: the access file's, port {_PORT})",
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Offer them until ctrl+c."""
+    return with_error_sentences(
+        lambda: _drivers(arguments), AccessError, LineError, ValueError, who="woz drivers"
+    )
+
+
+def _drivers(arguments: Namespace) -> int:
+    access = AccessFile.read(arguments.access) if arguments.access is not None else None
+    address = arguments.address or _address_in(access)
+    if not ListenAddress.read(address).plain and access is None:
+        raise AccessError(
+            "this computer needs an access file: make one on the robot with `woz access new NAME`,"
+            " then woz drivers --serve ROBOT_FILE --access NAME.access"
+        )
+    place, offers = _offers(arguments.serve, arguments.at or (access.name if access else ""))
+    names = ", ".join(offer.name for offer in offers)
+    tell(f"{place} offers {names} to the session at {address}; ctrl+c ends it")
+    with contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_serve(place, offers, arguments.serve.absolute().parent, address, access))
+    return 0
+
+
+def _address_in(access: AccessFile | None) -> str:
+    """The host is the access file's; its port is that of sessions over a network."""
+    if access is None or not access.address:
+        raise AccessError(f"where is the session? add HOST:PORT, such as robot.local:{_PORT}")
+    return f"{access.address.rpartition(':')[0]}:{_PORT}"
+
+
+def _offers(file: Path, place: str) -> tuple[str, list[OfferedDriver]]:
+    catalogue = plugins.installed()
+    drivers = load_robot(file, catalogue)
+    places = sorted({spec.at.name for spec in drivers if spec.at is not None})
+    if not place and len(places) == 1:
+        place = places[0]
+    offers = [
+        OfferedDriver(spec.name, spec.type, catalogue[spec.type], spec.settings)
+        for spec in drivers
+        if spec.at is not None and spec.at.name == place
+    ]
+    if not offers:
+        has = f"its drivers are at {', '.join(places)}" if places else "it has no `at:`"
+        raise ValueError(f"{file} has no driver with `at: {place or 'NAME'}`; {has}")
+    return place, offers
+
+
+def tell(text: str) -> None:
+    """One line, with the time of day."""
+    print(f"{datetime.now().astimezone():%H:%M:%S} {text}", flush=True)
+
+
+async def _serve(
+    place: str,
+    offers: Sequence[OfferedDriver],
+    folder: Path,
+    address: str,
+    access: AccessFile | None,
+) -> None:
+    loop, running = asyncio.get_running_loop(), asyncio.current_task()
+    assert running is not None
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        loop.add_signal_handler(number, running.cancel)
+    server = DriverServer(place, offers, folder=folder, tell=tell)
+    told = ""
+    with contextlib.suppress(asyncio.CancelledError):
+        while True:
+            connecting = loop.run_in_executor(None, connect, address, access)
+            try:
+                line = await asyncio.shield(connecting)
+            except LineError as error:
+                remedy = f" ({error.remedy})" if error.remedy else ""
+                if str(error) != told:
+                    told = str(error)
+                    print(f"woz drivers: {error}{remedy}; trying again", file=sys.stderr)
+                await asyncio.sleep(RETRY_S)
+                continue
+            try:
+                await server.run(line)
+            finally:
+                await asyncio.to_thread(line.close)

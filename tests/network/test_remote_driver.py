@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import random
+import subprocess
+import sys
 import threading
 from collections.abc import AsyncIterator
 from dataclasses import replace
@@ -43,6 +45,7 @@ from woz_tui.network.driver_line import DriverRouter, LineError, to_key
 from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.testing import Device, DriverTests, PlainJob, RecordingContext, until
 
+ROOT = Path(__file__).parents[2]
 LIFT = PlainJob("lift", {"kg": 2.0})
 
 
@@ -82,22 +85,21 @@ class TestServedRobot(DriverTests):
     async def device(self) -> AsyncIterator[Device]:
         loop, cable = asyncio.get_running_loop(), Cable(RemoteRobot.port)
         await cable.lay()
-        other = OtherComputer(SimulatedRobot, self.settings, Path())
-        starting = loop.create_task(other.start(f"tcp://127.0.0.1:{cable.own_port}"))
+        words = [sys.executable, "-m", "tests.network.other_program", str(cable.own_port)]
         tasks: list[asyncio.Task[None]] = []
         say = PlainJob("say", {"text": "a long sentence " * 50})
-        try:
-            yield Device(
-                self.settings,
-                unplug=lambda: tasks.append(loop.create_task(cable.cut())),
-                plug=lambda: tasks.append(loop.create_task(cable.lay())),
-                command=say,
-            )
-        finally:
-            starting.cancel()
-            await asyncio.gather(starting, *tasks, return_exceptions=True)
-            await other.end()
-            await cable.cut()
+        with subprocess.Popen(words, cwd=ROOT) as process:  # noqa: ASYNC220 - for a moment only
+            try:
+                yield Device(
+                    self.settings,
+                    unplug=lambda: tasks.append(loop.create_task(cable.cut())),
+                    plug=lambda: tasks.append(loop.create_task(cable.lay())),
+                    command=say,
+                )
+            finally:
+                process.kill()
+                await asyncio.gather(*tasks, return_exceptions=True)
+                await cable.cut()
 
 
 # -- use -------------------------------------------------------------------------------------------
@@ -260,6 +262,7 @@ async def test_after_a_stop_nothing_moves_by_itself_when_the_line_is_back(tmp_pa
         assert "resume" not in two.arm.others
 
 
+@pytest.mark.real_clock
 async def test_a_frozen_network_stops_the_driver_and_delivers_nothing_late(tmp_path: Path) -> None:
     async with pair(tmp_path) as two:
         lifting = asyncio.create_task(two.remote.perform(LIFT))
@@ -276,6 +279,7 @@ async def test_a_frozen_network_stops_the_driver_and_delivers_nothing_late(tmp_p
         assert "roll" not in {verb for verb, _ in two.arm.calls}
 
 
+@pytest.mark.real_clock
 async def test_a_slow_network_refuses_what_comes_late_and_lets_the_stop_through(
     tmp_path: Path,
 ) -> None:
@@ -439,7 +443,7 @@ async def _entered(tmp_path: Path, made: Authority, access: AccessFile) -> list[
     try:
         await other.start(f"127.0.0.1:{port}", access)
         with contextlib.suppress(TimeoutError):
-            await until(lambda: context.healths[-1][0] is Health.CONNECTED, 2.0)
+            await until(lambda: context.healths[-1][0] is Health.CONNECTED, 1.0)
         if context.healths[-1][0] is Health.CONNECTED:
             assert await remote.perform(PlainJob("wave")) == {"waved": 1}
         return [health for health, *_ in context.healths]

@@ -302,12 +302,16 @@ class ServedDriver:
     async def _let_go(self) -> None:
         driver, self._driver, self._context = self._driver, None, None
         self._session = ""
-        tasks = [task for task, _, _ in self._running.values()] + list(self._tasks)
-        tasks = [task for task in tasks if task is not asyncio.current_task()]
-        for task in tasks:
-            task.cancel()
-        if tasks:
-            await asyncio.wait(tasks, timeout=self._silence_s)
+        jobs = [task for task, _, _ in self._running.values()]
+        for task in jobs:
+            if task is not asyncio.current_task():
+                task.cancel()
+        # A stop under way goes on to its end.
+        ending = {*jobs, *self._tasks} - {asyncio.current_task()}
+        if ending:
+            _, hanging = await asyncio.wait(ending, timeout=self._silence_s)
+            for task in hanging:
+                task.cancel()
         if driver is not None:
             try:
                 await _guarded(driver.close)

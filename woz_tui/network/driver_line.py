@@ -108,7 +108,7 @@ class DriverLine:
             self._some.notify()
         self._thread.join(SILENCE_S)  # what was sent last goes out first
         with contextlib.suppress(self._zenoh.ZError):
-            self._session.close()
+            self._session.close()  # type: ignore[no-untyped-call]
 
     def _run(self) -> None:
         drop, priority = self._zenoh.CongestionControl.DROP, self._zenoh.Priority

@@ -60,10 +60,10 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True)
 class OfferedDriver:
-    """A driver of the robot file: its name and type there, its class, its settings."""
+    """A driver of the robot file: its name and type (`kind`) there, its class, its settings."""
 
     name: str
-    type: str
+    kind: str
     driver: type[Driver]
     settings: Any
 
@@ -403,9 +403,9 @@ class ServedDriver:
         if self._epoch:
             return dm.NotTaken(f"{self.name} at {self._place} is used by {self._user}")
         copy = f"the same robot file belongs on both: copy it to {self._place} and start it anew"
-        if hello.link != LINK or hello.type != self._offer.type:
+        if hello.link != LINK or hello.type != self._offer.kind:
             return dm.NotTaken(
-                f"{self.name} at {self._place} is of type {self._offer.type} (woz-tui"
+                f"{self.name} at {self._place} is of type {self._offer.kind} (woz-tui"
                 f" {__version__}), here of type {hello.type} (woz-tui {hello.version})",
                 copy,
             )
@@ -420,7 +420,7 @@ class ServedDriver:
             )
         if hello.offer != offer_hash(self._offer.driver, self._offer.settings):
             return dm.NotTaken(
-                f"the driver {self._offer.type} at {self._place} is another version, with other"
+                f"the driver {self._offer.kind} at {self._place} is another version, with other"
                 f" verbs or sensors (woz-tui {__version__} there, {hello.version} here)",
                 "install the same version on both computers",
             )

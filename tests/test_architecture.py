@@ -23,6 +23,7 @@ ROOMS = [
     "woz_tui.protocol",
     "woz_tui.drivers",
     "woz_tui.machine",
+    "woz_tui.network",
     "woz_tui.config",
     "woz_tui.bus",
     "woz_tui.sensing",

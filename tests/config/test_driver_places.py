@@ -45,8 +45,8 @@ def test_a_wrong_place_is_told(tmp_path: Path, at: str, told: str) -> None:
 def test_drivers_that_hand_each_other_values_are_at_the_same_computer(tmp_path: Path) -> None:
     text = (
         "drivers:\n"
-        "  body: {type: body, face: led, at: arm-pi, kinematics: {}}\n"
-        "  led: {type: led-face, port: /dev/led}\n"
+        "  body: {type: simulated, at: arm-pi}\n"
+        "  led: {type: led-face, port: /dev/led, follows: body}\n"
     )
     with pytest.raises(ExperimentError, match="same `at:`"):
         _read(tmp_path, text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -119,7 +120,7 @@ class Arm(Driver):
         context.notice("warning", "warm", "wait", tells=("load",))
         context.show(BodyChanged(values={"lift": 3}))
 
-    def asks(self, ask: Ask, ended: list[tuple[bool, str]]) -> None:  # type: ignore[override]
+    def ask_session(self, ask: Ask, ended: list[tuple[bool, str]]) -> None:
         """Ask the session."""
         self.context.ask(ask, lambda ok, why: ended.append((ok, why)))
 
@@ -131,6 +132,13 @@ async def free_port() -> int:
     server.close()
     await server.wait_closed()
     return port
+
+
+def listens(port: int) -> bool:
+    """Whether somebody does."""
+    with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1.0):
+        return True
+    return False
 
 
 @dataclass
@@ -231,11 +239,7 @@ async def pair(
     other = OtherComputer(driver, served or driver.Settings(), folder)
     both = Pair(remote, context, other, cable, router)
     await remote.open()
-    while True:
-        with contextlib.suppress(OSError):
-            (await asyncio.open_connection("127.0.0.1", port))[1].close()
-            break
-        await asyncio.sleep(0.02)
+    await until(lambda: listens(port))
     await cable.lay()
     try:
         await other.start(f"tcp://127.0.0.1:{cable.own_port}")

@@ -56,10 +56,10 @@ class RemoteRobot(RemoteDriver):
     """The simulated robot at another computer, as the tests of the contract make drivers."""
 
     Settings = SimulatedRobot.Settings
-    verbs = staticmethod(SimulatedRobot.verbs)  # type: ignore[assignment]
-    sensors = staticmethod(SimulatedRobot.sensors)  # type: ignore[assignment]
-    joints = staticmethod(SimulatedRobot.joints)  # type: ignore[assignment]
-    remarks = staticmethod(SimulatedRobot.remarks)  # type: ignore[assignment]
+    verbs = staticmethod(SimulatedRobot.verbs)
+    sensors = staticmethod(SimulatedRobot.sensors)
+    joints = staticmethod(SimulatedRobot.joints)
+    remarks = staticmethod(SimulatedRobot.remarks)
     port = 0
 
     def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
@@ -140,7 +140,7 @@ async def test_the_session_gets_everything_that_the_driver_tells(tmp_path: Path)
         assert context.shown[0].values == {"lift": 3}  # type: ignore[attr-defined]
         ended: list[tuple[bool, str]] = []
         context.outcome = (False, "not now")
-        two.arm.asks(Ask("action", "Hello"), ended)
+        two.arm.ask_session(Ask("action", "Hello"), ended)
         await until(lambda: bool(ended))
         assert context.asks == [Ask("action", "Hello")]
         assert ended == [(False, "not now")]

@@ -25,7 +25,7 @@ class _Body(msgspec.Struct, frozen=True, tag_field="is"):
     """What a frame carries."""
 
 
-class Failure(msgspec.Struct, frozen=True):
+class CallFailure(msgspec.Struct, frozen=True):
     """How something failed: the exception's class among those of the contract, and its words."""
 
     kind: str
@@ -36,7 +36,7 @@ class Failure(msgspec.Struct, frozen=True):
 # -- from the session ------------------------------------------------------------------------------
 
 
-class Hello(_Body, frozen=True, tag="hello"):
+class DriverHello(_Body, frozen=True, tag="hello"):
     """A session wants to use the driver. What it decoded must be what is served: hashes of each of
     its `settings`, and of its verbs and sensors (`offer`). `stopped`: the stop is pressed.
     """
@@ -141,7 +141,7 @@ class Ended(_Body, frozen=True, tag="ended"):
     """A command or a call has ended; without `failure` well, and this came of it."""
 
     id: int
-    failure: Failure | None = None
+    failure: CallFailure | None = None
     result: Any = None
 
 
@@ -158,11 +158,11 @@ class StopTaken(_Body, frozen=True, tag="stop-taken"):
     id: int
 
 
-class Stopped(_Body, frozen=True, tag="stopped"):
+class StopEnded(_Body, frozen=True, tag="stopped"):
     """The stop has been carried out, or has failed."""
 
     id: int
-    failure: Failure | None = None
+    failure: CallFailure | None = None
     confirmed: tuple[str, ...] | None = None
     missing: tuple[str, ...] = ()
 
@@ -223,7 +223,7 @@ class AskSent(_Body, frozen=True, tag="ask"):
     answered: bool
 
 
-ToDriver = Hello | Pong | Perform | Cancel | Stop | Invoke | AskEnded | Left
+ToDriver = DriverHello | Pong | Perform | Cancel | Stop | Invoke | AskEnded | Left
 FromDriver = (
     Here
     | NotTaken
@@ -231,7 +231,7 @@ FromDriver = (
     | Ended
     | Expects
     | StopTaken
-    | Stopped
+    | StopEnded
     | ReadingSent
     | SensorSent
     | HealthSent

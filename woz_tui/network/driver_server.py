@@ -371,7 +371,7 @@ class ServedDriver:
             return
         if frame.instance != self._instance or not frame.epoch:
             return
-        if isinstance(frame.body, dm.Hello):
+        if isinstance(frame.body, dm.DriverHello):
             self._spawn(self._on_hello(frame.epoch, frame.body))
         elif frame.epoch == self._epoch:
             if frame.number:
@@ -381,7 +381,7 @@ class ServedDriver:
                 self._received = frame.number
             self._on_body(frame.body)
 
-    async def _on_hello(self, epoch: int, hello: dm.Hello) -> None:
+    async def _on_hello(self, epoch: int, hello: dm.DriverHello) -> None:
         refusal = self._refusal(hello)
         if refusal is not None:
             self._send_raw(epoch, refusal)
@@ -398,7 +398,7 @@ class ServedDriver:
         self._epoch, self._media, self._stopped = epoch, hello.media, hello.stopped
         self._ping()
 
-    def _refusal(self, hello: dm.Hello) -> dm.NotTaken | None:
+    def _refusal(self, hello: dm.DriverHello) -> dm.NotTaken | None:
         mine = setting_hashes(self._offer.settings)
         if self._epoch:
             return dm.NotTaken(f"{self.name} at {self._place} is used by {self._user}")
@@ -506,14 +506,14 @@ class ServedDriver:
             del self._running[number]
         failure, result = None, None
         if task.cancelled():
-            failure = dm.Failure("DriverError", "it was cancelled")
+            failure = dm.CallFailure("DriverError", "it was cancelled")
         elif (error := task.exception()) is None:
             result = task.result()
         elif isinstance(error, DriverError):
             failure = _failure(error)
         else:
             log.error("%s failed", self.name, exc_info=error)
-            failure = dm.Failure(
+            failure = dm.CallFailure(
                 "DriverError",
                 f"{type(error).__name__}: {error}",
                 f"this is an error in the driver; the traceback is at {self._place}",
@@ -543,7 +543,7 @@ class ServedDriver:
             why = f"it came to {self._place} too late and was not carried out"
         if why or verb is None or driver is None:
             remedy = "the network is too slow, or was interrupted" if "late" in why else ""
-            self._send(dm.Ended(command.id, dm.Failure("DriverError", why, remedy)))
+            self._send(dm.Ended(command.id, dm.CallFailure("DriverError", why, remedy)))
             return
         self._enter(
             *(command.id, verb, "perform"),
@@ -594,7 +594,7 @@ class ServedDriver:
         self._stopped_up_to[scope] = max(self._stopped_up_to[scope], stop.up_to)
         driver = self._driver
         if driver is None:
-            self._send_raw(self._epoch, dm.Stopped(stop.id), urgent=True)
+            self._send_raw(self._epoch, dm.StopEnded(stop.id), urgent=True)
             return
         self._spawn(self._stop(driver, scope, stop.id))
         for task, verb, what in self._running.values():
@@ -610,9 +610,9 @@ class ServedDriver:
             failure = _failure(error)
         except Exception as error:  # whatever a driver raises
             log.exception("stop of %s failed", self.name)
-            failure = dm.Failure("DriverError", f"{type(error).__name__}: {error}")
+            failure = dm.CallFailure("DriverError", f"{type(error).__name__}: {error}")
         told = report if isinstance(report, StopReport) else None
-        stopped = dm.Stopped(
+        stopped = dm.StopEnded(
             number,
             failure,
             None if told is None else tuple(told.confirmed),
@@ -622,10 +622,10 @@ class ServedDriver:
             self._send_raw(epoch, stopped, urgent=True)
 
 
-def _failure(error: DriverError) -> dm.Failure:
+def _failure(error: DriverError) -> dm.CallFailure:
     kinds = [kind.__name__ for kind in type(error).__mro__]
     known = ("RejectedError", "DeviceLostError", "DriverError")
-    return dm.Failure(next(kind for kind in kinds if kind in known), error.what, error.remedy)
+    return dm.CallFailure(next(kind for kind in kinds if kind in known), error.what, error.remedy)
 
 
 async def _guarded(call: Callable[[], Awaitable[Any]]) -> Any:

@@ -161,10 +161,11 @@ class RemoteDriver(Driver):
         deadline = self.context.clock.boot_us() + round(LATE_S * 1e6)
         self._jobs[number] = job
         try:
-            return await self._ended(
+            sent: Mapping[str, Json] = await self._ended(
                 number,
                 dm.Perform(*(number, job.command, job.verb, dict(job.args), job.source, deadline)),
             )
+            return sent
         finally:
             self._jobs.pop(number, None)
 
@@ -274,7 +275,7 @@ class RemoteDriver(Driver):
     def _send(self, body: dm.ToDriver, *, urgent: bool = False, instance: str = "") -> None:
         """Numbered, unless it is urgent or an answer to a ping."""
         number = 0
-        if not urgent and not isinstance(body, dm.Pong | dm.Hello | dm.Left):
+        if not urgent and not isinstance(body, dm.Pong | dm.DriverHello | dm.Left):
             self._sent += 1
             number = self._sent
         frame = dm.FrameToDriver(instance or self._bound, self._epoch, number, body)
@@ -317,7 +318,7 @@ class RemoteDriver(Driver):
             return
         if self._bound:
             self._lose(f"{self._place} had lost the line")
-        if self._greeted and now - self._greeted_us < self._router.silence_s * 1e6:
+        if self._greeted == instance and now - self._greeted_us < self._router.silence_s * 1e6:
             return
         if here.link != dm.LINK:
             self.context.health(
@@ -338,7 +339,7 @@ class RemoteDriver(Driver):
         self._sent = self._received = 0
         self._greeted, self._greeted_us = instance, now
         self._send(
-            dm.Hello(
+            dm.DriverHello(
                 link=dm.LINK,
                 version=__version__,
                 session=SESSION,
@@ -379,7 +380,7 @@ class RemoteDriver(Driver):
             case dm.StopTaken(id=number):
                 if number in self._stops:
                     _settle(self._stops[number][0], None, None)
-            case dm.Stopped(id=number, failure=failure, confirmed=confirmed, missing=missing):
+            case dm.StopEnded(id=number, failure=failure, confirmed=confirmed, missing=missing):
                 if number in self._stops:
                     report = None if confirmed is None else StopReport(confirmed, missing)
                     _settle(self._stops[number][0], None, None)
@@ -440,7 +441,7 @@ class RemoteDriver(Driver):
     def _unbind(self, why: str) -> None:
         self._bound = self._greeted = ""
         self._epoch = 0
-        lost = dm.Failure(DeviceLostError.__name__, why)
+        lost = dm.CallFailure(DeviceLostError.__name__, why)
         for future in [*self._ends.values(), *(f for both in self._stops.values() for f in both)]:
             _settle(future, lost, None)
 
@@ -480,7 +481,9 @@ class RemoteDriver(Driver):
             _abandon(future)
 
 
-def _settle(future: asyncio.Future[Any] | None, failure: dm.Failure | None, result: Any) -> None:
+def _settle(
+    future: asyncio.Future[Any] | None, failure: dm.CallFailure | None, result: Any
+) -> None:
     if future is None or future.done():
         return
     if failure is None:

@@ -16,6 +16,7 @@ from woz_tui.drivers.contract import (
     Ask,
     Driver,
     DriverContext,
+    Forecast,
     Health,
     Job,
     RejectedError,
@@ -64,7 +65,7 @@ class Arm(Driver):
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         return (
             Verb("lift", "lift", (Argument("kg", "number", default=1.0),), lane="body"),
-            Verb("wave", "wave", lane="hand", brief=True),
+            Verb("wave", "wave", lane="hand", brief=True, arrives=True),
             Verb("roll", "roll away", lane="base", drives=True),
         )
 
@@ -78,6 +79,8 @@ class Arm(Driver):
     async def perform(self, job: Job) -> Mapping[str, Any]:
         self.calls.append((job.verb, job.args))
         if job.verb == "wave":
+            job.mark("stroke", "up")
+            self.arrive = job.goes_on()
             return {"waved": 1}
         if job.args.get("kg") == 13:
             raise RejectedError("too heavy", "take less")
@@ -95,6 +98,9 @@ class Arm(Driver):
         self.others.append(f"stop {scope.value}")
         await self.stopping.wait()
         return self.report
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        return Forecast(1.5, ((0.5, "stroke", verb),))
 
     async def resume(self) -> None:
         self.others.append("resume")

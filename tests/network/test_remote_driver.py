@@ -32,6 +32,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    Forecast,
     Health,
     RejectedError,
     Scope,
@@ -124,6 +125,18 @@ async def test_a_command_gives_what_the_driver_gives(tmp_path: Path) -> None:
             await lifting
         assert not two.arm.under_way
         assert [verb for verb, _ in two.arm.calls] == ["wave", "lift", "lift", "lift"]
+
+
+async def test_marks_and_arrivals_come_across_and_a_command_is_predicted(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        job = PlainJob("wave")
+        await two.remote.perform(job)
+        assert (job.marks, job.arrivals) == ([("stroke", "up")], [])
+        two.arm.arrive("")
+        await until(lambda: job.arrivals == [""])
+        assert await two.remote.predict("lift", {"kg": 1.0}) == Forecast(
+            1.5, ((0.5, "stroke", "lift"),)
+        )
 
 
 async def test_the_session_gets_everything_that_the_driver_tells(tmp_path: Path) -> None:

@@ -87,7 +87,7 @@ class Stop(_Body, frozen=True, tag="stop"):
 
 
 class Invoke(_Body, frozen=True, tag="invoke"):
-    """Call a method of the driver: prepare, resume, reread, rest, close."""
+    """Call a method of the driver: prepare_say, predict, resume, reread, rest, close."""
 
     id: int
     what: str
@@ -152,6 +152,27 @@ class Expects(_Body, frozen=True, tag="expects"):
     seconds: float
 
 
+class MarkSent(_Body, frozen=True, tag="mark"):
+    """`Job.mark`: a point within a command."""
+
+    id: int
+    sort: str
+    text: str
+
+
+class MotionGoesOn(_Body, frozen=True, tag="goes-on"):
+    """`Job.goes_on`: the motion of a command is not over with it."""
+
+    id: int
+
+
+class MotionEnded(_Body, frozen=True, tag="motion-ended"):
+    """Such a motion has arrived, or will not (`why`)."""
+
+    id: int
+    why: str
+
+
 class StopTaken(_Body, frozen=True, tag="stop-taken"):
     """The stop has come and is being carried out."""
 
@@ -183,6 +204,7 @@ class SensorSent(_Body, frozen=True, tag="sensor"):
     sensor: str
     state: str
     why: str = ""
+    every: float = 0.0
 
 
 class HealthSent(_Body, frozen=True, tag="health"):
@@ -230,6 +252,9 @@ FromDriver = (
     | Ping
     | Ended
     | Expects
+    | MarkSent
+    | MotionGoesOn
+    | MotionEnded
     | StopTaken
     | StopEnded
     | ReadingSent

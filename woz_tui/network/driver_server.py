@@ -113,9 +113,9 @@ class ServedContext:
         """Send it; the next one replaces it."""
         self._driver.send(dm.ReadingSent(sensor, value, text, unit, raw), kept=False)
 
-    def sensor(self, sensor: str, state: str, why: str = "") -> None:
+    def sensor(self, sensor: str, state: str, why: str = "", *, every: float = 0.0) -> None:
         """Send it."""
-        self._last("sensor", sensor, dm.SensorSent(sensor, state, why))
+        self._last("sensor", sensor, dm.SensorSent(sensor, state, why, every))
 
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         """Send it."""
@@ -186,11 +186,21 @@ class ServedJob:
     verb: str
     args: Mapping[str, Any]
     source: str
-    told: Callable[[float], None]
+    id: int
+    send: Callable[[dm.FromDriver], None]
 
     def expects(self, seconds: float) -> None:
         """Told to the session."""
-        self.told(seconds)
+        self.send(dm.Expects(self.id, float(seconds)))
+
+    def mark(self, sort: str, text: str = "") -> None:
+        """Told to the session."""
+        self.send(dm.MarkSent(self.id, sort, text))
+
+    def goes_on(self) -> Callable[[str], None]:
+        """Told to the session; so is its end."""
+        self.send(dm.MotionGoesOn(self.id))
+        return lambda why: self.send(dm.MotionEnded(self.id, why))
 
 
 class ServedDriver:
@@ -561,9 +571,7 @@ class ServedDriver:
                 raise RejectedError(str(error)) from None
             job = ServedJob(
                 *(command.command, verb.name, args, command.source),
-                lambda seconds: self.in_loop(
-                    lambda: self._send(dm.Expects(command.id, float(seconds)))
-                ),
+                *(command.id, lambda body: self.in_loop(lambda: self._send(body))),
             )
             sent: Json = codec.plain(await driver.perform(job))
             return sent
@@ -579,6 +587,8 @@ class ServedDriver:
                 await driver.rest()
             case "prepare_say", [list() as utterances]:
                 await driver.prepare_say(utterances)
+            case "predict", [str() as verb, dict() as args]:
+                return await driver.predict(verb, args)
             case "reread", [bool() as dry_run]:
                 settings = self._offer.settings
                 return await asyncio.to_thread(driver.reread, settings, dry_run=dry_run)

@@ -16,12 +16,15 @@ import uuid
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import msgspec
+
 from woz_tui import __version__
 from woz_tui.drivers.contract import (
     DeviceLostError,
     Driver,
     DriverContext,
     DriverError,
+    Forecast,
     Health,
     Job,
     RejectedError,
@@ -73,7 +76,7 @@ def offer_hash(driver: type[Driver], settings: Any) -> str:
     """A hash of verbs and sensors: another version of a driver has another one."""
     verbs = [
         (
-            *(verb.name, verb.lane, verb.stream, verb.drives),
+            *(verb.name, verb.lane, verb.stream, verb.drives, verb.waits, verb.arrives),
             *(
                 (each.name, each.kind, each.required, each.range, each.choices)
                 for each in verb.arguments
@@ -135,6 +138,8 @@ class RemoteDriver(Driver):
         self._last_perform = 0
         self._twice = ""
         self._jobs: dict[int, Job] = {}
+        #: Of commands that have ended: their motion goes on.
+        self._motions: dict[int, Callable[[str], None]] = {}
         self._ends: dict[int, asyncio.Future[Any]] = {}
         self._stops: dict[int, tuple[asyncio.Future[None], asyncio.Future[Any]]] = {}
         self._sensors: dict[str, str] = {}
@@ -200,6 +205,11 @@ class RemoteDriver(Driver):
         """Told again when the other computer comes back."""
         self._utterances = utterances
         await self._prepare()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """What the driver there says; nothing is known without a line."""
+        found = await self._call("predict", [verb, dict(args)], REST_S)
+        return Forecast() if found is None else msgspec.convert(found, Forecast)
 
     def reread(self, settings: Any, *, dry_run: bool) -> list[str]:
         """The files that its settings name are those of the other computer."""
@@ -374,9 +384,6 @@ class RemoteDriver(Driver):
                 self.context.health(Health.FAULTED, why, remedy)
             case dm.Ended(id=number, failure=failure, result=result):
                 _settle(self._ends.get(number), failure, result)
-            case dm.Expects(id=number, seconds=seconds):
-                if number in self._jobs:
-                    self._jobs[number].expects(seconds)
             case dm.StopTaken(id=number):
                 if number in self._stops:
                     _settle(self._stops[number][0], None, None)
@@ -385,8 +392,26 @@ class RemoteDriver(Driver):
                     report = None if confirmed is None else StopReport(confirmed, missing)
                     _settle(self._stops[number][0], None, None)
                     _settle(self._stops[number][1], failure, report)
+            case dm.Expects() | dm.MarkSent() | dm.MotionGoesOn() | dm.MotionEnded():
+                self._tell_of_command(body)
             case _ if not self._closed.is_set():
                 self._tell(body)
+
+    def _tell_of_command(
+        self, body: dm.Expects | dm.MarkSent | dm.MotionGoesOn | dm.MotionEnded
+    ) -> None:
+        match body:
+            case dm.Expects(id=number, seconds=seconds):
+                if number in self._jobs:
+                    self._jobs[number].expects(seconds)
+            case dm.MarkSent(id=number, sort=sort, text=text):
+                if number in self._jobs:
+                    self._jobs[number].mark(sort, text)
+            case dm.MotionGoesOn(id=number):
+                if number in self._jobs:
+                    self._motions[number] = self._jobs[number].goes_on()
+            case dm.MotionEnded(id=number, why=why):
+                self._motions.pop(number, lambda _: None)(why)
 
     def _tell(self, body: dm.FromDriver) -> None:
         """What the driver says to its session."""
@@ -394,9 +419,9 @@ class RemoteDriver(Driver):
         match body:
             case dm.ReadingSent(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
                 context.reading(sensor, value, text=text, unit=unit, raw=raw)
-            case dm.SensorSent(sensor=sensor, state=state, why=why):
+            case dm.SensorSent(sensor=sensor, state=state, why=why, every=every):
                 self._sensors[sensor] = state
-                context.sensor(sensor, state, why)
+                context.sensor(sensor, state, why, every=every)
             case dm.HealthSent(health=health, detail=detail, remedy=remedy):
                 with contextlib.suppress(ValueError):
                     context.health(Health(health), detail, remedy)
@@ -441,6 +466,7 @@ class RemoteDriver(Driver):
     def _unbind(self, why: str) -> None:
         self._bound = self._greeted = ""
         self._epoch = 0
+        self._motions.clear()
         lost = dm.CallFailure(DeviceLostError.__name__, why)
         for future in [*self._ends.values(), *(f for both in self._stops.values() for f in both)]:
             _settle(future, lost, None)

@@ -1,0 +1,70 @@
+"""A session whose robot is at another computer: keys, log, stop, loss and return."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from woz_drivers.simulated import SimulatedRobot
+
+from tests.network.other_computer import OtherComputer, free_port, listens
+from tests.remote.network import Cable
+from tests.session.rig import Stage
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.testing import until
+
+KEY = RequestOrigin("key", "h", "con1")
+TEXT = """\
+title: T
+robot:
+  drivers:
+    arm: {{type: simulated, at: {{name: arm-pi, listen: 'tcp://127.0.0.1:{port}'}}}}
+panels:
+  - title: P
+    actions:
+      - {{key: h, label: Hello, say: Hello}}
+      - {{key: l, label: Long, say: {text}}}
+"""
+
+
+@pytest.mark.real_clock
+async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(tmp_path: Path) -> None:
+    port = await free_port()
+    path, cable = tmp_path / "e.yaml", Cable(port)
+    path.write_text(TEXT.format(port=port, text="a long sentence " * 30))
+    experiment = load(path, installed())
+    stage = Stage(tmp_path, catalogue=installed(), made=experiment)
+
+    def confirmed() -> list[m.StopConfirmed]:
+        return [line for line in stage.lines if isinstance(line, m.StopConfirmed)]
+
+    await stage.session.open()
+    await cable.lay()
+    settings = experiment.drivers[0].settings
+    other = OtherComputer(SimulatedRobot, settings, tmp_path, type="simulated", silence_s=1.0)
+    await until(lambda: listens(port))
+    await other.start(f"tcp://127.0.0.1:{cable.own_port}")
+    try:
+        await until(lambda: "arm" in stage.session.bus._connected, 20)
+        stage.session.play("Hello", KEY)
+        await until(lambda: "ActionDone" in stage.kinds(m.ActionEnd), 20)
+        stage.session.play("Long", KEY)
+        await until(lambda: len(stage.kinds(m.Progress)) == 2)
+        cable.flowing.clear()
+        stage.session.stop("escape")
+        await until(lambda: len(confirmed()) == 1)
+        assert confirmed()[0].unreached == ["arm"]
+        await until(lambda: bool(stage.kinds(m.DriverLost)), 20)
+        cable.flowing.set()
+        await until(lambda: len(confirmed()) >= 2, 20)
+        assert confirmed()[-1].confirmed == ["arm"]
+        assert stage.kinds(m.ActionEnd)[-1] == "ActionStopped"
+    finally:
+        cable.flowing.set()
+        await stage.session.close("test")
+        await other.end()
+        await cable.cut()
+    assert stage.session.ended

@@ -411,7 +411,8 @@ class RemoteDriver(Driver):
                 if number in self._jobs:
                     self._motions[number] = self._jobs[number].goes_on()
             case dm.MotionEnded(id=number, why=why):
-                self._motions.pop(number, lambda _: None)(why)
+                if number in self._motions:
+                    self._motions.pop(number)(why)
 
     def _tell(self, body: dm.FromDriver) -> None:
         """What the driver says to its session."""

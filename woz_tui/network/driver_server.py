@@ -48,8 +48,8 @@ from woz_tui.system.clock import Clock, RealClock
 
 #: How often the session's clock is asked, and how often it is said that the driver is here, in
 #: seconds.
-PING_S, HERE_S = 0.2, 0.5
-#: Messages to the session are one with its log: files of its own are called after it.
+PING_S, HERE_S = 0.15, 0.5
+#: What the name of a folder beside the robot file cannot have.
 _UNSAFE = "/\\\0"
 
 log = logging.getLogger(__name__)

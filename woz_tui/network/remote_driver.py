@@ -51,8 +51,9 @@ LATE_S = 0.5
 STOP_S = 0.4
 #: How long `rest`, `close` and `reread` may take there, in seconds.
 REST_S, CLOSE_S, REREAD_S = 9.0, 4.0, 3.0
-#: With a longer round trip a cancelled command is not waited for, since its lane would count as
-#: faulted: the other computer keeps the order. In seconds.
+#: A cancelled command is waited for so long; longer only if the other computer is heard and the round
+#: trip is shorter than `SLOW_S`: else its lane would count as faulted, and it is the network. The
+#: other computer keeps the order. In seconds.
 SLOW_S = 0.1
 _CANCEL_S = 0.2
 #: How often it is seen whether the other side is silent, and a line tried that cannot be opened, in
@@ -500,8 +501,10 @@ class RemoteDriver(Driver):
         except asyncio.CancelledError:
             if self._epoch == epoch and not future.done():
                 self._send(dm.Cancel(number))
-                limit = _CANCEL_S if self._round_trip_s > SLOW_S else None
-                await asyncio.wait([future], timeout=limit)
+                cancelled_us = self.context.clock.boot_us()
+                await asyncio.wait([future], timeout=_CANCEL_S)
+                if self._round_trip_s < SLOW_S and self._heard_us > cancelled_us:
+                    await asyncio.wait([future])  # it answers, and its job does not end
             raise
         finally:
             del self._ends[number]

@@ -112,7 +112,7 @@ async def measure(
     await driver.open()
     words = [*words, address, "--echo", str(echo_port)]
     command = [sys.executable, "-m", "benchmarks.remote_driver_latency", *words]
-    with subprocess.Popen(command, cwd=ROOT) as process:
+    with subprocess.Popen(command, cwd=ROOT) as process:  # noqa: ASYNC220 - for a moment only
         try:
             await until(lambda: context.healths[-1][0] is Health.CONNECTED, 30)
             figures: dict[str, list[float]] = {"bare echo": [], "verb": [], "stop": []}

@@ -62,7 +62,7 @@ def _new(arguments: Namespace) -> int:
         "2. Copy the file to the other machine in a safe way, such as scp.\n"
         "3. Start here: woz run FILE --listen 0.0.0.0:8765\n"
         f"   and there: woz attach --access {target.name}{where}\n"
-        f"For a computer that has drivers of the robot: `at: {issued.name}` in the robot file, and\n"
+        f"For a computer that has drivers of the robot: `at: {issued.name}` in the robot file,\n"
         f"   there: woz drivers --serve ROBOT_FILE --access {target.name}{where}"
     )
     return 0

@@ -51,9 +51,9 @@ LATE_S = 0.5
 STOP_S = 0.4
 #: How long `rest`, `close` and `reread` may take there, in seconds.
 REST_S, CLOSE_S, REREAD_S = 9.0, 4.0, 3.0
-#: A cancelled command is waited for so long; longer only if the other computer is heard and the round
-#: trip is shorter than `SLOW_S`: else its lane would count as faulted, and it is the network. The
-#: other computer keeps the order. In seconds.
+#: A cancelled command is waited for so long; longer only if the other computer is heard and the
+#: round trip is shorter than `SLOW_S`: else its lane would count as faulted, and it is the network.
+#: The other computer keeps the order. In seconds.
 SLOW_S = 0.1
 _CANCEL_S = 0.2
 #: How often it is seen whether the other side is silent, and a line tried that cannot be opened, in

@@ -50,6 +50,14 @@ ROOT = Path(__file__).parents[2]
 LIFT = PlainJob("lift", {"kg": 2.0})
 
 
+@pytest.fixture(autouse=True)
+def _patient(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a busy machine nothing is late or lost, unless a test is about that."""
+    if request.node.get_closest_marker("real_clock") is None:
+        monkeypatch.setattr(remote_side, "STOP_S", 10.0)
+        monkeypatch.setattr(remote_side, "LATE_S", 10.0)
+
+
 # -- the contract ----------------------------------------------------------------------------------
 
 
@@ -74,6 +82,7 @@ class RemoteRobot(RemoteDriver):
         )
 
 
+@pytest.mark.real_clock
 class TestServedRobot(DriverTests):
     driver = RemoteRobot
     settings = SimulatedRobot.Settings()
@@ -207,6 +216,7 @@ async def test_only_driving_ends_when_nobody_watches(tmp_path: Path) -> None:
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
+@pytest.mark.real_clock
 async def test_a_driver_that_does_not_stop_is_no_lost_one(tmp_path: Path) -> None:
     """The other computer has the stop, so it counts as not confirmed and not as unreached."""
     async with pair(tmp_path) as two:
@@ -215,11 +225,12 @@ async def test_a_driver_that_does_not_stop_is_no_lost_one(tmp_path: Path) -> Non
             await asyncio.wait_for(two.remote.stop(Scope.ALL), 2 * remote_side.STOP_S)
 
 
+@pytest.mark.real_clock
 async def test_a_stop_that_does_not_arrive_is_unreached(tmp_path: Path) -> None:
     async with pair(tmp_path) as two:
         two.cable.flowing.clear()
         with pytest.raises(DeviceLostError):
-            await asyncio.wait_for(two.remote.stop(Scope.ALL), 2 * remote_side.STOP_S)
+            await two.remote.stop(Scope.ALL)
 
 
 async def test_a_command_that_the_stop_has_overtaken_does_not_begin(tmp_path: Path) -> None:

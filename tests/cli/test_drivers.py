@@ -14,6 +14,7 @@ from woz_drivers.simulated import SimulatedRobot
 
 from tests.network.other_computer import free_port
 from woz_tui import cli
+from woz_tui.cli import doctor
 from woz_tui.drivers.contract import DeviceLostError, Health
 from woz_tui.network.driver_line import DriverRouter
 from woz_tui.network.remote_driver import RemoteDriver
@@ -43,6 +44,19 @@ def test_what_is_wrong_is_told(
     Path("robot.yaml").write_text(ROBOT)
     assert cli.main(["drivers", "--serve", "robot.yaml", *words]) == 1
     assert told in capsys.readouterr().err
+
+
+def test_the_doctor_looks_at_the_drivers_of_the_computer_that_it_is_on(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text(ROBOT)
+    sections = {
+        at: {each.title: each.findings for each in doctor.examine(file, tmp_path, at=at)}
+        for at in ("", "arm-pi")
+    }
+    for at, places in (("", ["arm-pi", "leg-pi"]), ("arm-pi", ["", "leg-pi"])):
+        found = sections[at]["Driver arm (simulated, at arm-pi)"]
+        assert ("its hardware is at" in found[0].text) == ("arm-pi" in places)
+        assert "leg-pi" in sections[at]["Driver leg (simulated, at leg-pi)"][0].remedy
 
 
 @pytest.mark.real_clock

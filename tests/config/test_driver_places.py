@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from woz_tui.config.experiment import DriverPlace, ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.config.reload_changes import compare
 from woz_tui.config.robots import load_robot
 from woz_tui.drivers.plugins import installed
 
@@ -50,3 +52,17 @@ def test_drivers_that_hand_each_other_values_are_at_the_same_computer(tmp_path: 
     )
     with pytest.raises(ExperimentError, match="same `at:`"):
         _read(tmp_path, text)
+
+
+def test_another_computer_is_no_change_for_a_running_session(tmp_path: Path) -> None:
+    read = []
+    for at in ("arm-pi", "other-pi"):
+        file = tmp_path / "e.yaml"
+        file.write_text(
+            f"title: T\nrobot: {{drivers: {{arm: {{type: simulated, at: {at}}}}}}}\n"
+            "panels: [{title: P, actions: [{key: a, label: A, say: A}]}]\n"
+        )
+        read.append(load(file, installed()))
+    changes = compare(*read)
+    assert not changes.reloadable
+    assert "another computer" in changes.drivers[0]

@@ -223,6 +223,7 @@ async def test_a_driver_that_does_not_stop_is_no_lost_one(tmp_path: Path) -> Non
         two.arm.stopping.clear()
         with pytest.raises(TimeoutError):
             await asyncio.wait_for(two.remote.stop(Scope.ALL), 2 * remote_side.STOP_S)
+        two.arm.stopping.set()
 
 
 @pytest.mark.real_clock

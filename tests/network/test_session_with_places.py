@@ -15,6 +15,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.testing import until
+from woz_tui.training.rehearsal_driver import rehearsed
 
 KEY = RequestOrigin("key", "h", "con1")
 TEXT = """\
@@ -69,3 +70,13 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(tmp_path:
         await other.end()
         await cable.cut()
     assert stage.session.ended
+
+
+async def test_a_training_needs_no_other_computer(tmp_path: Path) -> None:
+    path = tmp_path / "e.yaml"
+    path.write_text(TEXT.format(port=await free_port(), text="Hi"))
+    catalogue = rehearsed(installed())
+    stage = Stage(tmp_path, catalogue=catalogue, made=load(path, catalogue))
+    await stage.session.open()
+    assert stage.kinds(m.DriverConnected) == ["DriverConnected"]
+    await stage.session.close("test")

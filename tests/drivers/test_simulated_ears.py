@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from woz_drivers import room_threshold
 from woz_drivers.microphone.driver import Microphone
+from woz_drivers.pcm_audio import decode, rms
 from woz_drivers.simulated import SimulatedSettings
 from woz_drivers.simulated.senses import ROOM_NOISE, ROOM_SPREAD, THRESHOLD
 from woz_drivers.simulated.verbs import offered
@@ -15,6 +16,7 @@ from woz_drivers.simulated.visitor import SimulatedVisitor
 
 from tests.fakes.simulated_rig import Rig, rig
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
+from woz_tui.drivers.sound_feeds import LISTENED, SOUND, LiveSound, SoundListened
 from woz_tui.protocol.messages import Json, Reading, SpeechEnded, SpeechStarted
 
 VISITED = SimulatedSettings(visitor=True, seed=7)
@@ -47,6 +49,21 @@ def test_it_is_the_microphones_verb() -> None:
     assert room_threshold.NAME in {
         verb.name for verb in offered(SimulatedSettings(visitor=True, voice_only=True))
     }
+
+
+async def test_live_sound_is_as_loud_as_the_loudness_says(it: Rig) -> None:
+    feed = it.context.feed(SOUND)
+    await it.pace.advance(0.3)
+    assert feed.latest().value is None, "nobody listens"
+    it.context.feed(LISTENED).put(SoundListened(it.context.clock.now_us() + 3_600_000_000))
+    before = len(levels(it))
+    await it.pace.advance(0.3)
+    sound = feed.latest().value
+    assert isinstance(sound, LiveSound)
+    heard = [rms(decode(block.pcm, "S16_LE", 1)) for block in sound.blocks]
+    told = [number(reading.value) for reading in levels(it)[before:]]
+    assert heard == pytest.approx(told[-len(heard) :], rel=0.05, abs=1e-4)
+    assert sound.rate * 0.1 == len(sound.blocks[-1].pcm) / 2
 
 
 async def test_a_quiet_room_is_learnt_from_its_own_loudness(it: Rig) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from array import array
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from woz_drivers import room_threshold
 from woz_drivers.simulated.publishing import Publisher
 from woz_drivers.simulated.senses import SENSITIVITY, TICK, Sample
 from woz_tui.drivers.contract import DeviceLostError, DriverContext
+from woz_tui.drivers.sound_feeds import SoundOffer
 from woz_tui.protocol.messages import Json, SpeechEnded, SpeechStarted, SpeechText
 from woz_tui.sensing.speech_endpoint import Endpointer, SpeechEnd, SpeechStart
 
@@ -81,9 +83,15 @@ class SpeechMessages:
 
 
 # -- ears -----------------------------------------------------------------------------------------
-# The simulated microphone learns the room: `listen_room`, rehearsed without one.
+# The simulated microphone learns the room: `listen_room`, rehearsed without one; and it hums, so
+# that live sound (`woz listen`) can be tried.
 
 _SENSOR = "loudness"
+#: Live sound: frames a second, and a tick of a hum of 120 Hz whose RMS is 1.
+LIVE_HZ, _HUM_HZ = 16_000, 120
+_HUM = tuple(
+    math.sqrt(3) * (2 * (n * _HUM_HZ / LIVE_HZ % 1) - 1) for n in range(round(TICK * LIVE_HZ))
+)
 
 
 class LevelCollection:
@@ -119,6 +127,7 @@ class SimulatedMicrophone:
         self._publisher = publisher
         self._hearing = hearing
         self._listening: LevelCollection | None = None
+        self._live = SoundOffer(context, LIVE_HZ)
 
     def tell_threshold(self) -> None:
         """Publish what counts as speech now."""
@@ -126,13 +135,18 @@ class SimulatedMicrophone:
 
     def hear(self, samples: Sequence[Sample], now: float) -> None:
         """What the sensors say; a broken one teaches what it says, or nothing."""
-        if self._listening is None or self._publisher.silent(_SENSOR, now):
+        listens = self._live.wanted
+        if (self._listening is None and not listens) or self._publisher.silent(_SENSOR, now):
             return
         for sample in samples:
             if sample.sensor == _SENSOR:
                 level = self._publisher.broken(_SENSOR, sample.value, now)
-                if level is not None and math.isfinite(level):
+                if level is None or not math.isfinite(level):
+                    continue
+                if self._listening is not None:
                     self._listening.add(level)
+                if listens:
+                    self._live.add(hum(level))
 
     @contextlib.contextmanager
     def lesson(self, seconds: float) -> Iterator[LevelCollection]:
@@ -157,6 +171,12 @@ class SimulatedMicrophone:
         reports = lesson.publish(self._context, self._hearing.ends.threshold)
         self._hearing.ends.threshold = lesson.threshold
         return reports
+
+
+def hum(level: float) -> bytes:
+    """A tick of sound with this RMS, 0 to 1: S16_LE, one channel, at `LIVE_HZ`."""
+    scale = 32767 * min(max(level, 0.0), 1.0)
+    return array("h", (round(min(max(scale * each, -32767), 32767)) for each in _HUM)).tobytes()
 
 
 # --------------------------------------------------------------------------------------------------

@@ -138,7 +138,7 @@ async def test_a_closed_pipe_ends_it_though_nobody_speaks(bench: Bench) -> None:
     await bench.wanted()
     os.close(reading)
     assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
-    await bench.host.published(lambda line: isinstance(line, m.Notice) and "listened" in line.text)
+    await bench.host.published(lambda line: isinstance(line, m.ListenerLeft))
 
 
 async def test_a_microphone_that_is_pulled_out_is_told_and_is_heard_again(bench: Bench) -> None:

@@ -73,10 +73,6 @@ async def heard(host: Served, peer: Peer, window: SoundWindow, **fields: Any) ->
     return await waiting
 
 
-def notices(host: Served) -> list[str]:
-    return [line.text for line in host.lines if isinstance(line, m.Notice)]
-
-
 @pytest.mark.parametrize("role", ["wizard", "watcher"])
 async def test_who_sees_the_robot_hears_it(host: Served, role: str) -> None:
     window = microphone(host)
@@ -151,7 +147,9 @@ async def test_who_asks_late_loses_sound_and_is_told(host: Served) -> None:
     assert len(base64.b64decode(line["data"])) == 2 * 640, "the newest 40 ms"
     assert line["lost"] == 98 * 320
     peer.leave()
-    await host.published(lambda line: isinstance(line, m.Notice) and "1.96 s" in line.text)
+    left = await host.published(lambda line: isinstance(line, m.ListenerLeft))
+    assert isinstance(left, m.ListenerLeft)
+    assert left.lost_us == 1_960_000
 
 
 async def test_no_sound_is_said_after_a_second(host: Served) -> None:
@@ -170,11 +168,13 @@ async def test_the_log_says_who_listens_from_when_to_when_and_has_no_sound(host:
     await peer.hello("watcher")
     line = await heard(host, peer, window)
     await heard(host, peer, window, after=line["end"])
-    assert [text for text in notices(host) if "listens" in text] == [
-        "con1 listens to the microphone now"
-    ]
+    joined = [each for each in host.lines if isinstance(each, m.ListenerJoined)]
+    assert [(each.console, each.driver) for each in joined] == [("con1", "robot")]
     peer.leave()
-    await host.published(lambda line: isinstance(line, m.Notice) and "con1 listened" in line.text)
+    left = await host.published(lambda line: isinstance(line, m.ListenerLeft))
+    assert isinstance(left, m.ListenerLeft)
+    assert (left.console, left.driver, left.lost_us) == ("con1", "robot", 0)
+    assert left.duration_us == pytest.approx(left.t - joined[0].t, abs=50_000)
     log = host.session.recorder.path.read_bytes()
     assert line["data"].encode() not in log
 

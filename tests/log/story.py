@@ -232,6 +232,8 @@ def _afternoon() -> list[m.AnyMessage]:
         m.CommandMark(command="c00001", driver="voice", sort="word", text="Hello"),
         m.ActionScheduled(run="r4", action="Nod", at=60_000_000),
         m.AddressedChanged(driver="eye", face=2, chosen="hand"),
+        m.ListenerJoined(console="k3", driver="head"),
+        m.ListenerLeft(console="k3", driver="head", duration_us=5_200_000, lost_us=80_000),
         *COURSE,
         m.ConsoleLost(console="k1", role="wizard", why="left"),
     ]

@@ -278,6 +278,8 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.Marker(text="onset", source="program", at=71_249_000, console="con2"),
     m.ActionScheduled(run="a00018", action="Hello", at=74_000_000),
     m.AddressedChanged(driver="eye", face=2, chosen="hand"),
+    m.ListenerJoined(console="con3", driver="ears"),
+    m.ListenerLeft(console="con3", driver="ears", duration_us=12_300_000, lost_us=40_000),
 )
 
 _PANELS = [

@@ -438,6 +438,14 @@ def _attached(message: m.ConsoleAttached, shown: EventContext) -> EventLine:
     return EventLine("info", what, "from another machine" if message.via else message.console)
 
 
+def _listener(message: m.ListenerJoined | m.ListenerLeft, shown: EventContext) -> EventLine:
+    if isinstance(message, m.ListenerJoined):
+        return EventLine("info", f"{message.console} listens to {message.driver}", "live sound")
+    seconds, lost = message.duration_us / 1e6, message.lost_us / 1e6
+    what = f"{message.console} no longer listens to {message.driver}"
+    return EventLine("info", what, f"after {seconds:.1f} s, {lost:.2f} s of it dropped")
+
+
 SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {
     m.ActionRequested: _requested,
     m.Command: _command,
@@ -467,6 +475,8 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,
     m.ConsoleLost: _lost,
+    m.ListenerJoined: _listener,
+    m.ListenerLeft: _listener,
 }
 #: What machines tell of themselves, in events that are no faults.
 _OF_MACHINES = frozenset(
@@ -474,5 +484,6 @@ _OF_MACHINES = frozenset(
         *(m.RecorderState, m.Notice, m.DriverConnecting, m.DriverConnected, m.DriverLost),
         *(m.DriverFaulted, m.LaneFaulted, m.LaneRecovered, m.SensorChanged, m.ModeChanged),
         *(m.EngagementChanged, m.StopConfirmed, m.ConsoleAttached, m.ConsoleLost),
+        *(m.ListenerJoined, m.ListenerLeft),
     }
 )

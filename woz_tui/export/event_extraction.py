@@ -77,6 +77,8 @@ _LABEL_AND_TEXT: Mapping[str, tuple[str, str]] = {
     "profile.changed": ("profile", ""),
     "console.attached": ("role", ""),
     "console.lost": ("role", "why"),
+    "listener.joined": ("driver", ""),
+    "listener.left": ("driver", ""),
     "condition.assigned": ("method", "why"),
     "preflight.checked": ("level", "detail"),
     "action.held": ("sort", ""),

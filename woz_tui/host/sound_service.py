@@ -27,7 +27,7 @@ from woz_tui.drivers.sound_feeds import (
 )
 from woz_tui.host.client_connection import ClientConnection
 from woz_tui.protocol.live_sound import SoundHeard
-from woz_tui.protocol.messages import Json, Notice
+from woz_tui.protocol.messages import Json, ListenerJoined, ListenerLeft
 from woz_tui.protocol.requests import AskSound, AskTalk, Reply
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.session import Session
@@ -130,20 +130,25 @@ class SoundService:
         if client not in self._listening:
             client.closed.add_done_callback(lambda closed: self._end(client))
         self._listening[client] = _Listening(driver, self._session.clock.now_us())
-        self._notice(driver, f"{client.name} listens to the microphone now")
+        self._publish(ListenerJoined(console=client.name, driver=driver))
 
     def _end(self, client: ClientConnection) -> None:
         listening = self._listening.pop(client, None)
         if listening is None:
             return
-        seconds = (self._session.clock.now_us() - listening.began_us) / 1_000_000
-        lost = listening.lost / listening.rate if listening.rate else 0.0
-        text = f"{client.name} listened to the microphone for {seconds:.1f} s"
-        self._notice(listening.driver, f"{text}, {lost:.2f} s of it dropped")
+        lost_us = listening.lost * 1_000_000 // listening.rate if listening.rate else 0
+        self._publish(
+            ListenerLeft(
+                console=client.name,
+                driver=listening.driver,
+                duration_us=self._session.clock.now_us() - listening.began_us,
+                lost_us=lost_us,
+            )
+        )
 
-    def _notice(self, driver: str, text: str) -> None:
+    def _publish(self, message: ListenerJoined | ListenerLeft) -> None:
         if not self._session.ended:
-            self._session.hub.publish(Notice(level="info", text=text, driver=driver))
+            self._session.hub.publish(message)
 
     async def _send(self, client: ClientConnection, driver: str, ref: int, after: int) -> None:
         shown = SoundHeard(ref=ref, driver=driver, microphones=self._with(SOUND))

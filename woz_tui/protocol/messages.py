@@ -627,6 +627,22 @@ class ConsoleLost(Message, frozen=True, kw_only=True, tag="console.lost"):
     part: str = ""
 
 
+class ListenerJoined(Message, frozen=True, kw_only=True, tag="listener.joined"):
+    """The client `console` hears the microphone of `driver` live from now on."""
+
+    console: str
+    driver: str
+
+
+class ListenerLeft(Message, frozen=True, kw_only=True, tag="listener.left"):
+    """It has heard it for `duration_us`; of that `lost_us` were dropped, so as not to be late."""
+
+    console: str
+    driver: str
+    duration_us: int
+    lost_us: int = 0
+
+
 #: Messages that name the connection (`console`) whose request brought them about.
 ASKED = (
     *(StopPressed, StopReleased, SessionChanged, PanelLocked, ProfileChanged, PhaseChanged),
@@ -696,6 +712,8 @@ AnyMessage = (
     | ExperimentReloaded
     | ConsoleAttached
     | ConsoleLost
+    | ListenerJoined
+    | ListenerLeft
     | StudyMessage
 )
 

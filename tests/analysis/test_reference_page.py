@@ -62,6 +62,7 @@ def test_every_total_of_a_part_is_a_figure() -> None:
         "settings_us": "settings_known_s",
         "differing_us": "settings_differ_s",
         "verbs": "dispatch_median_ms",
+        "wizards": "mistakes",
     }
     for field in fields(PartFigures):
         if field.name not in ("participant", "condition"):

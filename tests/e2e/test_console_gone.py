@@ -149,3 +149,38 @@ def test_a_second_console_watches_and_a_third_takes_over(lab: Lab, terminal: Fak
     log.wait("stop.pressed")
     for each in (terminal, second, third):
         each.wait_text("STOPPED by key")
+
+
+def test_the_drive_goes_on_without_the_voice_and_ends_without_the_body(lab: Lab) -> None:
+    text = scenes.guide(story=2 * scenes.STORY)
+    speech, driving = "  - title: Speech\n", "  - title: Driving\n"
+    assert speech in text and driving in text
+    text = text.replace(speech, f"{speech}    for: voice\n")
+    text = text.replace(driving, f"{driving}    for: body\n    covers: [drive]\n")
+    voice = lab.run(lab.file("guide.yaml", text), "--as", "voice")
+    log = lab.log
+    log.wait("driver.connected")
+    body = lab.attach("--as", "body")
+    body.wait_text("wizard body attached")
+    voice.wait_text("wizard body attached")
+    body.send("l")
+    body.wait_text("plays the panel 'Speech'")
+    log.wait("action.refused", action="Long story")
+    voice.send("l")
+    body.send("FF")  # half a minute, for a slow machine
+    log.wait("command.requested", verb="say")
+    drive = str(log.wait("command.requested", 2, verb="drive").fields["command"])
+    first = log.lines("command.requested", verb="drive")[0].fields["command"]
+    log.wait("command.progress", command=first)
+    voice.process.kill()
+    log.wait("console.lost", part="voice")
+    # Nobody else plays the voice: now the body does.
+    body.wait_text("wizard voice disconnected")
+    body.send("h")
+    console = log.lines("console.attached", part="body")[-1].fields["console"]
+    log.wait("action.requested", action="Hello", console=console)
+    assert not log.lines("stop.pressed")
+    assert not log.lines("command.stopped")
+    with stopped(psutil.Process(body.process.pid)):
+        log.wait("stop.pressed", scope="drive")
+        log.wait("command.stopped", command=drive)

@@ -13,6 +13,7 @@ import pytest
 from tests.host.rig import Peer, Served, served
 from tests.session.rig import HERE, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, SessionSettings
+from woz_tui.config.study import Design
 from woz_tui.protocol import messages as m
 
 #: Panel -> an action of it.
@@ -186,6 +187,17 @@ async def test_the_last_mistake_is_ones_own(tmp_path: Path) -> None:
         wrong = await host.published(lambda line: isinstance(line, m.Mistake))
         assert isinstance(wrong, m.Mistake)
         assert (wrong.run, wrong.console) == (mine, "con1")
+
+
+async def test_each_wizard_is_blind(tmp_path: Path) -> None:
+    made = parted(tmp_path)
+    study = replace(made.study, design=Design(blind={"warm": "A", "cold": "B"}))
+    async with served(tmp_path, made=replace(made, study=study)) as host:
+        for part in ("voice", "body", ""):
+            peer = await host.connect()
+            assert (await peer.hello("wizard", part=part))["conditions"] == ["A", "B"]
+            await plays(peer)
+            assert not [line for line in peer.seen if "warm" in str(line).casefold()]
 
 
 # -- the dead man's switch ------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from tests.console import scenes
 from tests.console.driving import Sitting, sitting
@@ -83,3 +84,10 @@ async def test_a_locked_panel_names_the_key_that_opens_it() -> None:
         assert "Driving locked, d opens it" in seat.text("ActionPanels")
         await seat.tell(m.PanelLocked(panel="Driving", locked=False, t=NOW))
         assert "opens it" not in seat.text("ActionPanels")
+
+
+async def test_what_several_robots_do_alike_stands_once_below_the_script() -> None:
+    calls = [replace(MOTORS, driver=f"{name}.body") for name in ("nao", "pepper", "reachy")]
+    filled = m.ActionsFilled(actions={"Hello": [calls]})
+    async with sitting(scenes.welcome([*scenes.healthy()[:-1], filled])) as seat:
+        assert "torque on (3 robots)" in seat.text("StopBar")

@@ -306,6 +306,15 @@ def test_why_sensors_fell_silent_takes_the_place_of_their_lines(
     assert len(picture.events) == before, "it comes back with the robot"
 
 
+def test_a_sensor_of_a_robot_that_is_still_connecting_has_no_line() -> None:
+    picture = begun(m.DriverConnecting(driver="ros", t=NOW - 2_000_000))
+    before = [event.text for event in picture.events]
+    silent = m.SensorChanged(sensor="distance", state="stale", was="", t=NOW)
+    back = m.SensorChanged(sensor="distance", state="ok", was="stale", t=NOW + 500_000)
+    picture.apply([silent, m.DriverConnected(driver="ros", t=NOW + 400_000), back], 0)
+    assert [event.text for event in picture.events] == [*before, "ros connected"]
+
+
 def test_a_silence_long_before_a_loss_keeps_its_line() -> None:
     picture = begun(
         scenes.reading(NOW, "battery", 0.5, driver="pepper"),

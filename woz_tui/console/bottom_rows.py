@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -74,10 +75,13 @@ KEPT = "what it says is kept from you"
 
 
 def step_words(step: Sequence[FilledCall] | float) -> str:
-    """`say “Hello” + play nod`, or `wait 0.5 s`."""
+    """`say “Hello” + play nod`, or `wait 0.5 s`; what several robots do alike stands there once."""
     if isinstance(step, float | int):
         return f"wait {step:g} s"
-    return " + ".join(map(_call_words, step))
+    alike = Counter(map(_call_words, step))
+    return " + ".join(
+        words if count == 1 else f"{words} ({count} robots)" for words, count in alike.items()
+    )
 
 
 def _call_words(call: FilledCall) -> str:

@@ -314,7 +314,7 @@ def _with_its_driver(message: m.SensorChanged, shown: EventContext) -> bool:
     name = _driver_of(message.sensor, shown)
     drivers = [driver for driver in shown.drivers.values() if name in ("", driver.name)]
     if message.state == "stale":
-        return any(driver.health == "lost" for driver in drivers)
+        return any(driver.health in ("lost", "connecting") for driver in drivers)
     # A driver may hear its sensors before it calls itself connected.
     return any(
         driver.health != "connected" or message.t - driver.t < _BACK_US for driver in drivers

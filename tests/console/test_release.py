@@ -108,6 +108,12 @@ async def test_a_release_before_the_confirmation_asks_if_somebody_is_missing() -
         assert seat.console.dialog is None
 
 
+async def test_a_robot_of_one_driver_is_called_by_its_name_in_events() -> None:
+    async with sitting(scenes.welcome(robots())) as seat:
+        await seat.tell(m.DriverLost(driver="furhat.furhat", detail="it does not answer"))
+        assert "furhat lost  it does not" in seat.text("EventList")
+
+
 @pytest.mark.parametrize("width", [80, 160])
 async def test_the_bar_names_five_robots_without_cutting_any(width: int) -> None:
     async with sitting(scenes.welcome(robots()), size=(width, 24)) as seat:

@@ -164,13 +164,13 @@ class EventLine:
 #: Messages whose line needs nothing but their fields: mark, text, detail.
 _TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
     m.SessionEnd: ("info", "Session ended", "{0.reason}"),
-    m.DriverConnecting: ("driver", "{0.driver} connecting", "{0.detail}"),
-    m.DriverConnected: ("done", "{0.driver} connected", "{0.detail}"),
-    m.DriverLost: ("error", "{0.driver} lost", "{0.detail}"),
-    m.DriverFaulted: ("error", "{0.driver} faulted", "{0.detail}"),
-    m.LaneFaulted: ("error", "{0.driver}: {0.lane} hangs", "until its job ends"),
-    m.LaneRecovered: ("done", "{0.driver}: {0.lane} works again", ""),
-    m.ModeChanged: ("info", "{0.driver} mode {0.now}", "{0.why}"),
+    m.DriverConnecting: ("driver", "{whose} connecting", "{0.detail}"),
+    m.DriverConnected: ("done", "{whose} connected", "{0.detail}"),
+    m.DriverLost: ("error", "{whose} lost", "{0.detail}"),
+    m.DriverFaulted: ("error", "{whose} faulted", "{0.detail}"),
+    m.LaneFaulted: ("error", "{whose}: {0.lane} hangs", "until its job ends"),
+    m.LaneRecovered: ("done", "{whose}: {0.lane} works again", ""),
+    m.ModeChanged: ("info", "{whose} mode {0.now}", "{0.why}"),
 }
 
 
@@ -178,7 +178,11 @@ def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
     """The line for `message`, or None if it is not worth one."""
     if (template := _TEMPLATES.get(type(message))) is not None:
         mark, text, detail = template
-        event: EventLine | None = EventLine(mark, text.format(message), detail.format(message))
+        driver = str(getattr(message, "driver", ""))
+        whose = shown.short_names.get(driver, driver)
+        event: EventLine | None = EventLine(
+            mark, text.format(message, whose=whose), detail.format(message)
+        )
     else:
         event = SENTENCES.get(type(message), _of_study)(message, shown)
     if event is not None:

@@ -24,6 +24,8 @@ LATE_US = 1_000_000
 PROFILE, WORDY = 14, 100
 #: Cells of a phase's title at the most.
 PHASE = 18
+#: Cells between the drivers and what stands at the right.
+GAP = 3
 #: Cells that a long title keeps beside a trial.
 TITLE = 8
 
@@ -58,7 +60,8 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     room = width - length(vitals)
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
     drivers = _drivers(state, glyphs, width - length(failures))
-    phase = _phase(state, frame, line.phase, width - length(drivers) - length(failures))
+    room = width - length(drivers) - length(failures) - GAP
+    phase = _phase(state, frame, line.phase, room)
     return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
 
 

@@ -245,10 +245,18 @@ async def test_a_program_without_asyncio_has_the_same(host: Served) -> None:
             assert texts == ["onset", "flip"]
             with pytest.raises(WozRefusedError, match="needs 'text'"):
                 woz.perform("say")
+            run = woz.begin("say", text="a long sentence")
+            assert run.end is None
+            with pytest.raises(WozStoppedError):
+                run.cancel()
+                run.wait()
+            assert isinstance(woz.begin_action("Hello").wait(), m.ActionDone)
             assert woz.stop().confirmed == ["robot"]
 
     await blocked(program)
-    assert [verb for verb, _ in host.puppet().calls] == ["say", "play", "say", "stop"]
+    assert [verb for verb, _ in host.puppet().calls] == [
+        *("say", "play", "say", "say", "say", "stop")
+    ]
 
 
 async def test_leaving_ends_its_thread(host: Served) -> None:
@@ -266,7 +274,7 @@ async def test_leaving_ends_its_thread(host: Served) -> None:
 
 
 def test_every_coroutine_of_the_client_has_its_twin() -> None:
-    own = {"begin", "begin_action", "open", "close"}
+    own = {"open", "close"}
     for name, method in vars(WozClient).items():
         if asyncio.iscoroutinefunction(method) and not name.startswith("_"):
             assert name in own or hasattr(blocking.BlockingWozClient, name), name

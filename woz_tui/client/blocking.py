@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Concatenate, Literal, ParamSpec, TypeVar, overload
 
 from woz_tui.client import woz_client
-from woz_tui.client.woz_client import Incoming, WozClient
+from woz_tui.client.woz_client import Incoming, RunEnd, WozClient, WozRun
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.description import Description
@@ -37,12 +37,51 @@ def _waits(
     return waiting
 
 
+def _begins(
+    method: Callable[Concatenate[WozClient, P], Coroutine[Any, Any, WozRun]],
+) -> Callable[Concatenate[BlockingWozClient, P], BlockingWozRun]:
+    """The method of `BlockingWozClient` that returns as soon as this one has begun something."""
+
+    def beginning(self: BlockingWozClient, /, *args: P.args, **kwargs: P.kwargs) -> BlockingWozRun:
+        return BlockingWozRun(self, self.wait_for(method(self.client, *args, **kwargs)))
+
+    functools.update_wrapper(beginning, method)
+    return beginning
+
+
+class BlockingWozRun:
+    """An action or a command that was begun; see `WozRun`."""
+
+    def __init__(self, owner: BlockingWozClient, run: WozRun) -> None:
+        self._owner, self._run = owner, run
+        self.id = run.id
+
+    @property
+    def end(self) -> RunEnd | None:
+        """How it ended; None: it goes on."""
+        return self._run.end
+
+    def wait(self) -> RunEnd:
+        """Wait until it has ended. Raises as awaiting a `WozRun`."""
+
+        async def ended() -> RunEnd:
+            return await self._run
+
+        return self._owner.wait_for(ended())
+
+    def cancel(self) -> None:
+        """Cut it short. Raises `WozRefusedError` if it is over already."""
+        self._owner.wait_for(self._run.cancel())
+
+
 class BlockingWozClient:
     """A `WozClient` whose methods wait. It may be used from any thread, also from several."""
 
     say = _waits(WozClient.say)
     perform = _waits(WozClient.perform)
     press = _waits(WozClient.press)
+    begin = _begins(WozClient.begin)
+    begin_action = _begins(WozClient.begin_action)
     predict = _waits(WozClient.predict)
     predict_action = _waits(WozClient.predict_action)
     mark = _waits(WozClient.mark)

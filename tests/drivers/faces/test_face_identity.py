@@ -357,6 +357,7 @@ async def test_no_template_is_in_any_byte_of_a_session_or_of_what_is_made_of_it(
             + _in_a_row(numbers)
         )
         assert traces.search(json.dumps(numbers[:9].round(4).tolist()).encode())
+        assert traces.search(default_path().read_bytes()), "it is found where it is"
         assert [path.name for path, data in everything.items() if traces.search(data)] == []
 
 

@@ -155,7 +155,7 @@ class RemoteDriver(Driver):
         self.context.health(
             Health.CONNECTING,
             f"{self._place} has not come yet",
-            self._router.barred(self._place) or "there: woz drivers --serve ROBOT_FILE",
+            "there: woz drivers --serve ROBOT_FILE",
         )
         self._spawn(self._keep())
 
@@ -246,7 +246,12 @@ class RemoteDriver(Driver):
     def _spawn(self, coroutine: Any) -> None:
         task = asyncio.get_running_loop().create_task(coroutine)
         self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(self._on_task_end)
+
+    def _on_task_end(self, task: asyncio.Task[Any]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            log.error("%s at %s", self.name, self._place, exc_info=error)
 
     async def _keep(self) -> None:
         """Open the line, then watch that the other side is not silent."""

@@ -443,7 +443,7 @@ async def test_nonsense_on_the_line_moves_nothing(tmp_path: Path) -> None:
         valid = driver_messages.encode(
             driver_messages.FrameToDriver("x", 1, 1, driver_messages.Cancel(1))
         )
-        for _ in range(1000):
+        for _ in range(500):  # as many as the line takes at once
             changed = bytearray(valid)
             changed[dice.randrange(len(changed))] = dice.randrange(256)
             line.send(to_key(PLACE, "arm"), bytes(changed))

@@ -33,6 +33,13 @@ SILENCE_S = 1.0
 CAPACITY = 2000
 #: How long a connection may take, in seconds.
 CONNECT_S = 3.0
+#: A frame waits so long for room in the line, in microseconds; then it is dropped.
+_WAIT_US = 50_000
+#: All of zenoh's, each of which has a queue.
+_PRIORITIES = (
+    *("control", "real_time", "interactive_high", "interactive_low"),
+    *("data_high", "data", "data_low", "background"),
+)
 #: What cannot be done without the extra.
 MISSING = "drivers on another computer need the package `eclipse-zenoh`"
 MISSING_REMEDY = "pip install 'woz-tui[remote-drivers]'"
@@ -166,6 +173,10 @@ def _open(settings: Mapping[str, Any], silence_s: float) -> DriverLine:
         "scouting/delay": 0,
         "transport/link/tx/lease": round(silence_s * 1000),
         "transport/link/tx/keep_alive": 4,
+        # By itself zenoh drops the third frame of a burst that waits for a millisecond, which a
+        # busy machine makes it do. The thread that waits is ours.
+        "transport/link/tx/queue/size": dict.fromkeys(_PRIORITIES, 16),
+        "transport/link/tx/queue/congestion_control/drop/wait_before_drop": _WAIT_US,
     }
     for name, value in {**common, **settings}.items():
         config.insert_json5(name, json.dumps(value))

@@ -101,7 +101,7 @@ async def test_a_gamepad_plays_and_drives_until_its_program_is_killed(
 
 async def test_a_frozen_program_holds_nothing(tmp_path: Path) -> None:
     pad = Joystick(tmp_path / "js0")
-    async with session(tmp_path) as (place, reader):
+    async with session(tmp_path, hold=2.0) as (place, reader):
         reader.leave()
         async with program(tmp_path, *by_ssh(place), "--device", str(pad.port)) as it:
             await it.says("south Hello")

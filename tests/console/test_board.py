@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.console import bodies
 from tests.console.driving import sitting
-from woz_tui.console.bodies.driver_outlines import PanelOutline, outlines_of
+from woz_tui.console.bodies.driver_outlines import ControlOutline, PanelOutline, outlines_of
 from woz_tui.console.bodies.midi_panel import PanelState, panel_rows
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
@@ -181,3 +181,13 @@ def test_moves_that_begin_alike_can_be_told_apart() -> None:
     strips = "\n".join(shown.splitlines()[:6])
     for words in ("○ …left", "○ middle", "○ …right"):
         assert words in strips
+
+
+def test_a_gamepad_is_drawn_without_the_hint_for_knobs_that_stay_where_they_are() -> None:
+    stick = ControlOutline("left-stick-x", "knob", 1, 1, "look", takes_over=False)
+    outline = PanelOutline("pad", "gamepad", (stick,))
+    shown = text(
+        panel_rows(PanelState(outline, m.ControlsMoved(values={"left-stick-x": 64})), SMALL)
+    )
+    assert "look" in shown
+    assert "Before you begin" not in shown

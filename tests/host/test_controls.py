@@ -24,6 +24,7 @@ robot:
     robot: {type: simulated}
     pad:
       type: hands
+      hold: {hold}
       controls:
         south: {action: Hello}
         east: {key: F13}
@@ -44,9 +45,11 @@ DRIVE = {"left-stick-y": 1.0, "left-bumper": 1.0}
 
 
 @asynccontextmanager
-async def session(folder: Path) -> AsyncIterator[tuple[Served, Peer]]:
-    """A session with a wizard who watches, and a program that reads a gamepad."""
-    (folder / "it.yaml").write_text(FILE)
+async def session(folder: Path, hold: float = 5.0) -> AsyncIterator[tuple[Served, Peer]]:
+    """A session with a wizard who watches, and a program that reads a gamepad. `hold`: as long as
+    it may be, so that a busy machine loses nothing.
+    """
+    (folder / "it.yaml").write_text(FILE.replace("{hold}", str(hold)))
     catalogue = plugins.installed()
     made = load(folder / "it.yaml", catalogue)
     async with served(folder, made=made, catalogue=catalogue) as place:
@@ -92,6 +95,17 @@ async def test_the_stop_is_pressed_and_released_by_buttons(tmp_path: Path) -> No
         await move(hands, {"start": 1})
         await place.published(lambda line: isinstance(line, m.StopReleased))
         assert not place.session.bus.latched
+
+
+async def test_the_dead_mans_button_cuts_the_drive_short(tmp_path: Path) -> None:
+    async with session(tmp_path) as (place, hands):
+        await move(hands, DRIVE)
+        await place.published(lambda line: isinstance(line, m.Dispatched))
+        await move(hands, {"left-stick-y": 1})
+        ended = await place.published(lambda line: isinstance(line, m.Stopped))
+        assert isinstance(ended, m.Stopped)
+        assert "let go" in ended.reason
+        assert not any(isinstance(line, m.StopPressed) for line in place.lines), "it is no stop"
 
 
 async def test_a_cut_connection_stops_the_drive(tmp_path: Path) -> None:
@@ -173,7 +187,7 @@ async def test_a_watcher_has_no_hands(tmp_path: Path) -> None:
 async def test_what_the_panel_needs_to_know_is_in_the_welcome(tmp_path: Path) -> None:
     async with session(tmp_path) as (place, _):
         outline = (await (await place.connect()).hello())["settings"]["outlines"]["pad"]
-        assert (outline["device"], outline["hold"]) == ("gamepad", 0.5)
+        assert (outline["device"], outline["hold"]) == ("gamepad", 5.0)
         controls = {control["name"]: control for control in outline["controls"]}
         assert controls["south"]["action"] == "Hello"
         assert controls["select"]["stop"] == "all"
@@ -193,9 +207,10 @@ async def test_what_the_panel_needs_to_know_is_in_the_welcome(tmp_path: Path) ->
 def test_what_nobody_could_do_is_found_when_the_file_is_read(
     tmp_path: Path, written: str, wrong: str
 ) -> None:
-    (tmp_path / "it.yaml").write_text(FILE.replace("{key: F13}", written))
+    text = FILE.replace("{hold}", "0.5").replace("{key: F13}", written)
+    (tmp_path / "it.yaml").write_text(text)
     with pytest.raises(ExperimentError) as error:
         load(tmp_path / "it.yaml", plugins.installed())
     [problem] = error.value.problems
     assert wrong in str(problem)
-    assert ":11:" in str(problem)
+    assert ":12:" in str(problem)

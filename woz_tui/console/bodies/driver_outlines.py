@@ -47,13 +47,16 @@ class BodyOutline:
 
 
 class ControlOutline(msgspec.Struct, frozen=True):
-    """A control of a panel; `column` and `row` count from the upper left. `label`: what it does."""
+    """A control of a panel; `column` and `row` count from the upper left. `label`: what it does;
+    `takes_over`: it waits until it has passed the robot's value.
+    """
 
     name: str
     kind: str
     column: int
     row: int
     label: str = ""
+    takes_over: bool = True
 
 
 class _JointOutline(msgspec.Struct):

@@ -261,5 +261,7 @@ def _advice(board: PanelState, frame: PaintFrame) -> list[Row]:
         arrows = f"{frame.glyphs.up} and {frame.glyphs.down}"
         text = f"{len(waiting)} wait for take-over, {arrows} tell which way: {names}"
         return [((f"{frame.glyphs.warning} {text}", "warn"),), ()]
+    if not any(one.takes_over for one in board.outline.controls):
+        return []
     first, *rest = textwrap.wrap(HINT, max(10, frame.width))
     return [((first, "muted"),), ((" ".join(rest), "muted"),)]

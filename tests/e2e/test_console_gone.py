@@ -164,7 +164,7 @@ def test_the_drive_goes_on_without_the_voice_and_ends_without_the_body(lab: Lab)
     body.wait_text("wizard body attached")
     voice.wait_text("wizard body attached")
     body.send("l")
-    body.wait_text("plays the panel 'Speech'")
+    body.wait_text("is played by")
     log.wait("action.refused", action="Long story")
     voice.send("l")
     body.send("FF")  # half a minute, for a slow machine

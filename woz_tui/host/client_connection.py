@@ -142,6 +142,17 @@ class RequestScheduler:
                 return
 
 
+def part_text(client: ClientConnection) -> str:
+    """What a sentence calls that which this client plays, or would play."""
+    return client.part or "the robot"
+
+
+def take_over_hint(client: ClientConnection) -> str:
+    """How somebody plays although another console does."""
+    part = f" --as {client.part}" if client.part else ""
+    return f"start `woz attach --take-over{part}` to play {part_text(client)} here"
+
+
 class ClientConnection(asyncio.Protocol):
     """Splits lines, decodes requests, writes what the hub offers.
 

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from woz_tui.config.experiment import Call, Experiment, ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding, HandInput
-from woz_tui.host.client_connection import ClientConnection
+from woz_tui.host.client_connection import ClientConnection, part_text, take_over_hint
 from woz_tui.host.picture_service import PictureService
 from woz_tui.host.sound_service import SoundService
 from woz_tui.protocol.messages import (
@@ -148,7 +148,7 @@ class RequestHandlers:
             client.send(_refused(client, request, error))
 
     def _only_watches(self, client: ClientConnection, request: AnyRequest) -> None:
-        what = client.part or "the robot"
+        what = part_text(client)
         if self.can_take_over(client):
             reason = f"this console only watches, and nobody plays {what}"
             client.refuse(request.ref, reason, command="take_over")
@@ -156,8 +156,7 @@ class RequestHandlers:
             client.refuse(
                 request.ref,
                 f"this console only watches; another console plays {what}",
-                f"start `woz attach --take-over{f' --as {client.part}' if client.part else ''}` to"
-                f" play {what} here",
+                take_over_hint(client),
             )
 
     def _answer_at_once(self, client: ClientConnection, request: AnyRequest) -> Reply:

@@ -12,7 +12,14 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.host.client_connection import LINGER_S, ClientConnection, RequestScheduler, RoleView
+from woz_tui.host.client_connection import (
+    LINGER_S,
+    ClientConnection,
+    RequestScheduler,
+    RoleView,
+    part_text,
+    take_over_hint,
+)
 from woz_tui.host.dead_man_switch import NOBODY, DeadManSwitch, console_of
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
 from woz_tui.host.request_handlers import RequestHandlers
@@ -301,9 +308,11 @@ class SessionServer:
         if part is None:
             wizards = self.session.state.wizards
             present = self._player(client.part)
-            names = player_names([present.name] if present is not None else wizards, wizards)
-            hint = "start `woz attach --take-over` to play the robot here"
-            client.refuse(request.ref, f"{names} plays the robot", hint)
+            if present is not None:
+                reason = f"{player_names([present.name], wizards)} plays {part_text(client)}"
+            else:
+                reason = f"every part is played: by {player_names(wizards, wizards)}"
+            client.refuse(request.ref, reason, take_over_hint(client))
             return
         if (present := self._player(part)) is not None:
             self._demote(present, client)

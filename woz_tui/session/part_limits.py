@@ -96,7 +96,7 @@ class PartLimits:
         found = panel_players(panel, panels, wizards)
         if origin.console in found:
             return ""
-        return f"{player_names(found, wizards)} plays the panel {panel.title!r}"
+        return f"the panel {panel.title!r} is played by {player_names(found, wizards)}"
 
     def no_verb(self, verb: str, origin: RequestOrigin) -> CommandRefusal | None:
         """Why this wizard may not send it by itself; None if they may."""
@@ -108,7 +108,7 @@ class PartLimits:
         found = verb_players(verb, self._read().panels, wizards)
         if origin.console not in wizards or origin.console in found:
             return ""
-        return f"{player_names(found, wizards)} plays {verb!r}"
+        return f"{verb!r} is played by {player_names(found, wizards)}"
 
     def drivers(self, drives: frozenset[str]) -> frozenset[str]:
         """Consoles of the wizards whose part drives: who plays a panel that covers a verb of

@@ -38,7 +38,7 @@ class HelpDialog(ReportDialog):
         for panel in self.state.panels:
             locked = "  locked" if self.state.is_locked(panel) else ""
             played = clean(self.state.played_by(panel))
-            note = f"{locked}  {played} plays it" if played else locked
+            note = f"{locked}  played by {played}" if played else locked
             rows += [(), ((panel.title, "title"), (note, "muted"))]
             for action in panel.actions:
                 cap = self.console_app.caps.get(action.name, KeyCap(action.key))

@@ -62,7 +62,7 @@ class PeekDialog(LiveReportDialog):
         if (panel is not None and state.is_locked(panel)) or (view is not None and view.locked):
             rows.append((("It is locked and plays nothing.", "warn"),))
         elif panel is not None and (played := clean(state.played_by(panel))):
-            rows.append(((f"{played} plays it.", "warn"),))
+            rows.append(((f"It is played by {played}.", "warn"),))
         said = state.sentence(name)
         if said == HIDDEN_TEXT:
             rows += [(), ((KEPT, "muted"),)]

@@ -239,6 +239,7 @@ async def test_who_drives_is_asked_for_although_another_one_could(tmp_path: Path
         assert (await body.ask("note", text="the voice is away"))["ok"]
         assert not any(map(of_drive, host.lines))
         await voice.say(kind="beat")
+        assert (await voice.ask("note", text="it is back"))["ok"]
         body.leave()
         await host.published(of_drive)
         await voice.kind("console.lost")

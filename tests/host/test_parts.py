@@ -214,7 +214,7 @@ async def drive(peer: Peer) -> bool:
 
 
 async def test_driving_goes_on_without_the_voice_and_ends_without_the_body(tmp_path: Path) -> None:
-    async with served(tmp_path, SessionSettings(dead_man=20), made=parted(tmp_path)) as host:
+    async with served(tmp_path, SessionSettings(dead_man=60), made=parted(tmp_path)) as host:
         voice, body = await wizard(host, "voice"), await wizard(host, "body")
         assert await drive(body)
         await voice.say(kind="beat", line_ok=False)
@@ -232,7 +232,7 @@ async def test_who_drives_is_asked_for_although_another_one_could(tmp_path: Path
     made = parted(tmp_path)
     speech, _, lights = made.panels
     made = replace(made, panels=(speech, replace(lights, parts=("body",))))
-    async with served(tmp_path, SessionSettings(dead_man=20), made=made) as host:
+    async with served(tmp_path, SessionSettings(dead_man=60), made=made) as host:
         voice, body = await wizard(host, "voice"), await wizard(host, "body")
         assert (await body.ask("verb", verb="drive", args={"x": 1.0}))["ok"]
         await voice.say(kind="beat", line_ok=False)
@@ -247,7 +247,7 @@ async def test_who_drives_is_asked_for_although_another_one_could(tmp_path: Path
 
 
 async def test_what_a_program_drives_ends_with_the_part_that_drives(tmp_path: Path) -> None:
-    async with served(tmp_path, SessionSettings(dead_man=20), made=parted(tmp_path)) as host:
+    async with served(tmp_path, SessionSettings(dead_man=60), made=parted(tmp_path)) as host:
         voice = await wizard(host, "voice")
         body, program = await wizard(host, "body"), await host.connect()
         await program.hello()

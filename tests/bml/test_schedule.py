@@ -1,0 +1,271 @@
+"""Blocks are put in time: what can be is, what cannot is named with the constraint."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from woz_tui.bml.bml_block import SYNC_POINTS, Behaviour, BmlError, SyncRef, read_block
+from woz_tui.bml.bml_schedule import BehaviourTiming, BlockSchedule, schedule, speech_timing
+from woz_tui.bml.time_network import EPSILON, TimeNetwork
+
+XML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b1">{}</bml>'
+
+
+def planned(inner: str, speech_s: float = 2.0) -> BlockSchedule:
+    """The schedule of a block; a speech takes so long, a head 1 s, all else 2 s."""
+
+    def predict(behaviour: Behaviour) -> BehaviourTiming:
+        if behaviour.kind == "speech":
+            return speech_timing(behaviour, speech_s)
+        seconds = 1.0 if behaviour.kind == "head" else 2.0
+        points = behaviour.points
+        return BehaviourTiming(
+            {point: seconds * at / (len(points) - 1) for at, point in enumerate(points)}
+        )
+
+    return schedule(read_block(XML.format(inner.replace("{}", ""))), predict)
+
+
+SPEECH = '<speech id="s" {}><text>One two <sync id="m"/>three four.</text></speech>'
+NOD = '<head id="n" lexeme="NOD" {}/>'
+
+
+@pytest.mark.parametrize(
+    ("inner", "expected"),
+    [
+        (NOD, {"n:start": 0, "n:end": 1}),
+        (NOD.format('start="4"'), {"n:start": 4, "n:end": 5}),
+        (NOD.format('end="9"'), {"n:start": 8, "n:end": 9}),
+        (NOD.format('start="2" end="8"'), {"n:start": 2, "n:stroke": 5, "n:end": 8}),
+        (NOD.format('stroke="0"'), {"n:start": 0, "n:stroke": 0}),
+        (
+            SPEECH.format('start="6"') + NOD.format('start="s:m" end="9"'),
+            {"s:start": 6, "s:m": 6.842105, "n:start": 6.842105, "n:end": 9, "s:end": 8},
+        ),
+        (  # whichever comes first in the file
+            NOD.format('start="s:end + 0.5"') + SPEECH.format(""),
+            {"n:start": 2.5},
+        ),
+        (
+            SPEECH.format("")
+            + NOD
+            + '<constraint id="c"><synchronize ref="s:m"><sync ref="n:stroke"/></synchronize>'
+            "</constraint>",
+            {"n:stroke": 0.842105, "s:start": 0},
+        ),
+        (
+            SPEECH.format("")
+            + NOD
+            + '<constraint id="c"><synchronize><sync ref="s:m"/><sync ref="10"/></synchronize>'
+            "</constraint>",
+            {"s:m": 10, "s:start": 9.157895},
+        ),
+        (
+            SPEECH.format("")
+            + NOD
+            + '<constraint id="c"><after ref="s:end"><sync ref="n:start"/></after></constraint>',
+            {"n:start": 2},
+        ),
+        (
+            SPEECH.format('start="3"')
+            + NOD.format('start="1"')
+            + '<constraint id="c"><before ref="s:start"><sync ref="n:end"/></before></constraint>',
+            {"n:end": 2},
+        ),
+        (
+            '<wait id="w" start="1" end="5"/>' + NOD.format('start="w:end-1"'),
+            {"w:end": 5, "n:start": 4},
+        ),
+        ('<gaze id="g" target="x" ready="2"/>', {"g:ready": 2}),
+    ],
+)
+def test_what_the_block_says_holds(inner: str, expected: dict[str, float]) -> None:
+    found = planned(inner)
+    assert not found.warnings
+    times = {f"{name}:{point}": time for (name, point), time in found.times.items()}
+    assert {name: times[name] for name in expected} == pytest.approx(expected, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("inner", "kind", "words"),
+    [
+        (NOD.format('start="3" end="2"'), "IMPOSSIBLE_TO_SCHEDULE", 'end="2"'),
+        (SPEECH.format('start="0" end="1"'), "IMPOSSIBLE_TO_SCHEDULE", "takes 2.00 s"),
+        (NOD.format('start="x:end"'), "PARSING_FAILURE", "x:end"),
+        (NOD.format('start="soon"'), "PARSING_FAILURE", "soon"),
+        ('<head id="n"/>', "PARSING_FAILURE", "lexeme"),
+        ("<dance/>", "BEHAVIOR_TYPE_NOT_SUPPORTED", "dance"),
+        (
+            '<gaze id="n" target="x" start="1" end="9"/><gaze id="o" target="y" start="1"/>',
+            "IMPOSSIBLE_TO_SCHEDULE",
+            "same time",
+        ),
+    ],
+)
+def test_what_cannot_be_is_left_out_and_named_and_ends_a_block_that_requires_it(
+    inner: str, kind: str, words: str
+) -> None:
+    rest = '<faceLexeme id="rest" lexeme="SMILE"/>'
+    found = planned(inner + rest)
+    assert ("rest", "start") in found.times
+    assert [warning.kind for warning in found.warnings] == [kind]
+    assert words in found.warnings[0].text
+    with pytest.raises(BmlError, match=words.replace("(", r"\(")):
+        planned(f"<required>{inner}</required>{rest}")
+
+
+def test_what_hangs_on_something_left_out_is_not_played_at_a_wrong_time() -> None:
+    found = planned(NOD.format('start="x:end"') + '<head id="o" lexeme="NOD" start="n:end"/>')
+    assert not found.times
+    assert len(found.warnings) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("<bml/>", "id"),
+        ("<bml", "no XML"),
+        ("<html id='x'/>", "begins with"),
+        ("<bml id='x' composition='SOON'/>", "composition"),
+        ("<!DOCTYPE x [<!ENTITY a 'b'>]><bml id='x'/>", "document type"),
+    ],
+)
+def test_a_block_that_is_none_is_told(text: str, words: str) -> None:
+    with pytest.raises(BmlError, match=words):
+        read_block(text)
+
+
+def test_other_blocks_times_count() -> None:
+    block = read_block(XML.format(NOD.format('start="b0:s:end+1"')))
+    other = {SyncRef("s", "end", 1.0, "b0"): 3.0}
+    assert schedule(block, elsewhere=other.get).times["n", "start"] == 4.0
+    assert schedule(block).warnings
+
+
+# -- the network -------------------------------------------------------------------------------
+
+Relation = tuple[int, int, int, bool]
+RELATIONS = st.lists(
+    st.tuples(st.integers(0, 5), st.integers(0, 5), st.integers(-6, 6), st.booleans()), max_size=24
+)
+
+
+def possible(relations: list[Relation]) -> bool:
+    """Whether all can hold, decided by the shortest ways between all moments."""
+    far = [[0.0 if a == b else float("inf") for b in range(7)] for a in range(7)]
+    for moment in range(6):
+        far[moment + 1][0] = 0.0  # not before zero
+    for first, second, apart, exact in relations:
+        a, b = first + 1, second + 1
+        far[b][a] = min(far[b][a], -apart)
+        if exact:
+            far[a][b] = min(far[a][b], apart)
+    for through, a, b in itertools.product(range(7), repeat=3):
+        far[a][b] = min(far[a][b], far[a][through] + far[through][b])
+    return all(far[moment][moment] >= 0 for moment in range(7))
+
+
+@given(relations=RELATIONS)
+def test_a_relation_is_taken_exactly_if_it_can_hold(relations: list[Relation]) -> None:
+    network, kept = TimeNetwork(), list[Relation]()
+    for moment in range(6):
+        network.add_moment(moment)
+    for relation in relations:
+        first, second, apart, exact = relation
+        add: Callable[..., list[str]] = network.same if exact else network.at_least
+        label = f"{len(kept)}"
+        conflict = add(first, second, apart, label)
+        assert bool(conflict) is not possible([*kept, relation])
+        if not conflict:
+            kept.append(relation)
+    times = network.earliest()
+    for first, second, apart, exact in kept:
+        between = times[second] - times[first]
+        assert between >= apart - 10 * EPSILON
+        assert not exact or between <= apart + 10 * EPSILON
+    assert all(time >= 0 for time in times.values())
+
+
+@given(relations=RELATIONS)
+def test_no_earlier_time_would_do(relations: list[Relation]) -> None:
+    network = TimeNetwork()
+    for moment in range(6):
+        network.add_moment(moment)
+    for first, second, apart, exact in relations:
+        (network.same if exact else network.at_least)(first, second, apart, "")
+    for each, time in network.earliest().items():
+        least, _ = network.room("zero", each)
+        assert time == pytest.approx(least, abs=1e-4)
+
+
+NAMES = st.sampled_from(["a", "b", "c"])
+POINTS = st.sampled_from(["start", "stroke", "end"])
+TIMES = st.one_of(
+    st.integers(0, 9).map(str),
+    st.tuples(NAMES, POINTS, st.integers(-3, 3)).map(lambda it: f"{it[0]}:{it[1]}{it[2]:+d}"),
+)
+
+
+@given(
+    heads=st.lists(st.dictionaries(POINTS, TIMES, max_size=3), min_size=1, max_size=3),
+    required=st.booleans(),
+)
+def test_every_block_is_scheduled_as_it_says_or_refused(
+    heads: list[dict[str, str]], required: bool
+) -> None:
+    inner = "".join(
+        f'<faceFacs id="{name}" au="1" '.replace("faceFacs", "gesture").replace("au", "lexeme")
+        + " ".join(f'{point}="{time}"' for point, time in points.items())
+        + "/>"
+        for name, points in zip("abc", heads, strict=False)
+    )
+    try:
+        found = planned(f"<required>{inner}</required>" if required else inner)
+    except BmlError:
+        assert required
+        return
+    for constraint in found.block.constraints:
+        first, second = (
+            found.times.get((ref.behaviour, ref.point), 0.0) + ref.offset
+            for ref in (constraint.first, constraint.second)
+        )
+        assert first == pytest.approx(second, abs=1e-4)
+    for behaviour in found.block.behaviours:
+        times = [found.times[behaviour.id, point] for point in SYNC_POINTS[behaviour.kind]]
+        assert times == sorted(times)
+        assert times[0] >= 0
+
+
+@pytest.mark.hypothesis
+@given(data=st.binary(max_size=300))
+def test_whatever_comes_is_a_block_or_refused(data: bytes) -> None:
+    try:
+        schedule(read_block(data))
+    except BmlError as error:
+        assert str(error)
+
+
+@pytest.mark.hypothesis
+@given(
+    names=st.lists(
+        st.sampled_from([*SYNC_POINTS, "required", "constraint", "synchronize", "sync", "text"]),
+        max_size=8,
+    ),
+    values=st.lists(st.text(max_size=12), max_size=8),
+)
+def test_whatever_elements_come_nothing_else_is_raised(names: list[str], values: list[str]) -> None:
+    from xml.sax.saxutils import quoteattr  # noqa: PLC0415
+
+    inner = "".join(
+        f"<{name} id={quoteattr(value)} ref={quoteattr(value)} start={quoteattr(value)}/>"
+        for name, value in zip(names, values, strict=False)
+    )
+    try:
+        schedule(read_block(XML.format(inner)))
+    except BmlError as error:
+        assert str(error)

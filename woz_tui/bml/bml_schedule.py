@@ -86,10 +86,13 @@ def _repetitions(behaviour: Behaviour) -> int:
 
 @dataclass(frozen=True, slots=True)
 class BlockSchedule:
-    """When everything of a block happens, in seconds from its start."""
+    """When everything of a block happens, in seconds from its start; `timings`: how long each
+    behaviour takes if nothing stretches it.
+    """
 
     block: BmlBlock
     times: Mapping[Moment, float]
+    timings: Mapping[str, BehaviourTiming]
     warnings: tuple[BmlWarning, ...] = ()
 
     @property
@@ -130,7 +133,7 @@ def schedule(
     while True:
         outcome = _Attempt(left, timings, elsewhere).outcome()
         if not isinstance(outcome, _Trouble):
-            return BlockSchedule(left, outcome, tuple(warnings))
+            return BlockSchedule(left, outcome, timings, tuple(warnings))
         if outcome.required:
             raise BmlError(outcome.text, block.id)
         warnings.append(BmlWarning("IMPOSSIBLE_TO_SCHEDULE", outcome.text, outcome.about))

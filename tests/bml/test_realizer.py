@@ -1,0 +1,239 @@
+"""Blocks that are played in a real session, and what the planner is told of it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree as Xml
+
+import pytest
+
+from tests.host.rig import Served, served
+from woz_tui import cli
+from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
+from woz_tui.bml.bml_block import Behaviour
+from woz_tui.bml.realizer import BmlRealizer, Feedback
+from woz_tui.client import connect
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.description import ArgumentView, VerbView
+from woz_tui.testing import until
+
+PATIENCE_S = 40.0
+XML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}" {}>{}</bml>'
+SAY = '<speech id="s"><text>Hello <sync id="m"/>you.</text></speech>'
+NOD = '<head id="n" lexeme="NOD" start="s:m"/>'
+
+
+@dataclass
+class Planner:
+    """A planner that writes down what it is told."""
+
+    host: Served
+    realizer: BmlRealizer
+    told: list[Feedback]
+
+    async def play(self, name: str, inner: str, more: str = "") -> None:
+        """A block, to its end."""
+        await self.realizer.perform(XML.format(name, more, inner))
+        async with asyncio.timeout(PATIENCE_S):
+            await self.realizer.until_over(name)
+
+    def progress(self) -> list[str]:
+        """Ids of the progress so far."""
+        return [each.attributes["id"] for each in self.told if each.name.endswith("Progress")]
+
+    def warnings(self) -> list[tuple[str, str]]:
+        """What was refused: the kind, and about what."""
+        return [
+            (each.attributes["type"], each.attributes["id"])
+            for each in self.told
+            if each.name == "warningFeedback"
+        ]
+
+    def verbs(self) -> list[str]:
+        """What the robot was called to do."""
+        return [verb for verb, _ in self.host.puppet().calls]
+
+
+@pytest.fixture
+async def planner(tmp_path: Path) -> AsyncIterator[Planner]:
+    async with served(tmp_path) as host, connect(host.path, name="planner") as client:
+        told: list[Feedback] = []
+        realizer = BmlRealizer(client, told.append)
+        yield Planner(host, realizer, told)
+        await realizer.close()
+
+
+async def test_a_block_is_foretold_played_and_told_point_by_point(planner: Planner) -> None:
+    await planner.play("b1", SAY + NOD)
+    assert planner.verbs() == ["say", "play"]
+    assert planner.told[0].name == "predictionFeedback"
+    progress = planner.progress()
+    assert progress[0] == "b1:start"
+    assert progress[-1] == "b1:end"
+    speech = [each for each in progress if each.startswith("b1:s:")]
+    assert speech == ["b1:s:start", "b1:s:m", "b1:s:end"]
+    assert progress.index("b1:s:m") < progress.index("b1:n:stroke") < progress.index("b1:n:end")
+    assert not planner.warnings()
+    requests = [line for line in planner.host.lines if isinstance(line, m.Command)]
+    assert {line.source for line in requests} == {"program"}
+
+
+async def test_blocks_wait_join_in_and_take_over_as_they_say(planner: Planner) -> None:
+    await planner.realizer.perform(XML.format("b1", "", SAY))
+    await planner.realizer.perform(
+        XML.format("b2", 'composition="APPEND"', NOD.replace("s:m", "0"))
+    )
+    await planner.realizer.perform(XML.format("b3", "", '<wait id="w" end="0.1"/>'))
+    async with asyncio.timeout(PATIENCE_S):
+        await planner.realizer.until_over("b2")
+    progress = planner.progress()
+    assert progress.index("b1:end") < progress.index("b2:start")
+    assert progress.index("b3:start") < progress.index("b1:end")
+    await planner.realizer.perform(XML.format("b4", "", '<wait id="w" end="999"/>'))
+    await until(lambda: "b4:start" in planner.progress(), PATIENCE_S)
+    await planner.play("b5", "", 'composition="REPLACE"')
+    assert {"b4:end", "b5:end"} <= {*planner.progress()}
+    assert "b4:w:end" not in planner.progress()
+
+
+async def test_what_the_robot_cannot_do_is_told_and_the_rest_is_played(planner: Planner) -> None:
+    gaze = '<gaze id="g" target="moon"/>'
+    await planner.play("b1", SAY + gaze)
+    assert planner.verbs() == ["say"]
+    assert [about for _, about in planner.warnings()] == ["b1:g"]
+    await planner.play("b2", SAY + f"<required>{gaze}</required>")
+    assert planner.verbs() == ["say"]
+    assert planner.warnings()[-1][1] == "b2"
+
+
+async def test_a_stop_ends_the_block_and_the_next_is_refused(planner: Planner) -> None:
+    await planner.realizer.perform(XML.format("b1", "", SAY))
+    await until(lambda: "say" in planner.verbs(), PATIENCE_S)
+    planner.host.session.stop("key")
+    async with asyncio.timeout(PATIENCE_S):
+        await planner.realizer.until_over("b1")
+    assert ("IMPOSSIBLE_TO_SCHEDULE", "b1:s") in planner.warnings()
+    assert "b1:s:end" not in planner.progress()
+    before = planner.verbs()
+    await planner.play("b2", SAY)
+    assert planner.verbs() == before
+
+
+async def test_two_blocks_of_one_name_and_what_is_none_are_refused(planner: Planner) -> None:
+    await planner.realizer.perform(XML.format("b1", "", '<wait id="w" end="99"/>'))
+    assert await planner.realizer.perform(XML.format("b1", "", "")) == ""
+    assert await planner.realizer.perform("<bml") == ""
+    assert [about for _, about in planner.warnings()] == ["b1", "bml"]
+    await planner.realizer.cut("b1")
+    await until(lambda: "b1:end" in planner.progress(), PATIENCE_S)
+
+
+def test_feedback_is_xml_whatever_the_names_are() -> None:
+    feedback = Feedback("warningFeedback", {"id": '"<&>'}, "a < b & c", (Feedback("x", {}),))
+    read = Xml.fromstring(feedback.xml())
+    assert read.get("id") == '"<&>'
+    assert read.text == "a < b & c"
+
+
+# -- which verbs -------------------------------------------------------------------------------
+
+
+def _robot() -> BehaviourCalls:
+    def verb(name: str, **choices: list[str]) -> VerbView:
+        arguments = [
+            ArgumentView(name=each, kind="text", type="string", choices=words)
+            for each, words in choices.items()
+        ]
+        return VerbView(name=name, driver="robot", lane=name, limit_s=60, arguments=arguments)
+
+    return BehaviourCalls(
+        [
+            verb("say", text=[]),
+            verb("play", move=["nod", "shake", "point-left", "sit"], speed=[]),
+            verb("gaze", yaw=[], pitch=[], seconds=[]),
+            verb("emotion", emotion=["happy", "neutral"]),
+        ]
+    )
+
+
+@dataclass
+class Case:
+    """A behaviour and the verbs that it stands for."""
+
+    kind: str
+    attributes: dict[str, str]
+    verbs: list[tuple[str, str, dict[str, object]]]
+    inner: dict[str, dict[str, str]] = field(default_factory=dict)
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        Case("head", {"lexeme": "SHAKE"}, [("start", "play", {"move": "shake"})]),
+        Case("pointing", {"target": "40, 0"}, [("start", "play", {"move": "point-left"})]),
+        Case(
+            "gaze",
+            {"target": "left", "offsetAngle": "10", "offsetDirection": "RIGHT"},
+            [
+                ("start", "gaze", {"yaw": 20.0, "pitch": 0.0}),
+                ("relax", "gaze", {"yaw": 0.0, "pitch": 0.0}),
+            ],
+        ),
+        Case("gazeShift", {"target": "up"}, [("start", "gaze", {"yaw": 0.0, "pitch": -20.0})]),
+        Case(
+            "faceLexeme",
+            {"lexeme": "smile"},
+            [
+                ("start", "emotion", {"emotion": "happy"}),
+                ("relax", "emotion", {"emotion": "neutral"}),
+            ],
+        ),
+        Case(
+            "postureShift",
+            {},
+            [("start", "play", {"move": "sit"})],
+            {"stance": {"type": "Sitting"}},
+        ),
+        Case("wait", {}, []),
+    ],
+)
+def test_behaviours_stand_for_verbs(case: Case) -> None:
+    behaviour = Behaviour(case.kind, "x", case.attributes, inner=case.inner)
+    calls = _robot().calls(behaviour)
+    assert [(call.point, call.verb, dict(call.args)) for call in calls] == case.verbs
+
+
+@pytest.mark.parametrize(
+    ("kind", "attributes", "why"),
+    [
+        ("head", {"lexeme": "SPIN"}, "BEHAVIOR_TYPE_NOT_SUPPORTED"),
+        ("gaze", {"target": "moon"}, "NO_SUCH_TARGET"),
+        ("faceLexeme", {"lexeme": "OBSCURE"}, "BEHAVIOR_TYPE_NOT_SUPPORTED"),
+        ("locomotion", {"target": "door"}, "BEHAVIOR_TYPE_NOT_SUPPORTED"),
+        ("posture", {}, "BEHAVIOR_TYPE_NOT_SUPPORTED"),
+    ],
+)
+def test_what_no_verb_plays_is_told(kind: str, attributes: dict[str, str], why: str) -> None:
+    with pytest.raises(UnplayableError) as caught:
+        _robot().calls(Behaviour(kind, "x", attributes))
+    assert caught.value.kind == why
+
+
+# -- the command -------------------------------------------------------------------------------
+
+
+def test_the_timetable_is_printed_without_a_session(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "greet.xml"
+    file.write_text(XML.format("b1", "", SAY + NOD + '<head id="z" lexeme="NOD" start="z2:end"/>'))
+    assert cli.main(["bml", "--dry-run", str(file)]) == 0
+    printed = capsys.readouterr().out
+    assert "greet.xml" in printed
+    assert "left out" in printed
+    file.write_text("nothing")
+    assert cli.main(["bml", "--dry-run", str(file)]) == 1
+    assert "greet.xml" in capsys.readouterr().err

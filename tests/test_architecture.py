@@ -25,6 +25,7 @@ ROOMS = [
     "woz_tui.machine",
     "woz_tui.network",
     "woz_tui.config",
+    "woz_tui.bml",
     "woz_tui.bus",
     "woz_tui.sensing",
     "woz_tui.motion",

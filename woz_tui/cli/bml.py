@@ -12,6 +12,8 @@ from rich.table import Table
 from woz_tui.bml.bml_block import BmlBlock, BmlError, read_block
 from woz_tui.bml.bml_schedule import BlockSchedule, schedule
 from woz_tui.bml.realizer import BmlRealizer, Feedback
+from woz_tui.bml.stomp_connection import StompError, StompPlace
+from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.client import WozError, connect
 from woz_tui.console.text_console import TextConsole
@@ -23,7 +25,7 @@ _WIDTH = 40
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a block of BML each")
+    parser.add_argument("files", nargs="*", type=Path, metavar="FILE", help="a block of BML each")
     parser.add_argument("--session", default="", help="session code (default: the only one)")
     parser.add_argument(
         "--dry-run",
@@ -34,11 +36,47 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--feedback", action="store_true", help="print the feedback as XML, one element a line"
     )
+    parser.add_argument(
+        "--stomp",
+        default="",
+        metavar="HOST[:PORT]",
+        help="play what a planner sends over this message broker, until ctrl+c",
+    )
+    topics = PlannerTopics()
+    parser.add_argument("--request", default=topics.request, help="topic of the blocks")
+    parser.add_argument("--told", default=topics.feedback, help="topic of the feedback")
+    parser.add_argument("--login", default="", help="name at the broker")
+    parser.add_argument(
+        "--passcode-file", type=Path, default=None, help="file with the password at the broker"
+    )
+    parser.add_argument(
+        "--virtual-host", default="", help="the broker's virtual host (RabbitMQ: /)"
+    )
 
 
 def run(arguments: Namespace) -> int:
     """Play the blocks as their composition says; returns when all have ended."""
-    return with_error_sentences(lambda: asyncio.run(_bml(arguments)), BmlError, WozError)
+    if bool(arguments.files) == bool(arguments.stomp):
+        print("woz: name files with blocks, or --stomp HOST", file=sys.stderr)
+        return 2
+    work = _planner if arguments.stomp else _bml
+    return with_error_sentences(
+        lambda: asyncio.run(work(arguments)), BmlError, StompError, ValueError, WozError
+    )
+
+
+async def _planner(arguments: Namespace) -> int:
+    host, _, port = arguments.stomp.partition(":")
+    if not host or not (port or "61613").isdigit():
+        raise ValueError(f"{arguments.stomp!r} is no address: write HOST or HOST:PORT")
+    passcode = ""
+    if arguments.passcode_file is not None:
+        passcode = arguments.passcode_file.read_text(encoding="utf-8").strip()
+    place = StompPlace(host, int(port or 61613), arguments.login, passcode, arguments.virtual_host)
+    async with connect(arguments.session, name="planner") as client:
+        topics = PlannerTopics(arguments.request, arguments.told)
+        await StompPlanner(client, place, topics, print).run()
+    return 0
 
 
 async def _bml(arguments: Namespace) -> int:

@@ -1,0 +1,157 @@
+"""A planner behind a message broker."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from urllib.parse import quote_plus
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.fakes.stomp_broker import StompBroker
+from tests.host.rig import Served, served
+from woz_tui.bml.stomp_connection import (
+    StompError,
+    StompFrame,
+    StompPlace,
+    StompRefusedError,
+    connect_stomp,
+    read_frame,
+)
+from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
+from woz_tui.client import connect
+from woz_tui.testing import until
+
+PATIENCE_S = 40.0
+TOPICS = PlannerTopics()
+BLOCK = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">'
+    '<head id="n" lexeme="NOD"/></bml>'
+)
+
+
+@dataclass
+class Bridge:
+    """A broker with a planner's topics, a session, and what plays between them."""
+
+    broker: StompBroker
+    host: Served
+    sentences: list[str]
+
+    async def ended(self, block: str) -> None:
+        """Until the planner was told that a block has ended."""
+        await until(lambda: any(f"{block}:end" in text for text in self.feedback()), PATIENCE_S)
+
+    def feedback(self) -> list[str]:
+        """What the planner was told."""
+        return self.broker.sent(TOPICS.feedback)
+
+
+@contextlib.asynccontextmanager
+async def bridged(tmp_path: Path) -> AsyncIterator[Bridge]:
+    async with (
+        StompBroker() as broker,
+        served(tmp_path) as host,
+        connect(host.path, name="planner") as client,
+    ):
+        sentences: list[str] = []
+        place = StompPlace("127.0.0.1", broker.port)
+        planner = StompPlanner(client, place, TOPICS, sentences.append)
+        running = asyncio.create_task(planner.run())
+        try:
+            await until(lambda: broker.subscribed, PATIENCE_S)
+            yield Bridge(broker, host, sentences)
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+
+async def test_a_block_comes_is_played_and_the_planner_is_told(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.broker.publish(TOPICS.request, BLOCK.format("b1"))
+        await it.ended("b1")
+        assert [verb for verb, _ in it.host.puppet().calls] == ["play"]
+        assert any("b1:n:stroke" in text for text in it.feedback())
+        sends = [frame for frame in it.broker.frames if frame.startswith(b"SEND")]
+        assert not any(b"content-length" in frame for frame in sends)
+
+
+async def test_a_planner_that_wraps_its_blocks_is_answered_likewise(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        wrapped = json.dumps({"bml": {"content": quote_plus(BLOCK.format("b1"))}})
+        it.broker.publish(TOPICS.request, wrapped)
+        await until(lambda: bool(it.feedback()), PATIENCE_S)
+        assert "content" in json.loads(it.feedback()[0])["feedback"]
+
+
+async def test_nonsense_is_refused_and_the_next_block_is_played(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        for nonsense in ("", "{}", '{"bml": 3}', "<bml", "\x01"):
+            it.broker.publish(TOPICS.request, nonsense)
+        it.broker.publish(TOPICS.request, BLOCK.format("b1"))
+        await it.ended("b1")
+        assert sum("warningFeedback" in text for text in it.feedback()) == 5
+
+
+async def test_a_broker_that_comes_back_is_used_again(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        await it.broker.stop()
+        await until(lambda: any("tried again" in each for each in it.sentences), PATIENCE_S)
+        await it.broker.start()
+        await until(lambda: it.broker.subscribed, PATIENCE_S)
+        it.broker.publish(TOPICS.request, BLOCK.format("b1"))
+        await it.ended("b1")
+
+
+async def test_who_is_not_let_in_is_told_and_does_not_try_again(tmp_path: Path) -> None:
+    async with StompBroker() as broker, served(tmp_path) as host, connect(host.path) as client:
+        broker.passcode = "secret"
+        place = StompPlace("127.0.0.1", broker.port, "me", "wrong")
+        with pytest.raises(StompRefusedError, match="Authentication") as caught:
+            await StompPlanner(client, place, TOPICS, print).run()
+        assert "wrong" not in str(caught.value)
+        connection = await connect_stomp(replace(place, passcode="secret"))
+        await connection.close()
+
+
+async def test_what_is_no_broker_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with StompBroker() as broker:
+        place = StompPlace("127.0.0.1", broker.port)
+    with pytest.raises(StompError, match="cannot be reached"):
+        await connect_stomp(place)
+    monkeypatch.setattr("woz_tui.bml.stomp_connection._CONNECT_S", 0.1)
+    async with StompBroker() as broker:
+        broker.silent = True
+        with pytest.raises(StompError, match="does not answer"):
+            await connect_stomp(StompPlace("127.0.0.1", broker.port))
+
+
+async def _of(data: bytes) -> StompFrame | None:
+    reader = asyncio.StreamReader(limit=1 << 16)
+    reader.feed_data(data)
+    reader.feed_eof()
+    return await read_frame(reader)
+
+
+@given(
+    headers=st.dictionaries(st.text(min_size=1), st.text(), max_size=4),
+    body=st.binary().map(lambda data: data.replace(b"\0", b"")),
+)
+def test_a_frame_is_read_as_it_was_written(headers: dict[str, str], body: bytes) -> None:
+    headers.pop("content-length", None)
+    frame = StompFrame("MESSAGE", {"id": "1", **headers}, body)
+    with contextlib.suppress(UnicodeEncodeError):  # half of a pair of surrogates
+        assert asyncio.run(_of(frame.encode())) == frame
+
+
+@pytest.mark.hypothesis
+@given(data=st.binary(max_size=200))
+def test_whatever_a_broker_sends_is_a_frame_or_refused(data: bytes) -> None:
+    with contextlib.suppress(StompError, asyncio.IncompleteReadError):
+        asyncio.run(_of(b"MESSAGE\n" + data))

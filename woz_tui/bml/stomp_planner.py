@@ -1,0 +1,103 @@
+"""A planner behind a message broker: its blocks are played, and it is told how it goes."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from urllib.parse import quote_plus, unquote_plus
+
+from woz_tui.bml.realizer import BmlRealizer, Feedback
+from woz_tui.bml.stomp_connection import (
+    StompConnection,
+    StompError,
+    StompPlace,
+    StompRefusedError,
+    connect_stomp,
+)
+from woz_tui.client import WozClient
+
+#: Pauses between two attempts, in seconds: doubled up to the longest.
+_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.5, 8.0
+
+
+@dataclass(frozen=True, slots=True)
+class PlannerTopics:
+    """Where blocks come from and feedback goes to; as AsapRealizer has them."""
+
+    request: str = "/topic/asap.bml.request"
+    feedback: str = "/topic/asap.bml.feedback"
+
+
+class StompPlanner:
+    """Plays what comes over a broker until it is cancelled; connects again by itself.
+
+    Args:
+        client: The session.
+        place: The broker.
+        topics: Its topics.
+        tell: Gets sentences for a person.
+    """
+
+    def __init__(
+        self,
+        client: WozClient,
+        place: StompPlace,
+        topics: PlannerTopics,
+        tell: Callable[[str], None],
+    ) -> None:
+        self._place = place
+        self._topics = topics
+        self._tell_person = tell
+        self._connection: StompConnection | None = None
+        #: Whether the planner wraps its blocks in JSON: it is answered in the same way.
+        self._wraps = False
+        self._realizer = BmlRealizer(client, self._tell)
+
+    async def run(self) -> None:
+        """Serve. Raises `StompRefusedError` when the broker does not let us in."""
+        pause = _FIRST_PAUSE_S
+        try:
+            while True:
+                try:
+                    self._connection = await connect_stomp(self._place)
+                    pause = _FIRST_PAUSE_S
+                    await self._serve(self._connection)
+                except StompRefusedError:
+                    raise
+                except StompError as error:
+                    self._tell_person(f"{error}; it is tried again")
+                finally:
+                    connection, self._connection = self._connection, None
+                    if connection is not None:
+                        await connection.close()
+                await asyncio.sleep(pause)
+                pause = min(2 * pause, _LONGEST_PAUSE_S)
+        finally:
+            await self._realizer.close()
+
+    async def _serve(self, connection: StompConnection) -> None:
+        connection.subscribe(self._topics.request)
+        self._tell_person(f"connected to {self._place}; blocks come from {self._topics.request}")
+        async for _, text in connection.messages():
+            await self._realizer.perform(self._unwrapped(text))
+
+    def _unwrapped(self, text: str) -> str:
+        """The block: as it is, or from `{"bml": {"content": ...}}`, which some planners send."""
+        self._wraps = text.lstrip().startswith("{")
+        if not self._wraps:
+            return text
+        try:
+            return unquote_plus(str(json.loads(text)["bml"]["content"]))
+        except (ValueError, KeyError, TypeError):
+            return text  # it is refused as what it is
+
+    def _tell(self, feedback: Feedback) -> None:
+        """To the planner, if it is there: what happened in between is of no use to it later."""
+        if self._connection is None:
+            return
+        text = feedback.xml()
+        if self._wraps:
+            text = json.dumps({"feedback": {"content": quote_plus(text)}})
+        self._connection.send(self._topics.feedback, text)

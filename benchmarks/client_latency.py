@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from benchmarks.figures import Spread, machine, table
+from benchmarks.figures import machine, trips
 from benchmarks.sessions import PROGRAMS, ROOT, bench
 from woz_tui.client import blocking, connect
 
@@ -73,7 +73,7 @@ class RawLines:
             pass
 
 
-def measured(trips: int) -> dict[str, list[float]]:
+def measured(count: int) -> dict[str, list[float]]:
     """Milliseconds of each trip, by its way."""
     took: dict[str, list[float]] = {name: [] for name in _NAMES}
     with contextlib.ExitStack() as opened:
@@ -105,7 +105,7 @@ def measured(trips: int) -> dict[str, list[float]]:
         opened.callback(lambda: loop.run_until_complete(opening.__aexit__(None, None, None)))
 
         async def several() -> None:
-            for number in range(WARM + trips):
+            for number in range(WARM + count):
                 # What others asked for comes to every connection: it is read outside of the times.
                 twin.mark("drained")
                 await woz.mark("drained")
@@ -149,16 +149,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="only to see that it works")
     arguments = parser.parse_args()
     took = measured(30 if arguments.quick else arguments.trips)
-    spreads = {name: Spread.of(values) for name, values in took.items()}
-    floor = spreads["bare echo"]
-    rows = []
-    for name, spread in spreads.items():
-        p50, p99 = spread.over(floor)
-        ratios = ["", ""] if spread is floor else [f"{p50:.1f} x", f"{p99:.1f} x"]
-        figures = [f"{spread.p50:.2f}", f"{spread.p99:.2f}", f"{spread.worst:.1f}"]
-        rows.append([name, str(spread.count), *figures, *ratios])
-    head = ("way", "trips", "p50 ms", "p99 ms", "worst ms", "p50", "p99")
-    table("A verb's round trip, from the call to its end", head, rows)
+    trips("A verb's round trip, from the call to its end", took, "bare echo")
     print(f"\n{machine()}")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 import os
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 
@@ -52,6 +52,20 @@ def table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> Non
             for column, (text, width) in enumerate(zip(line, widths, strict=True))
         ]
         print("  " + "   ".join(cells).rstrip())
+
+
+def trips(title: str, took: Mapping[str, Sequence[float]], floor: str) -> None:
+    """Print a table of round trips in milliseconds: a row for each way, with its ratios to `floor`,
+    one of them.
+    """
+    spreads = {name: Spread.of(values) for name, values in took.items()}
+    rows = []
+    for name, spread in spreads.items():
+        p50, p99 = spread.over(spreads[floor])
+        ratios = ["", ""] if name == floor else [f"{p50:.1f} x", f"{p99:.1f} x"]
+        figures = [f"{spread.p50:.2f}", f"{spread.p99:.2f}", f"{spread.worst:.1f}"]
+        rows.append([name, str(spread.count), *figures, *ratios])
+    table(title, ("way", "trips", "p50 ms", "p99 ms", "worst ms", "p50", "p99"), rows)
 
 
 def machine() -> str:

@@ -83,7 +83,7 @@ def measured(count: int) -> dict[str, list[float]]:
         opened.enter_context(
             program([sys.executable, str(PROGRAMS / "echo.py"), echo], "ready", {})
         )
-        _wait_for(Path(path))
+        wait_for(Path(path))
         bare, raw = RawLines(echo), RawLines(path)
         raw.send(b'{"kind":"hello","role":"program","protocol":2,"stream":"actions"}\n')
         raw.until("welcome")
@@ -134,7 +134,8 @@ def _trip(took: list[float], trip: Callable[[], object], number: int) -> None:
         took.append((time.perf_counter_ns() - began) / 1e6)
 
 
-def _wait_for(path: Path) -> None:
+def wait_for(path: Path) -> None:
+    """Until a program has made its socket. Raises `RuntimeError` if that takes long."""
     until = time.monotonic() + 30
     while not path.exists():
         if time.monotonic() > until:

@@ -22,7 +22,7 @@ from pathlib import Path
 import aiohttp
 import msgspec
 
-from benchmarks.client_latency import program
+from benchmarks.client_latency import program, wait_for
 from benchmarks.figures import machine, trips
 from benchmarks.sessions import PROGRAMS, bench
 from woz_tui.client import WozClient, connect
@@ -54,30 +54,38 @@ def joined(access: AccessFile, address: str, environ: dict[str, str]) -> Iterato
         process.wait()
 
 
-async def measured(count: int) -> dict[str, list[float]]:
+def measured(count: int) -> dict[str, list[float]]:
     """Milliseconds of each trip, by its way."""
-    took: dict[str, list[float]] = {name: [] for name in _NAMES}
-    async with contextlib.AsyncExitStack() as opened:
+    with contextlib.ExitStack() as opened:
         it = opened.enter_context(bench())
-        environ = {**os.environ, **it.environ(), "XDG_CONFIG_HOME": str(it.folder)}
+        environ = {**it.environ(), "XDG_CONFIG_HOME": str(it.folder)}
         os.environ["XDG_CONFIG_HOME"] = str(it.folder)
         Authority().new("bench", 2, "", it.folder / "bench.access")
         access = AccessFile.read(it.folder / "bench.access")
         path = Path(environ["WOZ_SOCKET"])
         opened.enter_context(program([*it.host_command()], "", it.environ()))
-        serve = [sys.executable, str(PROGRAMS / "tls_server.py"), str(path)]
-        address = ""
-        async with asyncio.timeout(30):
-            while not path.exists():
-                await asyncio.sleep(0.05)
-        server = subprocess.Popen(serve, stdout=subprocess.PIPE, text=True, env=environ)
+        wait_for(path)
+        server = subprocess.Popen(
+            [sys.executable, str(PROGRAMS / "tls_server.py"), str(path)],
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **environ},
+        )
         opened.callback(server.terminate)
         assert server.stdout is not None
         address, echo = server.stdout.readline().split()
-        far_environ = {key: value for key, value in environ.items() if key != "WOZ_SOCKET"}
-        far_environ["XDG_RUNTIME_DIR"] = str(it.folder)
-        far = opened.enter_context(joined(access, address, far_environ))
-        clients = [await opened.enter_async_context(connect(each)) for each in (path, far)]
+        elsewhere = {**os.environ, "XDG_RUNTIME_DIR": str(it.folder)}
+        elsewhere.pop("WOZ_SOCKET", None)
+        far = opened.enter_context(joined(access, address, elsewhere))
+        return asyncio.run(_measured(count, (path, far), access, echo))
+
+
+async def _measured(
+    count: int, sockets: tuple[Path, Path], access: AccessFile, echo: str
+) -> dict[str, list[float]]:
+    took: dict[str, list[float]] = {name: [] for name in _NAMES}
+    async with contextlib.AsyncExitStack() as opened:
+        near, far = [await opened.enter_async_context(connect(each)) for each in sockets]
         session = await opened.enter_async_context(aiohttp.ClientSession())
         bare = await opened.enter_async_context(
             session.ws_connect(f"wss://{echo}/", ssl=access.context(), server_hostname=SERVER_NAME)
@@ -89,12 +97,12 @@ async def measured(count: int) -> dict[str, list[float]]:
 
         ways: list[tuple[str, Callable[[], Awaitable[object]]]] = [
             (_NAMES[0], echoed),
-            (_NAMES[1], lambda: clients[0].say("a")),
-            (_NAMES[2], lambda: clients[1].say("a")),
+            (_NAMES[1], lambda: near.say("a")),
+            (_NAMES[2], lambda: far.say("a")),
         ]
         for number in range(WARM + count):
             for name, trip in ways:
-                await _drain(clients)
+                await _drain([near, far])
                 began = time.perf_counter_ns()
                 await trip()
                 if number >= WARM:
@@ -114,7 +122,7 @@ def main() -> None:
     parser.add_argument("--trips", type=int, default=500, help="by each way")
     parser.add_argument("--quick", action="store_true", help="only to see that it works")
     arguments = parser.parse_args()
-    took = asyncio.run(measured(20 if arguments.quick else arguments.trips))
+    took = measured(20 if arguments.quick else arguments.trips)
     trips("A verb's round trip, from the call to its end", took, _NAMES[0])
     print(f"\n{machine()}")
 

@@ -17,7 +17,7 @@ from woz_tui.bml.bml_block import Behaviour
 from woz_tui.bml.realizer import BmlRealizer, Feedback
 from woz_tui.client import connect
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.description import ArgumentView, VerbView
+from woz_tui.protocol.description import ArgumentDescription, VerbDescription
 from woz_tui.testing import until
 
 PATIENCE_S = 40.0
@@ -142,12 +142,14 @@ def test_feedback_is_xml_whatever_the_names_are() -> None:
 
 
 def _robot() -> BehaviourCalls:
-    def verb(name: str, **choices: list[str]) -> VerbView:
+    def verb(name: str, **choices: list[str]) -> VerbDescription:
         arguments = [
-            ArgumentView(name=each, kind="text", type="string", choices=words)
+            ArgumentDescription(name=each, kind="text", type="string", choices=words)
             for each, words in choices.items()
         ]
-        return VerbView(name=name, driver="robot", lane=name, limit_s=60, arguments=arguments)
+        return VerbDescription(
+            name=name, driver="robot", lane=name, limit_s=60, arguments=arguments
+        )
 
     return BehaviourCalls(
         [

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from woz_tui.bml.bml_block import Behaviour, WarningKind
-from woz_tui.protocol.description import VerbView
+from woz_tui.protocol.description import VerbDescription
 from woz_tui.protocol.envelope import Json
 
 #: Lexeme of a face -> emotion.
@@ -72,7 +72,7 @@ class BehaviourCalls:
     """
 
     def __init__(
-        self, verbs: Iterable[VerbView], targets: Mapping[str, tuple[float, float]] = TARGETS
+        self, verbs: Iterable[VerbDescription], targets: Mapping[str, tuple[float, float]] = TARGETS
     ) -> None:
         self._verbs = {verb.name: verb for verb in verbs}
         self._targets = {name.lower(): place for name, place in targets.items()}

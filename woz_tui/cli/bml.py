@@ -136,7 +136,7 @@ def _print(path: Path, plan: BlockSchedule) -> None:
     """The timetable of a block: a row for each behaviour, with a picture of when it is."""
     console = TextConsole()
     width = max(10, min(_WIDTH, console.width - 66))
-    console.print(f"{path}: block {plan.block.id}, {plan.seconds:.2f} s")
+    console.print(f"{path}: block {plan.block.id}, {plan.seconds:.2f} s", soft_wrap=True)
     table = Table("behaviour", "", "from", "to", "points between", "", box=None, pad_edge=False)
     scale = width / plan.seconds if plan.seconds else 0.0
     for behaviour in sorted(plan.block.behaviours, key=lambda each: plan.times[each.id, "start"]):
@@ -149,4 +149,4 @@ def _print(path: Path, plan: BlockSchedule) -> None:
         table.add_row(behaviour.id, behaviour.kind, f"{begin:.2f}", f"{end:.2f}", between, bar)
     console.print(table)
     for warning in plan.warnings:
-        console.print(f"left out: {warning.text}")
+        console.print(f"left out: {warning.text}", soft_wrap=True)

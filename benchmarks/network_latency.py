@@ -26,7 +26,7 @@ from benchmarks.client_latency import program, wait_for
 from benchmarks.figures import machine, trips
 from benchmarks.sessions import PROGRAMS, bench
 from woz_tui.client import WozClient, connect
-from woz_tui.remote.certificates import SERVER_NAME, AccessFile, Authority
+from woz_tui.network.certificates import SERVER_NAME, AccessFile, Authority
 
 #: Trips that are not counted: caches, first lines.
 WARM = 20

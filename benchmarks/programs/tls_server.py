@@ -13,9 +13,9 @@ from pathlib import Path
 
 from aiohttp import WSMsgType, web
 
-from woz_tui.remote.access_server import AccessServer
 from woz_tui.network.certificates import Authority
 from woz_tui.network.listen_address import ListenAddress
+from woz_tui.remote.access_server import AccessServer
 
 
 async def _echo(request: web.Request) -> web.WebSocketResponse:

@@ -268,7 +268,7 @@ class Heartbeat:
 
     def _ask(self, patience: float) -> asyncio.Task[None]:
         """The open question, or a new one."""
-        if self._question is None:
+        if self._question is None or self._question.done():  # of that one nobody has heard yet
             self._asked_at_s = self._loop.time()
             if self._unanswered is None:
                 self._unanswered = self._asked_at_s
@@ -282,7 +282,8 @@ class Heartbeat:
         self.sign_of_life()
 
     def _answered(self, question: asyncio.Task[None]) -> None:
-        self._question = None
+        if self._question is question:
+            self._question = None
         # Its error is fetched here, where nobody may be waiting for it.
         if not question.cancelled() and question.exception() is None:
             self._unanswered = None

@@ -53,6 +53,44 @@ def test_a_frozen_robot_is_known_in_time(heartbeat: float, freezes: float, takes
     assert run_virtual(scene()) <= KNOWN_S + 0.001
 
 
+class FirstFails(FarEnd):
+    """The first question fails when a test says so."""
+
+    def __init__(self) -> None:
+        super().__init__(freezes=0.0)
+        self.fails = asyncio.Event()
+
+    async def ask(self, within: float) -> None:
+        if not self.asked:
+            self.asked.append(asyncio.get_running_loop().time())
+            await self.fails.wait()
+            raise UnansweredError("no answer")
+        await super().ask(within)
+
+
+@pytest.mark.timeout(20)
+def test_a_question_that_fails_just_before_it_is_looked_at_is_asked_anew() -> None:
+    """Else it is looked at again and again, and nothing else of the process runs any more."""
+
+    async def scene() -> int:
+        end = FirstFails()
+        beating = pulse(end, heartbeat=0.1)
+        question = asyncio.create_task(beating.ask())
+        await asyncio.sleep(0.01)
+        beating.sign_of_life()
+        await asyncio.sleep(0.15)
+        end.fails.set()
+        assert "has not answered" in await watched(beating)
+        await asyncio.gather(question, return_exceptions=True)
+        return len(end.asked)
+
+    async def watched(beating: Heartbeat) -> str:
+        await asyncio.sleep(0)  # the question fails in this moment
+        return await beating.until_dead()
+
+    assert run_virtual(scene()) > 1
+
+
 @given(heartbeat=st.floats(0.1, 1.5), asked=st.floats(0.0, 0.4), heard=st.floats(0.0, 0.5))
 def test_a_robot_that_freezes_between_two_answers_is_known_in_time(
     heartbeat: float, asked: float, heard: float

@@ -13,7 +13,7 @@ from tests.client.test_client import PATIENCE_S
 from tests.host.rig import Served, served
 from woz_tui.client import WozClient, WozRefusedError, connect
 from woz_tui.client.tools import LOOK, PLAY, STOP, ToolCaller, tools_of
-from woz_tui.protocol.description import ArgumentView, VerbView
+from woz_tui.protocol.description import ArgumentDescription, VerbDescription
 
 
 @pytest.fixture
@@ -67,12 +67,14 @@ async def _until_stopped(caller: ToolCaller, stopped: bool) -> None:
 
 
 def test_a_verb_of_several_drivers_is_one_tool_that_asks_which() -> None:
-    text = ArgumentView(name="text", kind="text", type="string", required=True)
-    level = ArgumentView(
+    text = ArgumentDescription(name="text", kind="text", type="string", required=True)
+    level = ArgumentDescription(
         name="level", kind="number", type="number", low=0, high=1, default=0.5, unit="of full"
     )
     verbs = [
-        VerbView(name="say", driver=driver, lane="speech", limit_s=60, arguments=[text, level])
+        VerbDescription(
+            name="say", driver=driver, lane="speech", limit_s=60, arguments=[text, level]
+        )
         for driver in ("left.voice", "right.voice")
     ]
     say = tools_of(verbs, [])[0].schema

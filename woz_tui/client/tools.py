@@ -12,7 +12,7 @@ from typing import Any
 
 from woz_tui.client.connection import WozClient
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.description import ArgumentView, VerbView
+from woz_tui.protocol.description import ArgumentDescription, VerbDescription
 from woz_tui.protocol.panels import PanelView
 
 #: The tools beside the verbs. A verb of such a name is offered with its driver in front of it.
@@ -35,9 +35,9 @@ class Tool:
     only_looks: bool = False
 
 
-def tools_of(verbs: Iterable[VerbView], panels: Iterable[PanelView]) -> list[Tool]:
+def tools_of(verbs: Iterable[VerbDescription], panels: Iterable[PanelView]) -> list[Tool]:
     """All tools of a session; a verb that several drivers have is one, with its `driver`."""
-    drivers: dict[str, list[VerbView]] = {}
+    drivers: dict[str, list[VerbDescription]] = {}
     for verb in verbs:
         if verb.driver in OWN_DRIVERS:
             continue
@@ -56,7 +56,7 @@ def tools_of(verbs: Iterable[VerbView], panels: Iterable[PanelView]) -> list[Too
     ]
 
 
-def _verb_tool(views: list[VerbView]) -> Tool:
+def _verb_tool(views: list[VerbDescription]) -> Tool:
     first = views[0]
     properties = {argument.name: _argument_schema(argument) for argument in first.arguments}
     required = [argument.name for argument in first.arguments if argument.required]
@@ -68,7 +68,7 @@ def _verb_tool(views: list[VerbView]) -> Tool:
     return Tool(first.name, summary, _schema(properties, required))
 
 
-def _argument_schema(argument: ArgumentView) -> dict[str, Any]:
+def _argument_schema(argument: ArgumentDescription) -> dict[str, Any]:
     unit = f" ({argument.unit})" if argument.unit else ""
     schema: dict[str, Any] = {"type": argument.type, "description": f"{argument.summary}{unit}"}
     if argument.choices:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from woz_tui.client.connection import WozClient
+from woz_tui.client import WozClient
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import ArgumentDescription, VerbDescription
 from woz_tui.protocol.panels import PanelView

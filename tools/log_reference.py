@@ -157,7 +157,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "script": ("", "actions in the script's order"),
     "seed": ("", "seed of everything random"),
     "segment": ("", "which utterance of the visitor, from 1"),
-    "every": ("s", "from one reading to the next, where they are seldom by nature; 0: not told"),
+    "every_s": ("s", "from one reading to the next, where they are seldom by nature; 0: not told"),
     "sensor": ("", "the quantity that is sensed"),
     "sent": ("", "what really went to the hardware, after limits"),
     "sent_again": ("", "how many commands were sent again"),

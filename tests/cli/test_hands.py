@@ -55,6 +55,8 @@ async def program(folder: Path, *arguments: str) -> AsyncIterator[Program]:
         stdout=PIPE,
         stderr=STDOUT,
         env={**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}"},
+        # A suite in the background of a shell ignores ctrl+c, and so would its programs.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
         yield Program(process)

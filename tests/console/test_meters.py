@@ -71,7 +71,7 @@ def test_old_values_look_old() -> None:
 def test_a_sensor_that_is_seldom_by_nature_looks_old_after_three_of_its_periods(
     age_s: int, old: bool
 ) -> None:
-    told = m.SensorChanged(sensor="battery", state="ok", every=10.0, t=NOW - 60_000_000)
+    told = m.SensorChanged(sensor="battery", state="ok", every_s=10.0, t=NOW - 60_000_000)
     reading = scenes.reading(NOW - age_s * 1_000_000, "battery", 80.0, unit="%")
     (row,) = meter_rows(pictured(told, reading), FRAME)
     assert ("old" in text([row])) is old

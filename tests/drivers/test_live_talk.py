@@ -81,6 +81,15 @@ class Booth:
     def say(self, pcm: bytes = WORD, lost_s: float = 0.0) -> None:
         self.window.add(pcm, self.clock.now_us(), "con7", lost_s)
 
+    async def until_changed(self) -> None:
+        """Talk until it is heard: what comes before the program is up may be dropped."""
+
+        def heard() -> bool:
+            self.say(CHANGED)
+            return CHANGED in self.said
+
+        await until(heard)
+
     async def begin(self) -> asyncio.Task[Mapping[str, Json]]:
         """`talk` is played, and the loudspeaker is open."""
         self.talking = asyncio.ensure_future(self.driver.perform(Ordered("talk")))
@@ -297,9 +306,7 @@ async def test_what_a_program_holds_is_not_heard_after_a_stop(booths: Any) -> No
     await until(talking.done)
     await booth.heard.until(lambda: booth.heard.states("talk")[-1] == "off")
     await booth.begin()
-    booth.say(CHANGED)
-    booth.say(CHANGED)
-    await until(lambda: CHANGED in booth.said)
+    await booth.until_changed()
     assert WORD not in booth.said
     await booth.end()
 
@@ -311,9 +318,7 @@ async def test_what_a_program_holds_is_not_heard_the_next_time(booths: Any) -> N
     await booth.until_said(bytes(640))
     await booth.end()
     await booth.begin()
-    booth.say(CHANGED)
-    booth.say(CHANGED)
-    await until(lambda: CHANGED in booth.said)
+    await booth.until_changed()
     assert WORD not in booth.said
     await booth.end()
 

@@ -268,7 +268,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         words=[m.SpokenWord(text="Gern.", began=600_000, ended=910_000, confidence=0.75)],
         confidence=0.5,
     ),
-    m.SensorChanged(sensor="battery", state="ok", every=10.0),
+    m.SensorChanged(sensor="battery", state="ok", every_s=10.0),
     m.MotionArrived(command="c00014", driver="head"),
     m.MotionInterrupted(
         command="c00015", driver="head", reason="replaced by a newer one", by="c00016"

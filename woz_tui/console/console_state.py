@@ -271,7 +271,7 @@ class ConsoleState:
         if reading is None:
             return SensorView(name, changed.t, state=state) if changed is not None else None
         known = (reading.t, reading.value, reading.text, reading.unit, reading.driver)
-        every = round(changed.every * 1_000_000) if changed is not None else 0
+        every = round(changed.every_s * 1_000_000) if changed is not None else 0
         return SensorView(name, *known, state, every)
 
     # -- time -------------------------------------------------------------------------------

@@ -249,7 +249,7 @@ class Reading(Message, frozen=True, kw_only=True, tag="sample"):
 class SensorChanged(Message, frozen=True, kw_only=True, tag="sensor.changed"):
     """A sensor's state, not its value, moved: ok, stale, silent, speaking, quiet ...
 
-    `every`: seconds from one of its readings to the next, where it is seldom by nature; 0: nobody
+    `every_s`: from one of its readings to the next, where it is seldom by nature; 0: nobody
     said.
     """
 
@@ -257,7 +257,7 @@ class SensorChanged(Message, frozen=True, kw_only=True, tag="sensor.changed"):
     state: str
     was: str = ""
     why: str = ""
-    every: float = 0.0
+    every_s: float = 0.0
 
 
 class ModeChanged(Message, frozen=True, kw_only=True, tag="mode.changed"):

@@ -128,7 +128,7 @@ class SessionDriverContext:
         if was != state:
             self._sensors[sensor] = state
             name = self._names.get(sensor, sensor)
-            self._publish(SensorChanged(sensor=name, state=state, was=was, why=why, every=every))
+            self._publish(SensorChanged(sensor=name, state=state, was=was, why=why, every_s=every))
 
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         """Publish the driver's change of health."""

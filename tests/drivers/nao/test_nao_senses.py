@@ -84,7 +84,7 @@ async def test_a_hot_motor_is_warned_of_once_and_again_when_it_is_hotter(tmp_pat
     watch = MotorWatch(heard.context)
     watched(heard, watch, LKneePitch=(60.0, 0), RKneePitch=(58.0, 0))
     assert heard.values("temperature") == [60.0]
-    assert [(one.state, one.every) for one in heard.all(SensorChanged)] == [("ok", EVERY_S)]
+    assert [(one.state, one.every_s) for one in heard.all(SensorChanged)] == [("ok", EVERY_S)]
     assert notices(heard) == []
     for _ in range(3):
         watched(heard, watch, LKneePitch=(76.0, 1), RKneePitch=(75.0, 1))

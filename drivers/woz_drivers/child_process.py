@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import cast
 
 from woz_drivers import command_lines
-from woz_drivers.retry_pauses import RetryPauses
 from woz_tui.drivers.contract import DriverError
+from woz_tui.system.retry_pauses import RetryPauses
 
 # -- orphan guard --------------------------------------------------------------------------------
 # The kernel ends a direct child with us, but not what that child started: both programs of

@@ -20,8 +20,8 @@ from typing import Any
 import aiohttp
 import msgspec
 
-from woz_drivers.retry_pauses import RetryPauses
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Health
+from woz_tui.system.retry_pauses import RetryPauses
 
 #: An attempt to connect may take so long, in seconds.
 _CONNECT_S = 3.0

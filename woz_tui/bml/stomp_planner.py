@@ -17,8 +17,9 @@ from woz_tui.bml.stomp_connection import (
     connect_stomp,
 )
 from woz_tui.client import WozClient
+from woz_tui.system.retry_pauses import RetryPauses
 
-#: Pauses between two attempts, in seconds: doubled up to the longest.
+#: Pauses between two attempts, in seconds.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.5, 8.0
 
 
@@ -57,12 +58,13 @@ class StompPlanner:
 
     async def run(self) -> None:
         """Serve. Raises `StompRefusedError` when the broker does not let us in."""
-        pause = _FIRST_PAUSE_S
+        pauses = RetryPauses(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
         try:
             while True:
+                connected = False
                 try:
                     self._connection = await connect_stomp(self._place)
-                    pause = _FIRST_PAUSE_S
+                    connected = True
                     await self._serve(self._connection)
                 except StompRefusedError:
                     raise
@@ -72,8 +74,7 @@ class StompPlanner:
                     connection, self._connection = self._connection, None
                     if connection is not None:
                         await connection.close()
-                await asyncio.sleep(pause)
-                pause = min(2 * pause, _LONGEST_PAUSE_S)
+                await asyncio.sleep(pauses.after(connected))
         finally:
             await self._realizer.close()
 

@@ -11,8 +11,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from woz_tui.protocol.messages import Notice
+from woz_tui.system.retry_pauses import RetryPauses
 
-#: Pauses before it is started again, in seconds: doubled up to the longest.
+#: Pauses before it is started again, in seconds.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.5, 8.0
 #: How long it may take to end, in seconds.
 _END_S = 2.0
@@ -64,16 +65,14 @@ class RemoteAccess:
             self._process.kill()
 
     async def _keep(self) -> None:
-        pause = _FIRST_PAUSE_S
+        pauses = RetryPauses(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
         while True:
             self._listening = ""
             with contextlib.suppress(OSError):
                 await self._once()
             if self._listening:
-                pause = _FIRST_PAUSE_S
                 self._tell("warning", "Access from other machines has ended; it is started again")
-            await asyncio.sleep(pause)
-            pause = min(2 * pause, _LONGEST_PAUSE_S)
+            await asyncio.sleep(pauses.after(bool(self._listening)))
 
     async def _once(self) -> None:
         self._process = await asyncio.create_subprocess_exec(

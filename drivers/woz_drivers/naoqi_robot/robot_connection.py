@@ -45,7 +45,6 @@ from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, WITHIN_S, Refusal, ServiceAbsentError
 from woz_drivers.naoqi_robot.robot_line import HALTS, RobotLine, silence, until_services
 from woz_drivers.naoqi_robot.served_files import ServedFiles
-from woz_drivers.retry_pauses import RetryPauses
 from woz_drivers.simulated_process import SimulatedProcess
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -54,6 +53,7 @@ from woz_tui.drivers.contract import (
     Health,
     RejectedError,
 )
+from woz_tui.system.retry_pauses import RetryPauses
 
 #: How long the parts may take to apply what the settings say, in seconds.
 _APPLIED_WITHIN_S = 10.0

@@ -20,7 +20,7 @@ import signal
 import sys
 from argparse import ArgumentParser
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -193,17 +193,19 @@ class AccessServer:
         return name, role
 
     def _tell_refused(self, who: str, why: str) -> None:
-        now = self._clock.now_us()
-        if now < self._last_told.get((who, why), now) + _TELL_AGAIN_S * 1e6 and (
-            (who, why) in self._last_told
-        ):
+        now, last = self._clock.now_us(), self._last_told.get((who, why))
+        if last is not None and now < last + _TELL_AGAIN_S * 1e6:
             return
         if len(self._last_told) > MOST:
             self._last_told.clear()
         self._last_told[who, why] = now
         announce(refused=f"{who}: {why}")
 
-    async def _websocket(self, request: web.Request) -> tuple[web.WebSocketResponse, str, str]:
+    @contextlib.asynccontextmanager
+    async def _websocket(
+        self, request: web.Request
+    ) -> AsyncIterator[tuple[web.WebSocketResponse, str, str]]:
+        """A connection of somebody who is let in, counted while it is open; name and role."""
         try:
             name, role = self._visitor(request)
         except StrangerError as error:
@@ -214,15 +216,17 @@ class AccessServer:
         )
         if not socket.can_prepare(request):
             raise web.HTTPBadRequest(text="this is for WebSocket; see docs/how-to/network.md")
-        await socket.prepare(request)
-        return socket, name, role
+        self._open[name] += 1
+        try:
+            await socket.prepare(request)
+            yield socket, name, role
+        finally:
+            self._open[name] -= 1
 
     # -- paths ---------------------------------------------------------------------------------
 
     async def _serve_clock(self, request: web.Request) -> web.StreamResponse:
-        socket, name, role = await self._websocket(request)
-        self._open[name] += 1
-        try:
+        async with self._websocket(request) as (socket, name, role):
             await socket.send_json(
                 {"session": self._session.stem, "name": name, "role": role, "boot_id": boot_id()}
             )
@@ -230,36 +234,32 @@ class AccessServer:
                 if message.type is not WSMsgType.TEXT or len(message.data) > 64:
                     break
                 await socket.send_json({"asked": message.data, "boot_us": self._clock.boot_us()})
-        finally:
-            self._open[name] -= 1
         return socket
 
     async def _serve_session(self, request: web.Request) -> web.StreamResponse:
-        socket, name, role = await self._websocket(request)
-        self._open[name] += 1
-        try:
-            reader, writer = await asyncio.open_unix_connection(self._session, limit=_LONGEST_LINE)
-        except OSError:
-            self._open[name] -= 1
-            await socket.close(code=1011, message=b"the robot process has ended")
-            return socket
-        ways = {
-            asyncio.create_task(
-                self._inward(socket, writer, RequestFilter(name, role, self._clock))
-            ),
-            asyncio.create_task(_outward(reader, socket)),
-            asyncio.create_task(self._until_other_role(name, role)),
-        }
-        try:
-            await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            self._open[name] -= 1
-            for way in ways:
-                way.cancel()
-            for end in await asyncio.gather(*ways, return_exceptions=True):
-                if isinstance(end, Exception) and not isinstance(end, ConnectionError):
-                    log.error("the connection of %s ended", name, exc_info=end)
-            writer.close()
+        async with self._websocket(request) as (socket, name, role):
+            try:
+                reader, writer = await asyncio.open_unix_connection(
+                    self._session, limit=_LONGEST_LINE
+                )
+            except OSError:
+                await socket.close(code=1011, message=b"the robot process has ended")
+                return socket
+            requests = RequestFilter(name, role, self._clock)
+            ways = {
+                asyncio.create_task(self._inward(socket, writer, requests)),
+                asyncio.create_task(_outward(reader, socket)),
+                asyncio.create_task(self._until_other_role(name, role)),
+            }
+            try:
+                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                for way in ways:
+                    way.cancel()
+                for end in await asyncio.gather(*ways, return_exceptions=True):
+                    if isinstance(end, Exception) and not isinstance(end, ConnectionError):
+                        log.error("the connection of %s ended", name, exc_info=end)
+                writer.close()
         await socket.close()
         return socket
 

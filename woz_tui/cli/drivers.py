@@ -6,11 +6,12 @@ import asyncio
 import contextlib
 import signal
 import sys
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
+from woz_tui.cli.argument_types import listen_address
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config.robots import load_robot
 from woz_tui.drivers import plugins
@@ -22,15 +23,6 @@ from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
 #: How long until the session is looked for again, in seconds.
 RETRY_S = 1.0
 _PORT = DRIVERS_LISTEN.rpartition(":")[2]
-
-
-def _address(text: str) -> str:
-    try:
-        if text:
-            ListenAddress.read(text)
-    except ValueError as error:
-        raise ArgumentTypeError(str(error)) from None
-    return text
 
 
 def add(parser: ArgumentParser) -> None:
@@ -54,7 +46,7 @@ def add(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "address",
-        type=_address,
+        type=listen_address,
         nargs="?",
         default="",
         metavar="HOST:PORT",

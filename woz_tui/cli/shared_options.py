@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 from woz_tui.cli.argument_types import listen_address
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
+from woz_tui.system.user_folders import config_folder
 
 
 def add_session(parser: ArgumentParser) -> None:
@@ -101,14 +101,9 @@ def builtins(arguments: Namespace) -> Sequence[BuiltinKey]:
     """The console's keys, moved as the file says. Raises `ExperimentError` for a wrong file."""
     file: Path | None = arguments.keymap
     if file is None:
-        file = _config() / "woz" / "keymap.yaml"
+        file = config_folder() / "woz" / "keymap.yaml"
         if not file.exists():
             return BUILTIN_KEYS
     from woz_tui.config.keys import load_keymap  # noqa: PLC0415 - few wizards have a file
 
     return load_keymap(file)
-
-
-def _config() -> Path:
-    configured = os.environ.get("XDG_CONFIG_HOME", "")
-    return Path(configured) if configured else Path.home() / ".config"

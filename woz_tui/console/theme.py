@@ -17,6 +17,7 @@ from pathlib import Path
 from textual.theme import BUILTIN_THEMES, Theme
 
 from woz_tui.console.glyphs import Glyphs, glyphs_for
+from woz_tui.system.user_folders import config_folder
 
 _DARK = {
     "woz-muted": "#8c96a5",
@@ -197,8 +198,7 @@ def choose_appearance(
 
 
 def _memory(environ: Mapping[str, str]) -> Path:
-    configured = environ.get("XDG_CONFIG_HOME", "")
-    return (Path(configured) if configured else Path.home() / ".config") / "woz" / "theme"
+    return config_folder(environ) / "woz" / "theme"
 
 
 def saved_theme(environ: Mapping[str, str]) -> str:

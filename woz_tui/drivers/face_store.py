@@ -7,7 +7,6 @@ that has it. Only programs that recognise faces, and `woz visitors`, open it.
 
 from __future__ import annotations
 
-import os
 import unicodedata
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -17,6 +16,7 @@ import msgspec
 
 from woz_tui.drivers.contract import DriverError
 from woz_tui.system import files
+from woz_tui.system.user_folders import state_folder
 
 FORMAT, VERSION = "woz-tui faces", 1
 #: Of one person so many templates are kept, the newest ones.
@@ -45,9 +45,7 @@ class _File(msgspec.Struct, forbid_unknown_fields=True):
 
 def default_path() -> Path:
     """`woz-tui/faces.json` in the user's state directory (XDG_STATE_HOME, or ~/.local/state)."""
-    base = os.environ.get("XDG_STATE_HOME", "")
-    root = Path(base) if base.startswith("/") else Path.home() / ".local" / "state"
-    return root / "woz-tui" / "faces.json"
+    return state_folder() / "woz-tui" / "faces.json"
 
 
 def key_of(name: str) -> str:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from woz_tui.system.user_folders import state_folder
+
 _CODE = re.compile(r"[A-Za-z0-9]{1,16}", re.ASCII)
 _STEM = re.compile(
     r"\d{4}-\d\d-\d\dT\d\d-\d\d-\d\d(?:_(?P<participant>[A-Za-z0-9]{1,16}))?"
@@ -115,9 +117,7 @@ def media_folder(log: Path) -> Path:
 
 def fallback_folders() -> list[Path]:
     """Where a log goes on when its own folder fails and no other was given, best first."""
-    state = os.environ.get("XDG_STATE_HOME", "")
-    base = Path(state) if Path(state).is_absolute() else Path("~/.local/state").expanduser()
-    return [base / "woz", Path(os.environ.get("TMPDIR") or "/tmp") / f"woz-{os.getuid()}"]
+    return [state_folder() / "woz", Path(os.environ.get("TMPDIR") or "/tmp") / f"woz-{os.getuid()}"]
 
 
 def home_folder() -> Path | None:

@@ -7,7 +7,6 @@ here. Only certificates in the list count, so a name that is revoked is out at o
 
 from __future__ import annotations
 
-import os
 import ssl
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -18,6 +17,7 @@ import msgspec
 
 from woz_tui.network.listen_address import is_access_name
 from woz_tui.system import files
+from woz_tui.system.user_folders import config_folder
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePrivateKey
@@ -87,8 +87,7 @@ class AccessFile:
 
 def folder() -> Path:
     """`$XDG_CONFIG_HOME/woz/access`, else below `~/.config`."""
-    configured = os.environ.get("XDG_CONFIG_HOME", "")
-    return (Path(configured) if configured else Path.home() / ".config") / "woz" / "access"
+    return config_folder() / "woz" / "access"
 
 
 class Authority:

@@ -107,6 +107,13 @@ async def test_what_the_robot_cannot_do_is_told_and_the_rest_is_played(planner: 
     await planner.play("b2", SAY + f"<required>{gaze}</required>")
     assert planner.verbs() == ["say"]
     assert planner.warnings()[-1][1] == "b2"
+    late = NOD.replace("s:m", "g:end")
+    await planner.play("b3", late + gaze)
+    assert [about for _, about in planner.warnings()[-2:]] == ["b3:g", "b3:n"]
+    before = planner.verbs()
+    await planner.play("b4", f"<required>{late}</required>{gaze}")
+    assert planner.verbs() == before
+    assert planner.warnings()[-1][1] == "b4"
 
 
 async def test_a_stop_ends_the_block_and_the_next_is_refused(planner: Planner) -> None:

@@ -290,11 +290,17 @@ def _resolved(
 
 
 def _without(block: BmlBlock, trouble: _Trouble, warnings: list[BmlWarning]) -> BmlBlock:
-    """The block without what cannot be, and without the constraints that refer to it."""
-    if not trouble.behaviour:
-        kept = tuple(each for each in block.constraints if each is not trouble.constraint)
-        return replace(block, constraints=kept)
-    gone = trouble.behaviour
+    """The block without what cannot be."""
+    if trouble.behaviour:
+        return without_behaviour(block, trouble.behaviour, warnings)
+    kept = tuple(each for each in block.constraints if each is not trouble.constraint)
+    return replace(block, constraints=kept)
+
+
+def without_behaviour(block: BmlBlock, gone: str, warnings: list[BmlWarning]) -> BmlBlock:
+    """The block without the behaviour `gone` and the constraints that refer to it, which are added
+    to `warnings` unless they are its own. Raises `BmlError` if one of them is required.
+    """
     constraints = []
     for constraint in block.constraints:
         if gone not in (constraint.first.behaviour, constraint.second.behaviour):

@@ -24,6 +24,7 @@ from woz_tui.bml.bml_schedule import (
     schedule,
     speech_timing,
     typical_timing,
+    without_behaviour,
 )
 from woz_tui.client import WozClient, WozError, WozRefusedError
 from woz_tui.protocol.description import PredictedCommand
@@ -112,8 +113,7 @@ class BmlRealizer:
 
     async def plan(self, block: BmlBlock) -> BlockSchedule:
         """When everything would happen, by what the robot foretells. Raises `BmlError`."""
-        warnings = list(block.warnings)
-        playable: list[Behaviour] = []
+        warnings, playable = list(block.warnings), block
         timings: dict[str, BehaviourTiming] = {}
         for behaviour in block.behaviours:
             try:
@@ -122,19 +122,8 @@ class BmlRealizer:
                 if behaviour.required:
                     raise BmlError(f"{behaviour.id}: {error}", block.id) from error
                 warnings.append(BmlWarning(error.kind, f"{behaviour.id}: {error}", (behaviour.id,)))
-                continue
-            playable.append(behaviour)
-        names = {behaviour.id for behaviour in playable} | {""}
-        kept = tuple(
-            each
-            for each in block.constraints
-            if {each.first.behaviour, each.second.behaviour} <= names
-            or each.first.block
-            or each.second.block
-        )
-        block = replace(
-            block, behaviours=tuple(playable), constraints=kept, warnings=tuple(warnings)
-        )
+                playable = without_behaviour(playable, behaviour.id, warnings)
+        block = replace(playable, warnings=tuple(warnings))
         return schedule(block, lambda behaviour: timings[behaviour.id], self._elsewhere)
 
     async def until_over(self, block: str) -> None:

@@ -18,7 +18,7 @@ import time
 from argparse import ArgumentParser, Namespace
 
 from woz_tui.cli.attach import find_session
-from woz_tui.cli.sound_client import SoundClient, SoundEndError, StatusLine, add_sound
+from woz_tui.cli.sound_client import SoundClient, SoundEndError, StatusLine, add_sound, print_end
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.requests import AskSound
 
@@ -58,10 +58,7 @@ def run(arguments: Namespace) -> int:
         with contextlib.suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     except SoundEndError as end:
-        print(f"woz listen: {end}", file=sys.stderr)
-        if end.remedy:
-            print(f"  {end.remedy}", file=sys.stderr)
-        return end.code
+        return print_end("woz listen", end)
     return 0
 
 

@@ -31,6 +31,14 @@ class SoundEndError(Exception):
         self.code = code
 
 
+def print_end(command: str, end: SoundEndError) -> int:
+    """Print why there is no sound, and what helps; the exit code."""
+    print(f"{command}: {end}", file=sys.stderr)
+    if end.remedy:
+        print(f"  {end.remedy}", file=sys.stderr)
+    return end.code
+
+
 class SoundClient:
     """A client of the session's socket that asks one thing at a time.
 

@@ -18,7 +18,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from woz_tui.cli.attach import find_session
-from woz_tui.cli.sound_client import SoundClient, SoundEndError, StatusLine, add_sound
+from woz_tui.cli.sound_client import SoundClient, SoundEndError, StatusLine, add_sound, print_end
 from woz_tui.protocol.requests import AskTalk, Reply
 
 #: What is sent at once, and the most that waits, in seconds.
@@ -60,10 +60,7 @@ def run(arguments: Namespace) -> int:
     try:
         _Talker(SoundClient(path, "program", "woz talk"), arguments).run()
     except SoundEndError as end:
-        print(f"woz talk: {end}", file=sys.stderr)
-        if end.remedy:
-            print(f"  {end.remedy}", file=sys.stderr)
-        return end.code
+        return print_end("woz talk", end)
     return 0
 
 

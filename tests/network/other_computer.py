@@ -223,11 +223,12 @@ def remote_driver(
     settings: Any = None,
     name: str = "arm",
     kind: str = "arm",
+    place: str = PLACE,
 ) -> RemoteDriver:
     """The session's side."""
     settings = driver.Settings() if settings is None else settings
     return RemoteDriver(
-        *(name, settings, context), local=driver, kind=kind, router=router, place=PLACE
+        *(name, settings, context), local=driver, kind=kind, router=router, place=place
     )
 
 

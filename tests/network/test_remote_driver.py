@@ -23,6 +23,7 @@ from tests.network.other_computer import (
     ArmSettings,
     OtherComputer,
     free_port,
+    listens,
     pair,
     remote_driver,
 )
@@ -372,7 +373,7 @@ async def test_another_version_of_the_driver_is_refused(tmp_path: Path) -> None:
 async def test_another_form_of_the_messages_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(driver_server, "LINK", 2)
+    monkeypatch.setattr(driver_server, "LINK", driver_messages.LINK + 1)
     async with pair(tmp_path, connected=False) as two:
         what, _ = await two.healthy(Health.FAULTED)
         assert "woz-tui" in what
@@ -521,6 +522,48 @@ async def test_a_revoked_name_is_not_let_in(tmp_path: Path) -> None:
         assert "revoked" in context.healths[-1][1]
     finally:
         await remote.close()
+
+
+async def test_a_name_that_is_revoked_while_it_is_connected_is_cut_and_stopped(
+    tmp_path: Path,
+) -> None:
+    """The line of the last one is closed; where others use it, nobody hears the revoked one."""
+    made, places = Authority(tmp_path / "authority"), (PLACE, "leg-pi")
+    port = await free_port()
+    router = DriverRouter(f"127.0.0.1:{port}", places, made, SILENCE_S)
+    others, sides = {}, {}
+    for place in places:
+        others[place] = _access(made, place, tmp_path)
+    for place in places:
+        context = RecordingContext()
+        remote = remote_driver(context, router, place=place)
+        await remote.open()
+        other = OtherComputer(Arm, ArmSettings(), tmp_path)
+        await other.start(f"127.0.0.1:{port}", others[place])
+        await until(lambda: context.healths[-1][0] is Health.CONNECTED, 20)  # noqa: B023
+        sides[place] = remote, context, other, Arm.newest
+    try:
+        for place in places:
+            remote, context, other, arm = sides[place]
+            lifting = asyncio.create_task(remote.perform(LIFT))
+            await until(lambda: bool(arm.under_way))  # noqa: B023
+            made.revoke(place)
+            with pytest.raises(DeviceLostError, match="revoked"):
+                await lifting
+            await until(lambda: context.healths[-1][0] is Health.FAULTED)  # noqa: B023
+            await until(lambda: arm.others == ["stop all"])  # noqa: B023
+            assert any("revoked" in line for line in other.lines)
+            arm.context.notice("info", "still here")
+            with pytest.raises(DeviceLostError, match="revoked"):
+                await remote.perform(LIFT)
+            assert not context.notices
+            if place == PLACE:  # the other one goes on meanwhile
+                assert await sides["leg-pi"][0].perform(PlainJob("wave")) == {"waved": 1}
+        await until(lambda: not listens(port))
+    finally:
+        for remote, _, other, _ in sides.values():
+            await remote.close()
+            await other.end()
 
 
 async def test_without_the_extra_the_driver_says_what_to_install(

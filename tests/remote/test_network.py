@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import os
 import random
 import ssl
 from collections.abc import Callable, Mapping
@@ -24,6 +26,7 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskStop, Beat, Hello, Reply
 from woz_tui.remote.access_server import BURST, LOCAL, MAY_BE, AccessServer, RequestFilter
+from woz_tui.remote.remote_session import RemoteSession, RemoteSessionError
 from woz_tui.system.clock import ManualClock
 from woz_tui.testing import until
 
@@ -158,6 +161,28 @@ async def test_who_is_revoked_is_cut_off(tmp_path: Path) -> None:
         with pytest.raises((EOFError, ConnectionError)):
             await peer.until(lambda line: False)
         await two.robot.published(lambda line: isinstance(line, m.ConsoleLost))
+
+
+async def test_a_new_file_of_the_same_name_keeps_nobody_in_with_the_old_one(
+    tmp_path: Path,
+) -> None:
+    async with machines(tmp_path) as two:
+        remote = RemoteSession(two.access("anna", "wizard"), two.address, two.clock)
+        running = asyncio.create_task(remote.run())
+        await remote.usable()
+        two.authority.revoke("anna")
+        two.access("anna", "wizard")
+        with pytest.raises(RemoteSessionError, match="revoked"):
+            await asyncio.wait_for(running, WAIT_S)
+
+
+async def test_another_role_in_the_file_ends_what_was_open(tmp_path: Path) -> None:
+    async with machines(tmp_path) as two, two.joined(two.access("anna", "wizard")) as remote:
+        peer = await connected(remote)
+        await peer.hello("wizard")
+        two.server.adopt({"anna": "watcher"})
+        with pytest.raises((EOFError, ConnectionError)):
+            await peer.until(lambda line: False)
 
 
 # -- the network -------------------------------------------------------------------------------
@@ -342,6 +367,20 @@ def test_a_list_that_cannot_be_read_lets_nobody_in(tmp_path: Path) -> None:
     (tmp_path / "a" / "names.json").write_text("[{")
     with pytest.raises(AccessError, match="names"):
         authority.name_of(serial)
+
+
+def test_the_list_is_read_once_for_each_change(tmp_path: Path) -> None:
+    """Whoever asks again for every connection costs the disk nothing."""
+    authority, file = Authority(tmp_path / "a"), tmp_path / "a" / "names.json"
+    authority.new("anna", 30, "", tmp_path / "x.access")
+    assert [each.name for each in authority.names()] == ["anna"]
+    was = file.stat()
+    file.write_bytes(b"x" * was.st_size)
+    os.utime(file, ns=(was.st_atime_ns, was.st_mtime_ns))
+    assert [each.name for each in authority.names()] == ["anna"]
+    os.utime(file)
+    with pytest.raises(AccessError):
+        authority.names()
 
 
 # -- beside the robot process ------------------------------------------------------------------

@@ -8,6 +8,7 @@ here. Only certificates in the list count, so a name that is revoked is out at o
 from __future__ import annotations
 
 import ssl
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -95,16 +96,24 @@ class Authority:
 
     def __init__(self, place: Path | None = None) -> None:
         self.place = folder() if place is None else place
+        #: The list, and the file's state when it was read: whoever asks often costs no reading.
+        self._names: tuple[IssuedName, ...] = ()
+        self._read: tuple[int, ...] = ()
 
     # -- names -----------------------------------------------------------------------------------
 
-    def names(self) -> list[IssuedName]:
+    def names(self) -> tuple[IssuedName, ...]:
         """All that were ever given out. Raises `AccessError` if the list cannot be read."""
         try:
-            text = (self.place / "names.json").read_bytes()
-            return msgspec.json.decode(text, type=list[IssuedName])
+            file = (self.place / "names.json").stat()
+            state = file.st_ino, file.st_mtime_ns, file.st_size
+            if state != self._read:
+                text = (self.place / "names.json").read_bytes()
+                self._names = msgspec.json.decode(text, type=tuple[IssuedName, ...])
+                self._read = state
+            return self._names
         except FileNotFoundError:
-            return []
+            return ()
         except (OSError, msgspec.MsgspecError) as error:
             raise AccessError(
                 f"{self.place / 'names.json'} cannot be read ({error}); nobody can join until it is"
@@ -186,7 +195,7 @@ class Authority:
 
     # -- files -----------------------------------------------------------------------------------
 
-    def _write_names(self, names: list[IssuedName]) -> None:
+    def _write_names(self, names: Sequence[IssuedName]) -> None:
         text = msgspec.json.format(msgspec.json.encode(names)).decode() + "\n"
         files.replace(self.place / "names.json", text, mode=0o600)
 

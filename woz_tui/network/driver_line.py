@@ -48,6 +48,8 @@ MISSING_REMEDY = "pip install 'woz-tui[remote-drivers]'"
 Receive = Callable[[bytes], None]
 #: Hears whether the other side is there; in a thread of the line.
 Presence = Callable[[bool], None]
+#: Ends what `receive` or `watch_presence` began.
+EndSubscription = Callable[[], None]
 
 
 class LineError(Exception):
@@ -89,24 +91,31 @@ class DriverLine:
             self._some.notify()
         return True
 
-    def receive(self, key: str, receive: Receive) -> None:
+    def receive(self, key: str, receive: Receive) -> EndSubscription:
         """Hand over what comes under this key."""
-        self._held.append(
-            self._session.declare_subscriber(key, lambda sample: receive(sample.payload.to_bytes()))
+        subscriber = self._session.declare_subscriber(
+            key, lambda sample: receive(sample.payload.to_bytes())
         )
+        self._held.append(subscriber)
+        return lambda: self._end(subscriber)
 
     def show_presence(self, key: str) -> None:
         """Let the others notice when this process goes."""
         self._held.append(self._session.liveliness().declare_token(key))
 
-    def watch_presence(self, key: str, presence: Presence) -> None:
+    def watch_presence(self, key: str, presence: Presence) -> EndSubscription:
         """Hear of everybody who comes and goes."""
         put = self._zenoh.SampleKind.PUT
-        self._held.append(
-            self._session.liveliness().declare_subscriber(
-                key, lambda sample: presence(sample.kind == put), history=True
-            )
+        subscriber = self._session.liveliness().declare_subscriber(
+            key, lambda sample: presence(sample.kind == put), history=True
         )
+        self._held.append(subscriber)
+        return lambda: self._end(subscriber)
+
+    def _end(self, subscriber: zenoh.Subscriber[None]) -> None:
+        self._held.remove(subscriber)
+        with contextlib.suppress(self._zenoh.ZError):
+            subscriber.undeclare()  # type: ignore[no-untyped-call]
 
     def close(self) -> None:
         """End it; may wait for a moment, so call it in a thread."""
@@ -214,7 +223,7 @@ class DriverRouter:
         """The open line, for one more user: the driver of this computer. Raises `LineError`."""
         async with self._lock:
             if why := self.barred(place):
-                raise LineError(why, f"woz access new {place} (a revoked name is gone for good)")
+                raise LineError(why, no_access_remedy(place))
             if self._line is not None and place not in self._let_in:
                 raise LineError(
                     f"{place} was given access after the session began", "start it anew"
@@ -238,13 +247,21 @@ class DriverRouter:
         if ListenAddress.read(self.listen).plain:
             return ""
         try:
-            names = [each for each in self._authority.names() if each.name == place]
+            if not any(each.name == place for each in self._authority.names()):
+                return f"{place} has no access"
         except AccessError as error:
             return str(error)
-        if not names:
-            return f"{place} has no access"
-        # The line knows names and not serial numbers: one that was revoked counts for the name.
-        return f"the access of {place} was revoked" if any(n.revoked for n in names) else ""
+        return self.revoked(place)
+
+    def revoked(self, place: str) -> str:
+        """That the access of this computer was revoked; empty: not as far as the list can be read.
+
+        The line knows names and not serial numbers: one that was revoked counts for the name.
+        """
+        with contextlib.suppress(AccessError):
+            if any(each.name == place and each.revoked for each in self._authority.names()):
+                return f"the access of {place} was revoked"
+        return ""
 
     def _opened(self) -> DriverLine:
         zenoh = _module()
@@ -279,6 +296,11 @@ class DriverRouter:
         for place in self.places:
             line.show_presence(session_key(place))
         return line
+
+
+def no_access_remedy(place: str) -> str:
+    """What helps a computer that is not let in."""
+    return f"woz access new {place}; if that was revoked, with another name"
 
 
 def _host(address: ListenAddress) -> str:

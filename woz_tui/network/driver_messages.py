@@ -18,7 +18,7 @@ from woz_tui.drivers.contract import Ask
 from woz_tui.protocol.messages import Json
 
 #: Which form of these messages; two sides of different forms do not talk.
-LINK = 1
+LINK = 2
 
 
 class _Body(msgspec.Struct, frozen=True, tag_field="is"):
@@ -95,7 +95,9 @@ class Invoke(_Body, frozen=True, tag="invoke"):
 
 
 class Left(_Body, frozen=True, tag="left"):
-    """The session has given this conversation up."""
+    """The session has given this conversation up, because of `why`."""
+
+    why: str
 
 
 class AskEnded(_Body, frozen=True, tag="ask-ended"):

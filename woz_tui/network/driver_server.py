@@ -449,8 +449,8 @@ class ServedDriver:
                 self._on_stop(body)
             case dm.Invoke() if self._ready:
                 self._enter(body.id, None, body.what, _guarded(lambda: self._invoke(body)))
-            case dm.Left():
-                self.lose("the session has lost the line")
+            case dm.Left(why=why):
+                self.lose(f"the session has ended it ({why})")
             case dm.AskEnded(id=number, ok=ok, why=why) if self._context is not None:
                 self._context.ask_ended(number, ok, why)
 

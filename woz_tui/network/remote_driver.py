@@ -37,6 +37,7 @@ from woz_tui.network.driver_line import (
     DriverRouter,
     LineError,
     from_key,
+    no_access_remedy,
     place_key,
     to_key,
 )
@@ -138,6 +139,8 @@ class RemoteDriver(Driver):
         self._round_trip_s = 0.0
         self._last_perform = 0
         self._twice = ""
+        #: Why the other computer may not come in any more.
+        self._barred = ""
         self._jobs: dict[int, Job] = {}
         #: Of commands that have ended: their motion goes on.
         self._motions: dict[int, Callable[[str], None]] = {}
@@ -270,14 +273,33 @@ class RemoteDriver(Driver):
                 self.context.health(Health.FAULTED, str(error), error.remedy)
                 if await self._closed_within(_RETRY_S):
                     return
-        self._line.receive(self._keys[1], lambda data: in_loop(self._receive, data))
-        self._line.watch_presence(
-            place_key(self._place), lambda there: in_loop(self._on_presence, there)
-        )
+        subscriptions = [
+            self._line.receive(self._keys[1], lambda data: in_loop(self._receive, data)),
+            self._line.watch_presence(
+                place_key(self._place), lambda there: in_loop(self._on_presence, there)
+            ),
+        ]
         while not await self._closed_within(_WATCH_S):
+            if why := self._router.revoked(self._place):
+                for end in subscriptions:
+                    await asyncio.to_thread(end)
+                await self._bar(why)
+                return
             silent_us = self.context.clock.boot_us() - self._heard_us
             if self._bound and silent_us > self._router.silence_s * 1e6:
                 self._lose(f"{self._place} does not answer")
+
+    async def _bar(self, why: str) -> None:
+        """The other computer may not come in any more; it is told, and stops what it has begun.
+
+        The rules of an open line cannot be changed: if this was not its last user the other
+        computer stays connected, to nobody who hears it.
+        """
+        self._barred = why
+        self._lose(why)
+        self.context.health(Health.FAULTED, why, no_access_remedy(self._place))
+        self._line = None
+        await self._router.leave()
 
     async def _closed_within(self, seconds: float) -> bool:
         with contextlib.suppress(TimeoutError):
@@ -456,7 +478,7 @@ class RemoteDriver(Driver):
     def _lose(self, why: str) -> None:
         """Nothing more comes of what is under way; the other side stops by itself."""
         if self._bound:
-            self._send(dm.Left())
+            self._send(dm.Left(why))
         self._unbind(why)
         if self._closed.is_set():
             return
@@ -496,7 +518,10 @@ class RemoteDriver(Driver):
         """Send it and wait until it has ended there. Cancelled, it is cancelled there, too."""
         if not self._bound:
             raise DeviceLostError(
-                f"{self._place} cannot be reached", "see the network, and `woz drivers` there"
+                self._barred or f"{self._place} cannot be reached",
+                no_access_remedy(self._place)
+                if self._barred
+                else "see the network, and `woz drivers` there",
             )
         epoch, future = self._epoch, asyncio.get_running_loop().create_future()
         self._ends[number] = future

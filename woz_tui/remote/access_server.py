@@ -19,8 +19,8 @@ import logging
 import signal
 import sys
 from argparse import ArgumentParser
-from collections import Counter
 from collections.abc import AsyncIterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
@@ -44,6 +44,8 @@ MAY_BE: Mapping[str, tuple[str, ...]] = {
 LOCAL = "local"
 #: Seconds from one ping to the next; one that is not answered in half of it ends the connection.
 HEARTBEAT_S = 2.0
+#: How often it is seen whose certificate was revoked, in seconds.
+LOOK_S = 1.0
 #: Requests a second that one connection may send, and how many at once after a pause. A stop and a
 #: beat do not count.
 REQUESTS_S, BURST = 200.0, 400.0
@@ -120,6 +122,16 @@ class RequestFilter:
         return ""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Guest:
+    """One connection. `serial` of the certificate; empty: one of this machine, without TLS."""
+
+    name: str
+    role: str
+    serial: str
+    transport: asyncio.Transport | None
+
+
 class AccessServer:
     """Lets clients from other machines in.
 
@@ -135,7 +147,8 @@ class AccessServer:
         self.roles: Mapping[str, str] = {}
         self._session = session
         self._authority = authority
-        self._open: Counter[str] = Counter()
+        self._guests: set[_Guest] = set()
+        self._watching: asyncio.Task[None] | None = None
         self._last_told: dict[tuple[str, str], int] = {}
         self._runner: web.AppRunner | None = None
 
@@ -152,32 +165,36 @@ class AccessServer:
             *(self._runner, address.host or None, address.port), ssl_context=context, backlog=32
         )
         await site.start()
+        self._watching = asyncio.create_task(self._watch())
         host, port = self._runner.addresses[0][:2]
         return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
     async def close(self) -> None:
         """End all connections."""
+        if self._watching is not None:
+            self._watching.cancel()
         if self._runner is not None:
             await self._runner.cleanup()
 
     def adopt(self, roles: Mapping[str, str]) -> None:
-        """The experiment gives these roles from now on, also to those who are there already."""
+        """The experiment gives these roles from now on. Who has another one has to come anew."""
         self.roles = roles
+        self._cut_off()
 
     # -- who comes in ------------------------------------------------------------------------
 
-    def _visitor(self, request: web.Request) -> tuple[str, str]:
-        """Name and role. Raises `StrangerError`."""
+    def _guest(self, request: web.Request) -> _Guest:
+        """Who that is. Raises `StrangerError`."""
         transport = request.transport
         certificate = transport.get_extra_info("peercert") if transport is not None else None
-        name = LOCAL
+        name, serial = LOCAL, ""
         if request.secure and not certificate:
             raise StrangerError("no certificate: `woz access new NAME` makes one on the robot")
         if certificate:
             subject = dict(pair for group in certificate["subject"] for pair in group)
-            name = subject["commonName"]
+            name, serial = subject["commonName"], certificate["serialNumber"]
             try:
-                if self._authority.name_of(certificate["serialNumber"]) != name:
+                if self._authority.name_of(serial) != name:
                     raise StrangerError(f"the certificate of {name} was revoked")
             except AccessError as error:
                 raise StrangerError(str(error)) from error
@@ -188,9 +205,25 @@ class AccessServer:
             )
         if request.headers.get("Origin"):
             raise StrangerError("a web page cannot connect")
-        if self._open[name] >= MOST_OF_ONE or self._open.total() >= MOST:
+        of_this_name = sum(guest.name == name for guest in self._guests)
+        if of_this_name >= MOST_OF_ONE or len(self._guests) >= MOST:
             raise StrangerError(f"{name} has too many connections")
-        return name, role
+        return _Guest(name, role, serial, transport)
+
+    async def _watch(self) -> None:
+        while True:
+            await asyncio.sleep(LOOK_S)
+            self._cut_off()
+
+    def _cut_off(self) -> None:
+        """End connections of certificates that were revoked, and of those with another role now."""
+        for guest in tuple(self._guests):
+            counts = True
+            if guest.serial:
+                with contextlib.suppress(AccessError):
+                    counts = self._authority.name_of(guest.serial) == guest.name
+            if (not counts or self.roles.get(guest.name) != guest.role) and guest.transport:
+                guest.transport.abort()
 
     def _tell_refused(self, who: str, why: str) -> None:
         now, last = self._clock.now_us(), self._last_told.get((who, why))
@@ -204,10 +237,10 @@ class AccessServer:
     @contextlib.asynccontextmanager
     async def _websocket(
         self, request: web.Request
-    ) -> AsyncIterator[tuple[web.WebSocketResponse, str, str]]:
-        """A connection of somebody who is let in, counted while it is open; name and role."""
+    ) -> AsyncIterator[tuple[web.WebSocketResponse, _Guest]]:
+        """A connection of somebody who is let in, counted while it is open."""
         try:
-            name, role = self._visitor(request)
+            guest = self._guest(request)
         except StrangerError as error:
             self._tell_refused(str(request.remote), str(error))
             raise web.HTTPForbidden(text=str(error)) from None
@@ -216,19 +249,24 @@ class AccessServer:
         )
         if not socket.can_prepare(request):
             raise web.HTTPBadRequest(text="this is for WebSocket; see docs/how-to/network.md")
-        self._open[name] += 1
+        self._guests.add(guest)
         try:
             await socket.prepare(request)
-            yield socket, name, role
+            yield socket, guest
         finally:
-            self._open[name] -= 1
+            self._guests.discard(guest)
 
     # -- paths ---------------------------------------------------------------------------------
 
     async def _serve_clock(self, request: web.Request) -> web.StreamResponse:
-        async with self._websocket(request) as (socket, name, role):
+        async with self._websocket(request) as (socket, guest):
             await socket.send_json(
-                {"session": self._session.stem, "name": name, "role": role, "boot_id": boot_id()}
+                {
+                    "session": self._session.stem,
+                    "name": guest.name,
+                    "role": guest.role,
+                    "boot_id": boot_id(),
+                }
             )
             async for message in socket:
                 if message.type is not WSMsgType.TEXT or len(message.data) > 64:
@@ -237,7 +275,7 @@ class AccessServer:
         return socket
 
     async def _serve_session(self, request: web.Request) -> web.StreamResponse:
-        async with self._websocket(request) as (socket, name, role):
+        async with self._websocket(request) as (socket, guest):
             try:
                 reader, writer = await asyncio.open_unix_connection(
                     self._session, limit=_LONGEST_LINE
@@ -245,11 +283,10 @@ class AccessServer:
             except OSError:
                 await socket.close(code=1011, message=b"the robot process has ended")
                 return socket
-            requests = RequestFilter(name, role, self._clock)
+            requests = RequestFilter(guest.name, guest.role, self._clock)
             ways = {
                 asyncio.create_task(self._inward(socket, writer, requests)),
                 asyncio.create_task(_outward(reader, socket)),
-                asyncio.create_task(self._until_other_role(name, role)),
             }
             try:
                 await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
@@ -258,7 +295,7 @@ class AccessServer:
                     way.cancel()
                 for end in await asyncio.gather(*ways, return_exceptions=True):
                     if isinstance(end, Exception) and not isinstance(end, ConnectionError):
-                        log.error("the connection of %s ended", name, exc_info=end)
+                        log.error("the connection of %s ended", guest.name, exc_info=end)
                 writer.close()
         await socket.close()
         return socket
@@ -276,15 +313,6 @@ class AccessServer:
                     if answer is not None:
                         await socket.send_str(codec.encode(answer).decode())
             await writer.drain()
-
-    async def _until_other_role(self, name: str, role: str) -> None:
-        """Return when the file gives this name another role, or its certificate was revoked."""
-        while True:
-            await asyncio.sleep(HEARTBEAT_S)
-            with contextlib.suppress(AccessError):
-                living = {each.name for each in self._authority.names() if not each.revoked}
-                if self.roles.get(name) != role or name not in living | {LOCAL}:
-                    return
 
 
 async def _outward(reader: asyncio.StreamReader, socket: web.WebSocketResponse) -> None:

@@ -185,16 +185,17 @@ class Engine:
         except Exception as error:
             raise RejectedError(f"{verb!r} failed inside: {error!r}") from error
 
-    def predict(self, verb: str, args: Mapping[str, Json]) -> float | None:
-        """How many seconds a move, pose or gaze would take if it were asked for now; None: unknown.
+    def predict(self, verb: str, args: Mapping[str, Json]) -> InputResult:
+        """How many seconds a move, pose or gaze would take if it were asked for now, and when its
+        stroke would come.
 
         Nothing changes. Raises `RejectedError` as `apply`.
         """
         if verb not in FORESEEN:
-            return None
+            return InputResult()
         self._predicts = True
         try:
-            return self.apply(verb, args).seconds
+            return self.apply(verb, args)
         finally:
             self._predicts = False
 
@@ -289,15 +290,16 @@ class Engine:
 
     def _play(self, args: Args) -> InputResult:
         move = self._moves[args["move"]]
+        pace = self._personality["tempo"], self._personality["speed"]
         if self._predicts:
-            rate = MovePlayback(move, self._shape, args["speed"], args["amplitude"], 0).rate
-            pace = rate(self._personality["tempo"], self._personality["speed"])
-            return InputResult(seconds=move.length / pace)
+            foreseen = MovePlayback(move, self._shape, args["speed"], args["amplitude"], 0)
+            seconds, stroke = foreseen.foreseen(*pace)
+            return InputResult(seconds=seconds, stroke=stroke)
         playing = self._joint_controller.play(move, args["speed"], args["amplitude"], self._token())
         self._face.begin_overlay()
-        seconds = move.length / playing.rate(self._personality["tempo"], self._personality["speed"])
+        seconds, stroke = playing.foreseen(*pace)
         sent = {**args, "move": move.name, "seconds": round(seconds, 3)}
-        return InputResult(sent, playing.token, seconds)
+        return InputResult(sent, playing.token, seconds, stroke)
 
     def _pose(self, args: Args) -> InputResult:
         goal = usable_angles("pose.joints", args["joints"], self._shape.joints)
@@ -501,6 +503,7 @@ class Engine:
             brightness=face.brightness,
             move=controller.move,
             ended=self._ended(),
+            stroke=controller.stroke(),
             cues=controller.cues(),
             notices=self._take_notices(),
         )

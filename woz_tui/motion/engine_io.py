@@ -16,12 +16,14 @@ class InputResult:
     """What an engine did with an input.
 
     `sent` is what was really taken, after clamping. An input that takes time has a `token`, which
-    some later tick names in `ended`, and `seconds` if it is known how long.
+    some later tick names in `ended`, and `seconds` if it is known how long. `stroke`: where its
+    meaning lies, in seconds from its beginning, if it has such a point.
     """
 
     sent: Mapping[str, Json] = field(default_factory=dict)
     token: int = 0
     seconds: float | None = None
+    stroke: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,8 @@ class Tick:
     brightness: float = 1.0
     move: str = ""
     ended: tuple[EndedInput, ...] = ()
+    #: The input whose stroke this moment is, by token; 0: none.
+    stroke: int = 0
     cues: tuple[SoundCue, ...] = ()
     #: Sentences for the wizard: why a mode ended, what a value was replaced by.
     notices: tuple[str, ...] = ()

@@ -163,6 +163,7 @@ class JointController:
         self._waited_s = 0.0
         self._ended: list[EndedInput] = []
         self._cues: tuple[SoundCue, ...] = ()
+        self._stroke = 0
         self.notices: list[str] = []
 
     # -- what people want -----------------------------------------------------------------------
@@ -334,6 +335,7 @@ class JointController:
         self.last_pose = self._fade.over(wanted, moment.dt)
         if isinstance(self.source, MovePlayback):
             self._cues = tuple(self.source.cues)
+            self._stroke = self.source.token if self.source.strikes else 0
         return self.last_pose
 
     def settle(self, dt: float, lagging: Mapping[str, float]) -> None:
@@ -360,6 +362,11 @@ class JointController:
         """What happens at this moment of a move."""
         cues, self._cues = self._cues, ()
         return cues
+
+    def stroke(self) -> int:
+        """The input whose stroke this moment is, by token; 0: none."""
+        stroke, self._stroke = self._stroke, 0
+        return stroke
 
     def ended(self) -> list[EndedInput]:
         """Inputs that ended since the last call."""

@@ -6,6 +6,7 @@ half-way changes the pace and not the place, and a late tick is late but never s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -85,3 +86,38 @@ class Move(Protocol):
     def cues(self) -> tuple[SoundCue, ...]:
         """What happens on the way, in order; `at` counts as `length` does."""
         ...
+
+
+#: At so many places of a move its stroke is looked for.
+_PLACES = 480
+#: A move is there where it has come this share of its way, as in Oosterkamp's program.
+_NEARLY = 0.99
+#: A move that goes less far than this has no stroke, in degrees.
+_LEAST = 1.0
+
+
+def stroke_of(move: Move) -> float | None:
+    """Where the meaning of a gesture lies: the place at which the move is for the first time as far
+    from its beginning as it goes; None if it hardly moves, or cannot be asked.
+    """
+    places = [move.length * number / _PLACES for number in range(_PLACES + 1)]
+    try:
+        angles = [_angles(move.at(place)) for place in places]
+    except Exception:  # noqa: BLE001 - a stranger's move; playing it says what is wrong
+        return None
+    reach = [
+        math.hypot(*(angle - angles[0].get(name, 0.0) for name, angle in each.items()))
+        for each in angles
+    ]
+    farthest = max(reach)
+    if not _LEAST < farthest < math.inf:
+        return None
+    return next(at for at, far in zip(places, reach, strict=True) if far > _NEARLY * farthest)
+
+
+def _angles(posture: Posture) -> dict[str, float]:
+    return {
+        f"{kind} {name}": angle
+        for kind in ("roles", "joints", "places")
+        for name, angle in getattr(posture, kind).items()
+    }

@@ -15,7 +15,7 @@ from woz_tui.motion.body_feeds import Sighting
 from woz_tui.motion.body_shape import BodyShape, Vector
 from woz_tui.motion.easing import EASINGS, PEAK_SPEEDS, low_pass
 from woz_tui.motion.kinematics import KinematicChain, cross
-from woz_tui.motion.move_types import FaceChange, Move, SoundCue
+from woz_tui.motion.move_types import FaceChange, Move, SoundCue, stroke_of
 
 # -- tracking -------------------------------------------------------------------------------------
 # Object tracking: the head turns to what the camera sees, and the face tells how that feels.
@@ -322,6 +322,9 @@ class MovePlayback(PoseSource):
         self.name = move.name
         self.token = token
         self.cues: list[SoundCue] = []
+        #: Whether this moment is its stroke.
+        self.strikes = False
+        self._stroke = stroke_of(move)
         self._shape = shape
         self._speed = speed
         self._amplitude = amplitude
@@ -334,6 +337,11 @@ class MovePlayback(PoseSource):
         pace = self._speed if self._own_pace else self._speed * speed
         return pace * tempo if self.move.beats else pace
 
+    def foreseen(self, tempo: float, speed: float) -> tuple[float, float | None]:
+        """How many seconds it takes, and after how many its stroke comes, from its beginning."""
+        rate = self.rate(tempo, speed)
+        return self.move.length / rate, None if self._stroke is None else self._stroke / rate
+
     def step(self, moment: SourceContext) -> Mapping[str, float]:
         """The move's posture at its place now."""
         passed = moment.dt * self.rate(moment.tempo, moment.speed)
@@ -342,6 +350,8 @@ class MovePlayback(PoseSource):
         if self.over:
             self._place = self.move.length
         self.cues = [cue for cue in self.move.cues if self._cued < cue.at <= self._place]
+        stroke = self._stroke
+        self.strikes = stroke is not None and self._cued < stroke <= self._place
         self._cued = self._place
         posture = self.move.at(self._place)
         size = self._amplitude if self._own_pace else self._amplitude * moment.amplitude

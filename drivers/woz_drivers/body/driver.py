@@ -68,12 +68,16 @@ class Body(RenderedDriver):
     def __init__(self, name: str, settings: BodySettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
         self._ticker = type(self).ticker(settings.rate, name)
-        self.loop = BodyLoop(settings, context, self._ticker.lateness, self._on_ended)
+        self.loop = BodyLoop(
+            settings, context, self._ticker.lateness, self._on_ended, self._on_stroke
+        )
         verbs = self.verbs(settings)
         self._verbs = {verb.name for verb in verbs}
         self._brief = {verb.name for verb in verbs if verb.stream} | BRIEF
         self._arriving = {verb.name for verb in verbs if verb.arrives}
         self._running: dict[int, asyncio.Future[str]] = {}
+        #: Tells that a move comes to its stroke, by token.
+        self._strokes: dict[int, Callable[[], None]] = {}
         #: Tells how motions end that go on after their command, by token.
         self._going_on: dict[int, Callable[[str], None]] = {}
         self._events: asyncio.AbstractEventLoop | None = None
@@ -145,14 +149,22 @@ class Body(RenderedDriver):
             return sent if answer.seconds is None else {**sent, "seconds": answer.seconds}
         if answer.seconds is not None:
             job.expects(answer.seconds)
-        why = await self._end_of(answer.token)
+        self._strokes[answer.token] = lambda: job.mark("stroke")
+        try:
+            why = await self._end_of(answer.token)
+        finally:
+            self._strokes.pop(answer.token, None)
         if why:
             job.goes_on()(why)
         return {**sent, "ended": why} if why else sent
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
-        """Moves, poses and gazes, by the engine's own arithmetic."""
-        return Forecast(self.loop.predict(*self.translated(self.settings, verb, args)))
+        """Moves, poses and gazes, by the engine's own arithmetic; of a move its stroke, too."""
+        foreseen = self.loop.predict(*self.translated(self.settings, verb, args))
+        if foreseen.seconds is None:
+            return Forecast()
+        at = foreseen.stroke
+        return Forecast(foreseen.seconds, () if at is None else ((at, "stroke", ""),))
 
     async def stop(self, scope: Scope) -> None:
         """Stand still, breathing and blinking too, until `resume`.
@@ -269,6 +281,16 @@ class Body(RenderedDriver):
         assert self._events is not None
         with contextlib.suppress(RuntimeError):  # the loop has closed: the session is over
             self._events.call_soon_threadsafe(self._ended, ended)
+
+    def _on_stroke(self, token: int) -> None:
+        """From the ticking thread, as `_on_ended`."""
+        assert self._events is not None
+        with contextlib.suppress(RuntimeError):
+            self._events.call_soon_threadsafe(self._stroke, token)
+
+    def _stroke(self, token: int) -> None:
+        if (tell := self._strokes.get(token)) is not None:
+            tell()
 
     def _ended(self, ended: tuple[EndedInput, ...]) -> None:
         for one in ended:

@@ -312,6 +312,7 @@ class BodyLoop:
         context: Whom to tell.
         lateness: How punctual the ticks are; told once a second.
         on_ended: Called in the ticking thread with inputs that are over.
+        on_stroke: Called there with the token of a move that comes to its stroke.
     """
 
     def __init__(
@@ -320,6 +321,7 @@ class BodyLoop:
         context: DriverContext,
         lateness: Lateness,
         on_ended: Callable[[tuple[EndedInput, ...]], None],
+        on_stroke: Callable[[int], None] = lambda token: None,
     ) -> None:
         #: What it can play now.
         self.moves = settings.repertoire.moves
@@ -329,6 +331,7 @@ class BodyLoop:
         self._context = context
         self._lateness = lateness
         self._on_ended = on_ended
+        self._on_stroke = on_stroke
         self._publishing = TickPublisher(settings, context)
         self._joining = LimpJointWatch(settings, context) if settings.servos else None
         self._zero = {name: joint.zero for name, joint in settings.joints.items()}
@@ -352,8 +355,10 @@ class BodyLoop:
             self._touched = True
             return self.engine.apply(verb, args, hand)
 
-    def predict(self, verb: str, args: Mapping[str, Json]) -> float | None:
-        """How many seconds an input would take now. Raises `RejectedError`."""
+    def predict(self, verb: str, args: Mapping[str, Json]) -> InputResult:
+        """How many seconds an input would take now, and when its stroke would come. Raises
+        `RejectedError`.
+        """
         with self._lock:
             return self.engine.predict(verb, args)
 
@@ -428,6 +433,8 @@ class BodyLoop:
         self._publish_face(tick)
         if state is not None:
             self._state.put(state)
+        if tick.stroke:
+            self._on_stroke(tick.stroke)
         if tick.ended:
             self._on_ended(tick.ended)
         self._publishing.tick(tick)

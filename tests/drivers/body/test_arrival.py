@@ -82,3 +82,26 @@ def test_how_long_it_takes_is_known_before_and_nothing_moves(tmp_path: Path) -> 
             await it.body.predict("gaze", {"yaw": 10.0})
 
     played(tmp_path, story)
+
+
+def test_a_moves_stroke_comes_where_it_was_foretold(tmp_path: Path) -> None:
+    async def story(it: Stage) -> None:
+        loop = asyncio.get_running_loop()
+        for move, speed in (("nod", 1.0), ("shake", 2.0), ("point-left", 1.0)):
+            job = PlainJob("play", {"move": move, "speed": speed, "amplitude": 1.0})
+            known = await it.body.predict(job.verb, job.args)
+            assert known.seconds is not None and known.marks is not None
+            [(at, sort, _)] = known.marks
+            assert sort == "stroke" and 0 < at < known.seconds
+            began = loop.time()
+            playing = asyncio.create_task(it.body.perform(job))
+            await asyncio.sleep(at - SLACK_S)
+            assert job.marks == []
+            await asyncio.sleep(2 * SLACK_S)
+            assert job.marks == [("stroke", "")]
+            await playing
+            assert loop.time() - began == pytest.approx(known.seconds, abs=2 * SLACK_S)
+            assert len(job.marks) == 1
+        assert (await it.body.predict("gaze", {"yaw": 3.0})).marks == ()
+
+    played(tmp_path, story)

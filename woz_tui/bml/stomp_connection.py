@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
+from typing import NoReturn
+
+from woz_tui.system.retry_pauses import RetryPauses
 
 #: A longer frame ends the connection, in bytes.
 LONGEST_FRAME = 4 << 20
@@ -19,6 +22,8 @@ MOST_HEADERS = 100
 HEART_BEAT_S = 2.0
 _CONNECT_S = 5.0
 _GOODBYE_S = 1.0
+#: Pauses between two attempts, in seconds.
+_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.5, 8.0
 _ESCAPES = (("\\", "\\\\"), ("\r", "\\r"), ("\n", "\\n"), (":", "\\c"))
 
 
@@ -222,6 +227,30 @@ async def connect_stomp(place: StompPlace) -> StompConnection:
     except OSError as error:
         raise StompError(f"{place} cannot be reached: {error.strerror or error}") from None
     return connection
+
+
+async def stay_connected(
+    place: StompPlace,
+    serve: Callable[[StompConnection], Awaitable[None]],
+    tell: Callable[[str], None],
+) -> NoReturn:
+    """Connect and `serve` until this is cancelled, again and again when the broker goes away, which
+    `tell` says to a person. Raises `StompRefusedError` when it does not let us in.
+    """
+    pauses = RetryPauses(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
+    while True:
+        connection = None
+        try:
+            connection = await connect_stomp(place)
+            await serve(connection)
+        except StompRefusedError:
+            raise
+        except StompError as error:
+            tell(f"{error}; it is tried again")
+        finally:
+            if connection is not None:
+                await connection.close()
+        await asyncio.sleep(pauses.after(connection is not None))
 
 
 def _heart_beat(text: str) -> tuple[int, int]:

@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from urllib.parse import quote_plus, unquote_plus
 
 from woz_tui.bml.realizer import BmlRealizer, Feedback
-from woz_tui.bml.stomp_connection import (
-    StompConnection,
-    StompError,
-    StompPlace,
-    StompRefusedError,
-    connect_stomp,
-)
+from woz_tui.bml.stomp_connection import StompConnection, StompPlace, stay_connected
 from woz_tui.client import WozClient
-from woz_tui.system.retry_pauses import RetryPauses
-
-#: Pauses between two attempts, in seconds.
-_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.5, 8.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,31 +47,20 @@ class StompPlanner:
 
     async def run(self) -> None:
         """Serve. Raises `StompRefusedError` when the broker does not let us in."""
-        pauses = RetryPauses(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
         try:
-            while True:
-                connected = False
-                try:
-                    self._connection = await connect_stomp(self._place)
-                    connected = True
-                    await self._serve(self._connection)
-                except StompRefusedError:
-                    raise
-                except StompError as error:
-                    self._tell_person(f"{error}; it is tried again")
-                finally:
-                    connection, self._connection = self._connection, None
-                    if connection is not None:
-                        await connection.close()
-                await asyncio.sleep(pauses.after(connected))
+            await stay_connected(self._place, self._serve, self._tell_person)
         finally:
             await self._realizer.close()
 
     async def _serve(self, connection: StompConnection) -> None:
+        self._connection = connection
         connection.subscribe(self._topics.request)
         self._tell_person(f"connected to {self._place}; blocks come from {self._topics.request}")
-        async for _, text in connection.messages():
-            await self._realizer.perform(self._unwrapped(text))
+        try:
+            async for _, text in connection.messages():
+                await self._realizer.perform(self._unwrapped(text))
+        finally:
+            self._connection = None
 
     def _unwrapped(self, text: str) -> str:
         """The block: as it is, or from `{"bml": {"content": ...}}`, which some planners send."""

@@ -12,9 +12,10 @@ from rich.table import Table
 from woz_tui.bml.bml_block import BmlBlock, BmlError, read_block
 from woz_tui.bml.bml_schedule import BlockSchedule, schedule
 from woz_tui.bml.realizer import BmlRealizer, Feedback
-from woz_tui.bml.stomp_connection import StompError, StompPlace
+from woz_tui.bml.stomp_connection import StompError
 from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
 from woz_tui.console.text_console import TextConsole
 from woz_tui.system import files
@@ -45,13 +46,7 @@ def add(parser: ArgumentParser) -> None:
     topics = PlannerTopics()
     parser.add_argument("--request", default=topics.request, help="topic of the blocks")
     parser.add_argument("--told", default=topics.feedback, help="topic of the feedback")
-    parser.add_argument("--login", default="", help="name at the broker")
-    parser.add_argument(
-        "--passcode-file", type=Path, default=None, help="file with the password at the broker"
-    )
-    parser.add_argument(
-        "--virtual-host", default="", help="the broker's virtual host (RabbitMQ: /)"
-    )
+    add_broker(parser)
 
 
 def run(arguments: Namespace) -> int:
@@ -66,13 +61,7 @@ def run(arguments: Namespace) -> int:
 
 
 async def _planner(arguments: Namespace) -> int:
-    host, _, port = arguments.stomp.partition(":")
-    if not host or not (port or "61613").isdigit():
-        raise ValueError(f"{arguments.stomp!r} is no address: write HOST or HOST:PORT")
-    passcode = ""
-    if arguments.passcode_file is not None:
-        passcode = arguments.passcode_file.read_text(encoding="utf-8").strip()
-    place = StompPlace(host, int(port or 61613), arguments.login, passcode, arguments.virtual_host)
+    place = broker_place(arguments.stomp, arguments)
     async with connect(arguments.session, name="planner") as client:
         topics = PlannerTopics(arguments.request, arguments.told)
         await StompPlanner(client, place, topics, print).run()

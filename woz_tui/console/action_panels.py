@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from rich.cells import cell_len, set_cell_size
 
@@ -31,8 +32,7 @@ GUTTER = 1
 FIXED = 3
 
 
-@dataclass(frozen=True, slots=True)
-class Slot:
+class Slot(NamedTuple):
     """One line of a column: a panel's title (`action` is None) or an action.
 
     `panel` counts from 0; `again` marks the title of a panel that goes on in a new column.
@@ -75,22 +75,21 @@ def lay_out(panels: Sequence[PanelView], width: int, height: int, cap: int) -> P
     candidates = []
     for columns in range(1, most + 1):
         cells = min(widest, (width - GUTTER * (columns - 1)) // columns)
-        for split in (False, True):
-            for air in (1, 0):
-                flow = _flow(panels, columns, height, air, split)
-                if flow is None:
+        for split, air in ((False, 1), (False, 0), (True, 1), (True, 0)):
+            flow = _flow(panels, columns, height, air, split)
+            if flow is None:
+                continue
+            if flow.pages == 1:
+                flow = _balanced(panels, flow, columns, height, air=air, split=split)
+                if flow.used < columns:
                     continue
-                if flow.pages == 1:
-                    flow = _balanced(panels, flow, columns, height, air=air, split=split)
-                    if flow.used < columns:
-                        continue
-                short = _cut_short(panels, cells - cap - FIXED)
-                far = abs(best - cells)
-                cost = (flow.pages, short, flow.splits, -air, cells < COMFORTABLE, far)
-                found = PanelLayout(
-                    tuple(flow.slots), flow.pages, columns, cells, short, flow.splits
-                )
-                candidates.append((cost, found))
+            short = _cut_short(panels, cells - cap - FIXED)
+            far = abs(best - cells)
+            cost = (flow.pages, short, flow.splits, -air, cells < COMFORTABLE, far)
+            found = PanelLayout(tuple(flow.slots), flow.pages, columns, cells, short, flow.splits)
+            candidates.append((cost, found))
+            if flow.pages == 1 and not flow.splits:
+                break  # no other of as many columns is better
     if not candidates:  # no panels at all
         return PanelLayout((), 1, 1, min(widest, width), 0, 0)
     return min(candidates, key=lambda candidate: candidate[0])[1]
@@ -112,11 +111,11 @@ def append_panel(arranged: PanelLayout, panel: PanelView, number: int, height: i
         return arranged
     if rest >= 0:
         row = filled[column] + (filled[column] > 0 and rest > 0)
-        moved = [replace(each, column=column, row=row + each.row) for each in flow.slots]
+        moved = [each._replace(column=column, row=row + each.row) for each in flow.slots]
     else:
         page += 1
         moved = flow.slots
-    slots = [replace(each, page=page + each.page, panel=number) for each in moved]
+    slots = [each._replace(page=page + each.page, panel=number) for each in moved]
     pages = page + (flow.pages if rest < 0 else 1)
     return replace(arranged, slots=(*arranged.slots, *slots), pages=pages)
 

@@ -232,7 +232,7 @@ class ScriptPane(Cells):
 
 @dataclass(frozen=True, slots=True)
 class News:
-    """A sentence in the place of the hints; `look` as in `cells.LOOKS`."""
+    """A sentence in the place of the hints; `look` as in `theme.LOOKS`."""
 
     text: str = ""
     look: str = "muted"

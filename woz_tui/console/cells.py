@@ -8,44 +8,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import ClassVar
 
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
+from rich.style import Style
 from textual.geometry import Region
 from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
 from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.theme import look_style
 from woz_tui.system import text_cleaning
 
 Piece = tuple[str, str]
 Row = tuple[Piece, ...]
-
-#: Every look there is; the theme gives each one colours that are never its only meaning.
-LOOKS = (
-    "plain",
-    "muted",
-    "faint",
-    "strong",
-    "title",
-    "key",
-    "run",
-    "fill",
-    "wait",
-    "good",
-    "warn",
-    "bad",
-    "alarm",
-    "alarm-soft",
-    "stale",
-    "flash",
-    "face-1",
-    "face-2",
-    "face-3",
-    "face-4",
-)
 
 #: Every text that is drawn goes through it; before it is measured, where it may be anybody's.
 clean = text_cleaning.clean
@@ -90,8 +67,7 @@ def cut(row: Row, width: int, ellipsis: str = "…") -> Row:
     left = width
     for index, (text, look) in enumerate(row):
         size = cell_len(text)
-        rest = sum(cell_len(later) for later, _ in row[index + 1 :])
-        if size > left or (size == left and rest):
+        if size > left or (size == left and length(row[index + 1 :])):
             if left:
                 pieces.append((set_cell_size(text, left - 1) + ellipsis, look))
             return tuple(pieces)
@@ -156,7 +132,6 @@ def heading(title: str, frame: PaintFrame) -> Row:
 class Cells(Widget):
     """Shows rows. `show` compares them with what is there and repaints the difference."""
 
-    COMPONENT_CLASSES: ClassVar[set[str]] = {f"cells--{look}" for look in LOOKS}
     can_focus = False
 
     class Resized(Message):
@@ -169,6 +144,7 @@ class Cells(Widget):
     def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
         self._rows: list[Row] = []
+        self._styles_of_looks: dict[str, Style] = {}
 
     @property
     def rows(self) -> list[Row]:
@@ -196,16 +172,32 @@ class Cells(Widget):
         if changed:
             self.refresh(*changed)
 
+    def style_of(self, look: str) -> Style:
+        """How a look is drawn on the widget's own background.
+
+        Computed when it is drawn: as component classes, each widget would have the style sheet
+        applied to every look there is, whenever a dialog opens or closes.
+
+        Raises:
+            KeyError: There is no such look.
+        """
+        if look not in self._styles_of_looks:
+            self._styles_of_looks[look] = self.rich_style + look_style(look, self.app)
+        return self._styles_of_looks[look]
+
+    def notify_style_update(self) -> None:
+        """The theme or the background may be another one."""
+        self._styles_of_looks.clear()
+        super().notify_style_update()
+
     def render_line(self, y: int) -> Strip:
         """One row, padded with the widget's own background."""
-        base = self.get_component_rich_style("cells--plain")
+        base = self.style_of("plain")
         width = self.size.width
         if y >= len(self._rows):
             return Strip.blank(width, base)
         segments = [
-            Segment(clean(text), self.get_component_rich_style(f"cells--{look}"))
-            for text, look in self._rows[y]
-            if text
+            Segment(clean(text), self.style_of(look)) for text, look in self._rows[y] if text
         ]
         return Strip(segments).adjust_cell_length(width, base)
 

@@ -13,7 +13,11 @@ import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from rich.style import Style
+from textual.app import App
+from textual.color import Color
 from textual.theme import BUILTIN_THEMES, Theme
 
 from woz_tui.console.glyphs import Glyphs, glyphs_for
@@ -146,6 +150,62 @@ SIXTEEN = Theme(
 THEMES = (DARK, LIGHT, SIXTEEN)
 #: What can be chosen: each is a theme's name without `woz-`.
 CHOICES = ("dark", "light", "16")
+
+#: Every look there is: its colour, its background ("" for what it is drawn on) and its attributes.
+#: A colour is a variable of the theme, and never a look's only meaning.
+LOOKS: Mapping[str, tuple[str, str, str]] = {
+    "plain": ("foreground", "", ""),
+    "muted": ("woz-muted", "", ""),
+    "faint": ("woz-faint", "", ""),
+    "strong": ("woz-strong", "", "bold"),
+    "title": ("woz-title", "", "bold"),
+    "key": ("woz-key", "woz-key-ground", "bold"),
+    "run": ("woz-run", "", ""),
+    "fill": ("woz-fill", "woz-fill-ground", ""),
+    "wait": ("woz-wait", "", ""),
+    "good": ("woz-good", "", ""),
+    "warn": ("woz-warn", "", ""),
+    "bad": ("woz-bad", "", "bold"),
+    "alarm": ("woz-alarm", "woz-alarm-ground", "bold"),
+    "alarm-soft": ("woz-alarm", "woz-alarm-soft-ground", ""),
+    "stale": ("woz-muted", "", "italic"),
+    "flash": ("woz-flash", "woz-flash-ground", "bold"),
+    "face-1": ("woz-face-1", "woz-face-ground", ""),
+    "face-2": ("woz-face-2", "woz-face-ground", ""),
+    "face-3": ("woz-face-3", "woz-face-ground", ""),
+    "face-4": ("woz-face-4", "woz-face-ground", ""),
+}
+#: Where only the terminal's own sixteen colours are left, its attributes tell these looks apart.
+_SIXTEEN_ATTRIBUTES = {"muted": "dim", "stale": "dim"}
+#: Without any colours it is these, too.
+_COLOURLESS_ATTRIBUTES = {
+    "fill": "reverse",
+    "flash": "reverse",
+    "alarm": "bold reverse",
+    "alarm-soft": "reverse",
+    "faint": "dim",
+    "warn": "bold",
+    "face-1": "dim",
+    "face-4": "bold",
+}
+
+
+def look_style(look: str, app: App[Any]) -> Style:
+    """The colours and attributes of a look in the app's theme.
+
+    Raises:
+        KeyError: There is no such look.
+    """
+    colour, ground, attributes = LOOKS[look]
+    if app.theme == SIXTEEN.name:
+        attributes = _SIXTEEN_ATTRIBUTES.get(look, attributes)
+    if app.no_color:
+        attributes = _COLOURLESS_ATTRIBUTES.get(look, attributes)
+    variables = app.theme_variables
+    return Style.parse(attributes) + Style.from_color(
+        Color.parse(variables[colour]).rich_color,
+        Color.parse(variables[ground]).rich_color if ground else None,
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -185,7 +185,7 @@ class Swatches(Cells):
 
     def render_line(self, y: int) -> Strip:
         """One row, swatches in their colour."""
-        base = self.get_component_rich_style("cells--plain")
+        base = self.style_of("plain")
         if y >= len(self.rows):
             return Strip.blank(self.size.width, base)
         segments = [Segment(text, self._style(look)) for text, look in self.rows[y] if text]
@@ -194,4 +194,4 @@ class Swatches(Cells):
     def _style(self, look: str) -> Style:
         if look.startswith(SWATCH):
             return Style(bgcolor=Color.parse(look.removeprefix(SWATCH)))
-        return self.get_component_rich_style(f"cells--{look}")
+        return self.style_of(look)

@@ -93,7 +93,7 @@ class StompBroker:
 
     def _connect(self, writer: asyncio.StreamWriter, headers: dict[str, str], _: bytes) -> None:
         if headers.get("passcode", "") != self.passcode:
-            writer.write(b"ERROR\nmessage:Authentication failed\n\n\0")
+            writer.write(b"ERROR\nmessage:Bad CONNECT\n\nAccess refused for user 'me'\n\0")
             writer.close()
             return
         writer.write(b"CONNECTED\nversion:1.2\nheart-beat:0,0\n\n\0")

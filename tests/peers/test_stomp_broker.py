@@ -1,54 +1,110 @@
-"""Our STOMP client, and a planner's blocks, over ActiveMQ."""
+"""Our STOMP client, and a planner's blocks, over ActiveMQ and RabbitMQ."""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import os
+import signal
 import socket
-from collections.abc import AsyncIterator
+import subprocess
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
 
-from tests.bml.test_stomp import BLOCK, PATIENCE_S, TOPICS
+from tests.bml.test_stomp import BLOCK, TOPICS
 from tests.host.rig import served
 from tests.peers.places import place
-from woz_tui.bml.stomp_connection import StompConnection, StompError, StompPlace, connect_stomp
+from woz_tui.bml.stomp_connection import (
+    StompError,
+    StompPlace,
+    StompRefusedError,
+    connect_stomp,
+)
 from woz_tui.bml.stomp_planner import StompPlanner
 from woz_tui.client import connect
+from woz_tui.testing import until
 
 pytestmark = pytest.mark.peers
 
-
-@pytest.fixture
-async def broker(tmp_path: Path) -> AsyncIterator[StompPlace]:
-    """ActiveMQ at a port of its own."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    process = await asyncio.create_subprocess_exec(
-        place("activemq") / "run", str(port), str(tmp_path), stdout=-3, stderr=-3
-    )
-    try:
-        there = StompPlace("127.0.0.1", port)
-        await (await _connected(there)).close()
-        yield there
-    finally:
-        process.kill()
-        await process.wait()
+PATIENCE_S = 90.0
 
 
-async def _connected(there: StompPlace) -> StompConnection:
-    """As soon as it takes connections."""
-    async with asyncio.timeout(PATIENCE_S):
+@dataclass
+class Broker:
+    """A broker of this name with its login, at a port of its own."""
+
+    name: str
+    folder: Path
+    place: StompPlace
+    process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        """Start it, again at the same port; returns when it listens."""
+        log = (self.folder / "output").open("ab")
+        with log:
+            self.process = subprocess.Popen(
+                [place(self.name) / "run", str(self.place.port), str(self.folder)],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+            )
+        ends = time.monotonic() + PATIENCE_S
         while True:
             try:
-                return await connect_stomp(there)
-            except StompError:
-                await asyncio.sleep(0.2)
+                socket.create_connection((self.place.host, self.place.port)).close()
+            except OSError:
+                assert time.monotonic() < ends, (self.folder / "output").read_text()[-2000:]
+                time.sleep(0.1)
+            else:
+                return
+
+    def send_signal(self, number: signal.Signals) -> None:
+        """To the broker with all that it started."""
+        assert self.process is not None
+        os.killpg(self.process.pid, number)
+
+    def end(self, number: signal.Signals = signal.SIGKILL) -> None:
+        """End it, by default without a goodbye."""
+        if self.process is not None:
+            with contextlib.suppress(ProcessLookupError):
+                self.send_signal(number)
+            self.process.wait(PATIENCE_S)
 
 
-async def test_texts_come_unharmed_and_as_texts(broker: StompPlace) -> None:
-    one, other = await _connected(broker), await _connected(broker)
+def _port() -> int:
+    """A port that nobody listens on now; nor on the three behind it."""
+    while True:
+        with contextlib.ExitStack() as probes, contextlib.suppress(OSError, OverflowError):
+            first = probes.enter_context(socket.socket())
+            first.bind(("127.0.0.1", 0))
+            port = int(first.getsockname()[1])
+            for more in range(1, 4):
+                probes.enter_context(socket.socket()).bind(("127.0.0.1", port + more))
+            return port
+
+
+@pytest.fixture(scope="module", params=["activemq", "rabbitmq"])
+def broker(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Broker]:
+    name = request.param
+    virtual_host = "/" if name == "rabbitmq" else ""
+    there = StompPlace("127.0.0.1", _port(), "planner", "secret", virtual_host)
+    running = Broker(name, tmp_path_factory.mktemp(name), there)
+    try:
+        running.start()
+        yield running
+    finally:
+        running.end()
+
+
+async def test_texts_come_unharmed_and_as_texts(broker: Broker) -> None:
+    one, other = await connect_stomp(broker.place), await connect_stomp(broker.place)
     one.subscribe("/topic/x")
     text = "<bml>h\u00e9llo : \\ \n end</bml>"
     messages = one.messages()
@@ -62,21 +118,71 @@ async def test_texts_come_unharmed_and_as_texts(broker: StompPlace) -> None:
     await other.close()
 
 
-async def test_a_planner_plays_the_robot(broker: StompPlace, tmp_path: Path) -> None:
-    planner = await _connected(broker)
-    planner.subscribe(TOPICS.feedback)
+async def test_a_planner_plays_the_robot_and_does_so_again_when_its_broker_has_come_back(
+    broker: Broker, tmp_path: Path
+) -> None:
+    sentences: list[str] = []
     async with served(tmp_path) as host, connect(host.path) as client:
-        running = asyncio.create_task(StompPlanner(client, broker, TOPICS, print).run())
-        feedback, told = planner.messages(), ""
-        async with asyncio.timeout(PATIENCE_S):
-            heard = asyncio.ensure_future(anext(feedback))
-            while not heard.done():
-                planner.send(TOPICS.request, BLOCK.format("b1"))
-                await asyncio.wait([heard], timeout=0.5)
-            told = heard.result()[1]
-            while "b1:end" not in told:
-                told = (await anext(feedback))[1]
-        assert {verb for verb, _ in host.puppet().calls} == {"play"}
-        running.cancel()
-        await asyncio.gather(running, return_exceptions=True)
+        running = asyncio.create_task(
+            StompPlanner(client, broker.place, TOPICS, sentences.append).run()
+        )
+        try:
+            for number in (signal.SIGKILL, signal.SIGTERM):
+                await _plays(f"before-{number}", broker.place)
+                sentences.clear()
+                await asyncio.to_thread(broker.end, number)
+                await until(lambda: any("tried again" in each for each in sentences), PATIENCE_S)
+                await asyncio.to_thread(broker.start)
+                await until(lambda: sentences[-1].startswith("connected"), PATIENCE_S)
+                await _plays(f"after-{number}", broker.place)
+            assert running.done() is False
+            assert {verb for verb, _ in host.puppet().calls} == {"play"}
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+
+async def _plays(block: str, there: StompPlace) -> None:
+    """Send a block until it is heard, and wait for its end."""
+    planner = await connect_stomp(there)
+    planner.subscribe(TOPICS.feedback)
+    feedback, told = planner.messages(), ""
+    async with asyncio.timeout(PATIENCE_S):
+        heard = asyncio.ensure_future(anext(feedback))
+        while not heard.done():
+            planner.send(TOPICS.request, BLOCK.format(block))
+            await asyncio.wait([heard], timeout=0.5)
+        told = heard.result()[1]
+        while f"{block}:end" not in told:
+            told = (await anext(feedback))[1]
     await planner.close()
+
+
+async def test_a_broker_that_freezes_is_told(broker: Broker) -> None:
+    connection = await connect_stomp(broker.place)
+    broker.send_signal(signal.SIGSTOP)
+    try:
+        with pytest.raises(StompError, match="silent"):
+            async with asyncio.timeout(PATIENCE_S):
+                await anext(connection.messages())
+        await connection.close()
+        with pytest.raises(StompError, match="does not answer"):
+            await connect_stomp(broker.place)
+    finally:
+        broker.send_signal(signal.SIGCONT)
+
+
+@pytest.mark.parametrize(("login", "passcode"), [("planner", "open sesame"), ("nobody", "secret")])
+async def test_who_is_not_let_in_is_told_in_words(
+    broker: Broker, login: str, passcode: str
+) -> None:
+    with pytest.raises(StompRefusedError, match=r"(?i)(user|password).*check the login") as caught:
+        await connect_stomp(replace(broker.place, login=login, passcode=passcode))
+    assert passcode not in str(caught.value)
+
+
+async def test_a_virtual_host_that_the_broker_lacks_is_told(broker: Broker) -> None:
+    if broker.name == "activemq":
+        pytest.skip("ActiveMQ has no virtual hosts")
+    with pytest.raises(StompRefusedError, match=r"Virtual host '127.0.0.1'.*/ in RabbitMQ"):
+        await connect_stomp(replace(broker.place, virtual_host=""))

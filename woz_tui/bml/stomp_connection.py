@@ -147,7 +147,10 @@ class StompConnection:
         self._writer.write(StompFrame("CONNECT", headers).encode())
         answer = await self._frame()
         if answer.command != "CONNECTED":
-            raise StompRefusedError(f"{place} refused: {_error_of(answer)}")
+            raise StompRefusedError(
+                f"{place} refused: {_error_of(answer)} (check the login, the passcode and the"
+                " virtual host, which is / in RabbitMQ)"
+            )
         theirs, wanted = _heart_beat(answer.headers.get("heart-beat", "0,0"))
         if theirs:
             self._silence_s = 2 * max(theirs / 1000, HEART_BEAT_S)
@@ -260,5 +263,9 @@ def _heart_beat(text: str) -> tuple[int, int]:
 
 
 def _error_of(frame: StompFrame) -> str:
-    said = frame.headers.get("message", "") or frame.body.decode("utf-8", "replace")
-    return said.strip()[:200] or f"an answer {frame.command!r}"
+    """What the broker says: some put the reason into the header, some below it."""
+    said = frame.headers.get("message", "").strip()
+    below = frame.body.decode("utf-8", "replace").strip().partition("\n")[0].strip()
+    if below not in said:
+        said = f"{said}: {below}" if said else below
+    return said[:200] or f"an answer {frame.command!r}"

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 #: Samples a channel of one block, by rate: 85 ms, as the robot sends them.
 BLOCKS = {16_000: 1365, 48_000: 4096}
 ALL_CHANNELS = 0
+#: What the loudspeakers play, in Hz, and the longest buffer.
+OUTPUT_RATES = (16_000, 22_050, 44_100, 48_000)
+MOST_FRAMES = 16_384
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +45,10 @@ class AudioDevice(Service):
         self._wishes: dict[str, _Wish] = {}
         self._sending: dict[str, asyncio.Task[None]] = {}
         self.volume = 70
+        self._parameters = {"outputSampleRate": 48_000, "inputBufferSize": 16_384}
+        #: The left channel of what clients had played, as it came; and how often it was flushed.
+        self._played = bytearray()
+        self._flushed = 0
 
     @offers("enableEnergyComputation()v")
     def enable_energy(self) -> None:
@@ -88,6 +95,39 @@ class AudioDevice(Service):
     def get_output_volume(self) -> int:
         """Of the loudspeakers, in percent."""
         return self.volume
+
+    @offers("setParameter(si)v")
+    def set_parameter(self, name: str, value: int) -> None:
+        """Of the loudspeakers: their rate."""
+        if name not in self._parameters or (
+            name == "outputSampleRate" and value not in OUTPUT_RATES
+        ):
+            raise CallRefusedError(f"ALAudioDevice::setParameter\n\tinvalid parameter {name}")
+        self._parameters[name] = value
+
+    @offers("getParameter(s)i")
+    def get_parameter(self, name: str) -> int:
+        """-1 for one that there is not."""
+        return self._parameters.get(name, -1)
+
+    @offers("sendRemoteBufferToOutput(im)b")
+    def send_remote_buffer(self, frames: int, sound: object) -> bool:
+        """Play 16-bit stereo samples; False for what is none."""
+        data = bytes(sound) if isinstance(sound, bytes | bytearray) else b""
+        if not 0 < frames <= MOST_FRAMES or len(data) != 4 * frames:
+            return False
+        self._played += b"".join(data[at : at + 2] for at in range(0, len(data), 4))
+        return True
+
+    @offers("flushAudioOutputs()v")
+    def flush(self) -> None:
+        """Play nothing of what has not been heard yet."""
+        self._flushed += 1
+
+    def output(self) -> dict[str, object]:
+        """What clients had played: samples in hexadecimal, rate, flushes."""
+        rate = self._parameters["outputSampleRate"]
+        return {"rate": rate, "played": self._played.hex(), "flushed": self._flushed}
 
     @offers("setClientPreferences(siii)v")
     def set_client_preferences(self, who: str, rate: int, channels: int, planes: int) -> None:

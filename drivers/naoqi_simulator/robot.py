@@ -125,6 +125,7 @@ class NaoqiSimulator:
         add("says", lambda: self.recognition.vocabulary, self.recognition.say)
         add("recording", lambda: self.recorder.path)
         add("sound.subscribers", self.audio.subscribers)
+        add("sound.output", self.audio.output)
         add("camera.subscribers", self.camera.get_subscribers)
 
         if self.tablet:

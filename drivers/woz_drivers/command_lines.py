@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from woz_tui.drivers.contract import DriverError
@@ -42,11 +42,23 @@ PACKAGES: Mapping[str, str] = {
     "gst-launch-1.0": "gstreamer1.0-tools",
 }
 
+#: A command as a robot file has it.
+Command = str | tuple[str, ...]
+
 _PLACEHOLDER = re.compile(r"\{([a-z_]+)\}")
 
 
 class ProgramMissingError(DriverError):
     """A command's program is not on this machine; `remedy` names the package if it is known."""
+
+
+def setting_problems(*commands: tuple[str, Callable[[], object]]) -> Iterator[tuple[str, str]]:
+    """What is wrong with commands, each given as its setting and what reads it."""
+    for setting, look in commands:
+        try:
+            look()
+        except DriverError as error:
+            yield setting, f"{error.what}; {error.remedy}"
 
 
 def split(command: str | Sequence[str], setting: str) -> tuple[str, ...]:

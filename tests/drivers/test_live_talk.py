@@ -15,7 +15,7 @@ import psutil
 import pytest
 from woz_drivers.child_process import guard
 from woz_drivers.speech.driver import Speech
-from woz_drivers.speech.settings import SpeechSettings, TalkSettings
+from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings
 
 from tests.drivers.heard import Heard, Ordered, until
 from tests.drivers.speech_desk import SCRIPT
@@ -53,7 +53,7 @@ class Booth:
         play = talk.pop("play", ("sh", "-c", f"exec cat >> {self.out}"))
         voice = (*SCRIPT, "synthesise", str(folder / "journal"), "--wav", "{wav}")
         settings = SpeechSettings(
-            synthesise=voice, play=("true", "{wav}"), talk=TalkSettings(play=play, **talk)
+            synthesise=voice, play=("true", "{wav}"), talk=PlayedTalkSettings(play=play, **talk)
         )
         assert settings.problems() == []
         self.clock = clock
@@ -370,14 +370,14 @@ async def test_a_disk_that_takes_nothing_is_told_and_the_voice_is_heard(
 def test_it_is_offered_only_where_the_file_says_so() -> None:
     names = {verb.name for verb in Speech.verbs(SpeechSettings())}
     assert not names & {"talk", "end_talk"}
-    offered = {verb.name: verb for verb in Speech.verbs(SpeechSettings(talk=TalkSettings()))}
+    offered = {verb.name: verb for verb in Speech.verbs(SpeechSettings(talk=PlayedTalkSettings()))}
     assert offered["talk"].drives, "it ends when nobody watches"
     assert not offered["talk"].waits, "a second press is no voice that is on later"
 
 
 def test_what_cannot_be_is_told() -> None:
     def paths(**talk: Any) -> list[str]:
-        return [path for path, _ in SpeechSettings(talk=TalkSettings(**talk)).problems()]
+        return [path for path, _ in SpeechSettings(talk=PlayedTalkSettings(**talk)).problems()]
 
     assert paths() == []
     assert paths(through='sox "') == ["talk.through"]
@@ -386,7 +386,8 @@ def test_what_cannot_be_is_told() -> None:
 
 async def test_woz_doctor_looks_for_its_programs(tmp_path: Path) -> None:
     settings = SpeechSettings(
-        play=("true", "{wav}"), talk=TalkSettings(through="no-such-changer", play="no-such-player")
+        play=("true", "{wav}"),
+        talk=PlayedTalkSettings(through="no-such-changer", play="no-such-player"),
     )
     found = await Speech.examine(Probe("voice", settings, tmp_path))
     wrong = [one.text for one in found if one.level == "error"]

@@ -19,6 +19,7 @@ from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.head import HeadPart
 from woz_drivers.naoqi_robot.microphones import MicrophonesPart
 from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
+from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.recognition import RecognitionPart
 from woz_drivers.naoqi_robot.senses import SensesPart
@@ -51,7 +52,7 @@ class Nao(NaoqiRobot):
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]] = (
         *(WalkingPart, NaoBodyPart, NaoAnimationsPart, VoicePart, SoundsPart, HeadPart),
         *(NaoEyesPart, LightsPart, AutonomyPart, BodySensesPart, SensesPart, RecognitionPart),
-        *(TwoCamerasPart, MicrophonesPart, ServiceCallPart),
+        *(TwoCamerasPart, MicrophonesPart, TalkPart, ServiceCallPart),
     )
 
     @classmethod

@@ -18,6 +18,7 @@ from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.base import BasePart
 from woz_drivers.naoqi_robot.body import BodyPart
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.naoqi_robot.settings_reading import SettingsReader
@@ -181,7 +182,8 @@ class NaoqiRobot(Driver):
 
     async def _halt(self, scope: Scope) -> StopReport | None:
         """Stand still, as for a stop, but nobody need release it: a robot is let go."""
-        parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, BasePart)]
+        drives = (BasePart, TalkPart)
+        parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, drives)]
         if not self._present:
             moving = [part.name for part in parts if isinstance(part, BasePart | BodyPart)]
             return StopReport(missing=tuple(moving)) if self._lost_unasked else None

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Annotated, ClassVar, Protocol
 
+from woz_drivers.live_talk import TalkSettings
 from woz_drivers.naoqi_robot.address import parse, without_password
 from woz_drivers.naoqi_robot.robot_model import RobotModel
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, RobotSetting, of_section
@@ -14,6 +15,9 @@ from woz_drivers.simulated.argument_values import color
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, Range, Seconds, Section
 from woz_tui.protocol.messages import Json
+
+#: What ALAudioDevice plays, in Hz.
+TALK_RATES = (16_000, 22_050, 44_100, 48_000)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +132,10 @@ class NaoqiSettings(Section):
     recordings: Annotated[str, Doc("folder for microphone recordings on the robot")] = (
         "/home/nao/recordings"
     )
+    talk: Annotated[
+        TalkSettings | None,
+        Doc("somebody can talk through its loudspeaker live: verbs `talk` and `end_talk`"),
+    ] = None
     pace: Annotated[
         float, Range(0.01, 100), Doc("of the simulated robot only: how fast its time passes")
     ] = 1.0
@@ -158,6 +166,11 @@ class NaoqiSettings(Section):
         if self.posture and self.posture not in self.model.postures:
             known = ", ".join(self.model.postures)
             found.append(("posture", f"no robot of this kind has {self.posture!r}; it has {known}"))
+        if self.talk is not None:
+            found += self.talk.problems()
+            if self.talk.rate not in TALK_RATES:
+                rates = ", ".join(map(str, TALK_RATES))
+                found.append(("talk.rate", f"its loudspeaker plays {rates} Hz"))
         return found
 
     def initial_values(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:

@@ -14,6 +14,7 @@ from woz_drivers.naoqi_robot.eyes import EyesPart
 from woz_drivers.naoqi_robot.head import HeadPart
 from woz_drivers.naoqi_robot.microphones import MicrophonesPart
 from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
+from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.recognition import RecognitionPart
 from woz_drivers.naoqi_robot.senses import SensesPart
@@ -45,7 +46,7 @@ class Pepper(NaoqiRobot):
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]] = (
         *(BasePart, BodyPart, AnimationsPart, VoicePart, SoundsPart, HeadPart, HipPart, EyesPart),
         *(TabletPart, AutonomyPart, SensesPart, RecognitionPart, CameraPart, MicrophonesPart),
-        ServiceCallPart,
+        *(TalkPart, ServiceCallPart),
     )
     CHECKS = text_remarks.CHECKS | {"screen": {"file": screen_remarks.shown}}
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import tempfile
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from woz_drivers import child_process, command_lines
+from woz_drivers import child_process, command_lines, live_talk
 from woz_drivers.child_process import Child
-from woz_drivers.speech import doctor, live_talk
-from woz_drivers.speech.live_talk import LiveTalk
+from woz_drivers.live_talk import LiveTalk, program_loudspeaker
+from woz_drivers.speech import doctor
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings
 from woz_drivers.speech.synthesis import (
     PreparedUtterance,
@@ -87,11 +88,13 @@ class Speech(Driver):
         self._resident_trouble: DriverError | None = None
         #: What could not be prepared, as `prepare_say` has it.
         self._unprepared: list[Mapping[str, Json]] = []
-        self._talk: LiveTalk | None = None
-        if settings.talk is not None:
-            self._talk = LiveTalk(settings.talk, settings.device, context, lambda: self._volume)
         self._jobs: set[asyncio.Task[Any]] = set()
         self._audible: set[Child] = set()
+        self._talk: LiveTalk | None = None
+        if (talk := settings.talk) is not None:
+            words = functools.partial(talk.play_words, settings.device)
+            loudspeaker = program_loudspeaker(words, context, self._audible)
+            self._talk = LiveTalk(talk, context, loudspeaker, lambda: self._volume)
         self._missing: DriverError | None = None
         self._broken = False
         self._task: asyncio.Task[None] | None = None
@@ -201,7 +204,7 @@ class Speech(Driver):
                 case "sound":
                     return await self._play_file(job, str(job.args["file"]))
                 case "talk" if self._talk is not None:
-                    return await self._talk.talk(job, self._audible)
+                    return await self._talk.talk()
         raise RejectedError(f"{self.name} cannot {job.verb}")
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:

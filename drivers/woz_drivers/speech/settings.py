@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
 from woz_drivers import command_lines
+from woz_drivers.command_lines import Command
+from woz_drivers.live_talk import TalkSettings
 from woz_drivers.resident_program import resident_words
 from woz_tui.drivers.contract import Argument, DriverError
 from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Section
@@ -15,8 +17,6 @@ from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Section
 SYNTHESISE_WORDS = ("text", "wav", "voice", "language", "speed", "pitch")
 PLAY_WORDS = ("wav", "volume", "device")
 SPEAK_WORDS = ("text", "voice", "language", "speed", "pitch", "volume", "device")
-
-Command = str | tuple[str, ...]
 
 SPEEDS = Range(60, 450, "words/min")
 PITCHES = Range(0, 99)
@@ -91,7 +91,7 @@ class SynthesisSettings(Section):
     def problems(self) -> list[tuple[str, str]]:
         """What is wrong with the command: pairs of a setting's name and a sentence."""
         found = [
-            *command_problems(
+            *command_lines.setting_problems(
                 ("synthesise", self.synthesise_words), ("resident_voice", self.resident_words)
             )
         ]
@@ -117,27 +117,12 @@ class SynthesisSettings(Section):
 
 
 @dataclass(frozen=True, slots=True)
-class TalkSettings:
-    """How somebody talks through the loudspeaker live, with `woz talk`."""
+class PlayedTalkSettings(TalkSettings):
+    """The same through a program that plays it."""
 
-    through: Annotated[
-        Command,
-        Doc("program that changes the voice: raw S16_LE, one channel, from stdin to stdout"),
-    ] = ""
     play: Annotated[
         Command, Doc("program that plays raw S16_LE from stdin at {rate} Hz; default: aplay")
     ] = ""
-    rate: Annotated[int, Range(8_000, 48_000, "Hz"), Doc("frames a second of the voice")] = 16_000
-    longest: Annotated[
-        float, Seconds(1, 3600), Doc("it ends by itself after this time without `end_talk`")
-    ] = 600.0
-    keep: Annotated[
-        bool, Doc("keep what is heard as WAV files beside the log; mind your ethics approval")
-    ] = False
-
-    def through_words(self) -> tuple[str, ...]:
-        """The program that changes the voice, or (). Raises `DriverError`."""
-        return resident_words(self.through, "talk.through")
 
     def play_words(self, device: str) -> tuple[str, ...]:
         """The program that plays it. Raises `DriverError`."""
@@ -165,20 +150,21 @@ class SpeechSettings(SynthesisSettings):
         float, Seconds(0.1, 2.0), Doc("a player may take this much longer than the sound")
     ] = 1.5
     talk: Annotated[
-        TalkSettings | None, Doc("somebody can talk through it live: verbs `talk` and `end_talk`")
+        PlayedTalkSettings | None,
+        Doc("somebody can talk through it live: verbs `talk` and `end_talk`"),
     ] = None
 
     def problems(self) -> list[tuple[str, str]]:
         """What is wrong between settings: pairs of a setting's name and a sentence."""
         found = [
             *SynthesisSettings.problems(self),
-            *command_problems(("play", self.play_words), ("speak", self.speak_words)),
+            *command_lines.setting_problems(("play", self.play_words), ("speak", self.speak_words)),
         ]
         if self.speak and (self.synthesise or self.resident_voice or self.play):
             found.append(("speak", "speak replaces the programs that make and play sound"))
         if (talk := self.talk) is not None:
-            found += command_problems(
-                ("talk.through", talk.through_words),
+            found += talk.problems()
+            found += command_lines.setting_problems(
                 ("talk.play", lambda: talk.play_words(self.device)),
             )
         return found
@@ -216,15 +202,6 @@ class SpeechSettings(SynthesisSettings):
             "device": self.device,
             "volume": str(round(volume * 100)),
         }
-
-
-def command_problems(*commands: tuple[str, Callable[[], object]]) -> Iterator[tuple[str, str]]:
-    """What is wrong with commands, each given as its setting and what reads it."""
-    for setting, look in commands:
-        try:
-            look()
-        except DriverError as error:
-            yield setting, f"{error.what}; {error.remedy}"
 
 
 def _checked(command: str | Sequence[str], known: tuple[str, ...], setting: str) -> tuple[str, ...]:

@@ -1,5 +1,7 @@
-"""A person's voice through the loudspeaker, live, while `talk` is played; changed by a program of
-the lab's if one is named. What comes too late is dropped: nothing is heard that was said long ago.
+"""A person's voice through a loudspeaker, live, while `talk` is played; changed by a program of the
+lab's if one is named. What comes too late is dropped: nothing is heard that was said long ago.
+
+The loudspeaker is a program's (`ProgramLoudspeaker`) or a robot's own (`SentVoice`).
 """
 
 from __future__ import annotations
@@ -8,25 +10,28 @@ import asyncio
 import contextlib
 import fcntl
 import os
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
+from typing import Annotated, Protocol
 
 import numpy as np
 
-from woz_drivers import child_process
+from woz_drivers import child_process, command_lines
 from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_drivers.child_process import Child
+from woz_drivers.command_lines import Command
 from woz_drivers.picture_files import stamp
+from woz_drivers.resident_program import resident_words
 from woz_drivers.sound_file import SoundFile
-from woz_drivers.speech.settings import TalkSettings
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
-    Job,
     RejectedError,
     Verb,
 )
+from woz_tui.drivers.fields import Doc, Range, Seconds
 from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, WIDTH, SoundReader, VoiceState
 from woz_tui.protocol.messages import Json
 
@@ -62,13 +67,38 @@ VERBS = (
 )
 
 
+@dataclass(frozen=True, slots=True)
+class TalkSettings:
+    """How somebody talks through a loudspeaker live, with `woz talk`."""
+
+    through: Annotated[
+        Command,
+        Doc("program that changes the voice: raw S16_LE, one channel, from stdin to stdout"),
+    ] = ""
+    rate: Annotated[int, Range(8_000, 48_000, "Hz"), Doc("frames a second of the voice")] = 16_000
+    longest: Annotated[
+        float, Seconds(1, 3600), Doc("it ends by itself after this time without `end_talk`")
+    ] = 600.0
+    keep: Annotated[
+        bool, Doc("keep what is heard as WAV files beside the log; mind your ethics approval")
+    ] = False
+
+    def through_words(self) -> tuple[str, ...]:
+        """The program that changes the voice, or (). Raises `DriverError`."""
+        return resident_words(self.through, "talk.through")
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What is wrong with the command: pairs of the setting's path and a sentence."""
+        return [*command_lines.setting_problems(("talk.through", self.through_words))]
+
+
 @dataclass(slots=True)
-class _Tally:
+class VoiceTally:
     """What became of one voice; frames."""
 
     began_us: int
     rate: int
-    played: int = 0
+    heard: int = 0
     dropped: int = 0
     #: When a voice came last, and who sent it.
     came_us: int = 0
@@ -76,10 +106,21 @@ class _Tally:
     #: What the sender had dropped by itself when it began, and by now, in seconds.
     lost_before_s: float | None = None
     lost_s: float = 0.0
-    #: How old sound was when it was given to the player or the program: the sum, and pieces.
+    #: How old sound was when it was given to the loudspeaker or the program: the sum, and pieces.
     age_us: int = 0
     pieces: int = 0
-    file: str = ""
+    #: Where what is heard is kept.
+    sound: SoundFile | None = None
+
+    def hear(self, pcm: bytes) -> None:
+        """The loudspeaker has these samples."""
+        self.heard += len(pcm) // WIDTH
+        if self.sound is not None:
+            self.sound.write_block(pcm)
+
+    def drop(self, size: int) -> None:
+        """So many bytes came too late for it."""
+        self.dropped += size // WIDTH
 
     def result(self, now_us: int) -> dict[str, Json]:
         """What the log has of it, in seconds."""
@@ -87,42 +128,188 @@ class _Tally:
         age_s = self.age_us / max(1, self.pieces) / 1_000_000
         return {
             "seconds": round((now_us - self.began_us) / 1_000_000, 3),
-            "played": round(self.played / self.rate, 3),
+            "played": round(self.heard / self.rate, 3),
             "dropped": round(self.dropped / self.rate + max(0.0, at_sender), 3),
             "delay": round(age_s, 3),
             "by": self.by,
-            **({"file": self.file} if self.file else {}),
         }
 
 
-@dataclass(slots=True)
-class _Player:
-    """The program that is heard, and the pipe to it."""
-
-    child: Child
-    pipe: int
-    #: Bytes that the pipe takes.
-    room: int
-    sound: SoundFile | None = None
-    #: Frames.
-    played: int = 0
-    dropped: int = 0
+class TalkOutlet(Protocol):
+    """Where a voice goes while it is on. It tells the tally what is heard, and what is dropped."""
 
     def give(self, pcm: bytes) -> None:
-        """Have samples played, as far as there is room: what has no room is dropped."""
-        old = max(0, len(pcm) - self.room)
-        self.dropped += old // WIDTH
+        """Have samples heard now, as far as there is room."""
+        ...
+
+    async def check(self) -> None:
+        """Raise `DriverError` if nothing can be heard any more."""
+        ...
+
+    async def finish(self) -> None:
+        """Return when what it has was heard, soon in any case."""
+        ...
+
+    def silence(self) -> None:
+        """Nothing is heard from now on."""
+        ...
+
+
+#: Opens a loudspeaker; it closes at once, whatever it has, when the block is left.
+Loudspeaker = Callable[[VoiceTally], AbstractAsyncContextManager[TalkOutlet]]
+
+
+class _Player:
+    """A program that is heard, and the pipe to it."""
+
+    def __init__(self, child: Child, pipe: int, room: int, tally: VoiceTally) -> None:
+        self._child = child
+        self._pipe = pipe
+        #: Bytes that the pipe takes.
+        self._room = room
+        self._tally = tally
+
+    def give(self, pcm: bytes) -> None:
+        """What has no room in the pipe is dropped."""
+        old = max(0, len(pcm) - self._room)
+        self._tally.drop(old)
         pcm = pcm[old:]
         for start in range(0, len(pcm), _PIECE):
             piece = pcm[start : start + _PIECE]
             try:
-                os.write(self.pipe, piece)
+                os.write(self._pipe, piece)
             except (BlockingIOError, BrokenPipeError):  # an ended player is noticed elsewhere
-                self.dropped += len(piece) // WIDTH
-                continue
-            self.played += len(piece) // WIDTH
-            if self.sound is not None:
-                self.sound.write_block(piece)
+                self._tally.drop(len(piece))
+            else:
+                self._tally.hear(piece)
+
+    async def check(self) -> None:
+        """It has to run."""
+        if not self._child.running:
+            status = await self._child.wait()
+            raise DriverError(
+                f"{self._child.program} ended: {self._child.reason(status)}",
+                "check the sound card, or `talk.play` in the robot file",
+            )
+
+    async def finish(self) -> None:
+        """The program ends when it has played what is in the pipe."""
+        self.close()
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_LAST_WORDS_S):
+                await self._child.wait()
+
+    def silence(self) -> None:
+        """Kill it."""
+        self._child.kill()
+
+    def close(self) -> None:
+        """Nothing more comes."""
+        if self._pipe >= 0:
+            os.close(self._pipe)
+            self._pipe = -1
+
+
+def program_loudspeaker(
+    words: Callable[[], tuple[str, ...]], context: DriverContext, audible: set[Child]
+) -> Loudspeaker:
+    """A program that plays raw samples from its standard input; `audible` has it while it runs."""
+
+    @contextlib.asynccontextmanager
+    async def opened(tally: VoiceTally) -> AsyncIterator[TalkOutlet]:
+        reading, writing = os.pipe2(os.O_CLOEXEC)
+        try:
+            os.set_blocking(writing, False)
+            room = round(_WAITING_S * tally.rate) * WIDTH
+            fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, room)  # the kernel makes a page of it at least
+            child = await child_process.start(words(), context.folder, stdin=reading)
+        except BaseException:
+            os.close(writing)
+            raise
+        finally:
+            os.close(reading)
+        audible.add(child)
+        player = _Player(child, writing, room, tally)
+        try:
+            yield player
+        finally:
+            player.close()
+            audible.discard(child)
+            await child.end()
+
+    return opened
+
+
+class SentVoice:
+    """A voice that is sent to a robot piece by piece: the next one when the robot has taken the one
+    before. What waits for longer than a moment is dropped.
+
+    Args:
+        tally: What becomes of it.
+        send: Sends one piece and returns when the robot has taken it. Raises `DriverError`.
+    """
+
+    def __init__(self, tally: VoiceTally, send: Callable[[bytes], Awaitable[None]]) -> None:
+        self._tally = tally
+        self._send = send
+        self._most = round(_WAITING_S * tally.rate) * WIDTH
+        self._waiting = bytearray()
+        self._more = asyncio.Event()
+        self._taken = asyncio.Event()
+        self._taken.set()
+        self._trouble: DriverError | None = None
+        self._task = asyncio.create_task(self._run(), name="a live voice")
+
+    def give(self, pcm: bytes) -> None:
+        """Only the newest of what waits is kept."""
+        self._waiting += pcm
+        if (over := len(self._waiting) - self._most) > 0:
+            del self._waiting[:over]
+            self._tally.drop(over)
+        self._more.set()
+        self._taken.clear()
+
+    async def check(self) -> None:
+        """Raise what the robot said, or why it is gone."""
+        if self._trouble is not None:
+            raise self._trouble
+
+    async def finish(self) -> None:
+        """Everything is at the robot."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_LAST_WORDS_S):
+                await self._taken.wait()
+
+    def fail(self, trouble: DriverError) -> None:
+        """The robot is gone, or takes no more."""
+        self._trouble = self._trouble or trouble
+        self.silence()
+
+    def silence(self) -> None:
+        """Send nothing more."""
+        self._task.cancel()
+        self._tally.drop(len(self._waiting))
+        self._waiting.clear()
+
+    async def close(self) -> None:
+        """The same, and it has ended."""
+        self.silence()
+        await asyncio.gather(self._task, return_exceptions=True)
+
+    async def _run(self) -> None:
+        while True:
+            await self._more.wait()
+            piece = bytes(self._waiting)
+            self._waiting.clear()
+            self._more.clear()
+            try:
+                await self._send(piece)
+            except DriverError as error:
+                self._trouble = error
+                return
+            self._tally.hear(piece)
+            if not self._waiting:
+                self._taken.set()
 
 
 class LiveTalk:
@@ -130,26 +317,26 @@ class LiveTalk:
 
     Args:
         settings: Of `talk`.
-        device: ALSA's, for the usual player.
         context: The driver's.
-        volume: How loud the loudspeaker is set, 0 to 1.
+        loudspeaker: Opens it.
+        volume: How loud the voice is made here, 0 to 1.
     """
 
     def __init__(
         self,
         settings: TalkSettings,
-        device: str,
         context: DriverContext,
-        volume: Callable[[], float],
+        loudspeaker: Loudspeaker,
+        volume: Callable[[], float] = lambda: 1.0,
     ) -> None:
         self._settings = settings
-        self._device = device
         self._context = context
+        self._loudspeaker = loudspeaker
         self._volume = volume
         self._voice = context.feed(VOICE)
         self._state = context.feed(VOICE_STATE)
         self._state.put(VoiceState(settings.rate))
-        self._player: _Player | None = None
+        self._outlet: TalkOutlet | None = None
         self._ending: asyncio.Event | None = None
         self._through: ByteStream | None = None
         #: Why the program that changes the voice cannot be used; None: it can.
@@ -162,7 +349,9 @@ class LiveTalk:
     # -- the program that changes it -----------------------------------------------------------
 
     def start(self) -> None:
-        """Start the program that changes the voice, if one is named."""
+        """Start the program that changes the voice, if one is named; a second time: nothing."""
+        if self._through is not None:
+            return
         words = self._settings.through_words()
         self._show("loading" if words else "off")
         if not words:
@@ -185,7 +374,7 @@ class LiveTalk:
     def _ready(self) -> None:
         self._trouble = None
         self._owed_us = None
-        self._show("off" if self._player is None else "on")
+        self._show("on" if self.on else "off")
 
     def _lost(self, trouble: DriverError) -> None:
         self._trouble = trouble
@@ -216,52 +405,32 @@ class LiveTalk:
 
     def _hear(self, pcm: bytes) -> None:
         """Samples that are to be heard now."""
-        if self._player is None:
+        if self._outlet is None:
             return
         volume = self._volume()
         if volume != 1.0:
             samples = np.frombuffer(pcm, "<i2")
             pcm = (samples * volume).astype("<i2").tobytes()
-        self._player.give(pcm)
+        self._outlet.give(pcm)
 
     @contextlib.asynccontextmanager
-    async def _playing(self, audible: set[Child]) -> AsyncIterator[_Player]:
-        """The player's program runs; it ends with the block, and at once if that is cancelled."""
-        settings = self._settings
-        words = settings.play_words(self._device)
-        reading, writing = os.pipe2(os.O_CLOEXEC)
-        try:
-            os.set_blocking(writing, False)
-            room = round(_WAITING_S * settings.rate) * WIDTH
-            fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, room)  # the kernel makes a page of it at least
-            child = await child_process.start(words, self._context.folder, stdin=reading)
-        except BaseException:
-            os.close(writing)
-            raise
-        finally:
-            os.close(reading)
-        audible.add(child)
-        player = self._player = _Player(child, writing, room)
-        if settings.keep:
+    async def _playing(self, tally: VoiceTally) -> AsyncIterator[TalkOutlet]:
+        """The loudspeaker is open. What it has is played to its end if the block ends well."""
+        if self._settings.keep:
             path = self._context.media / f"talk-{stamp(self._context.clock.wall())}.wav"
-            player.sound = SoundFile(path, settings.rate, 1, self._not_kept)
-            player.sound.begin()
-        open_pipe = [writing]
-        try:
-            yield player
-            self._player = None
-            os.close(open_pipe.pop())
-            with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(_LAST_WORDS_S):
-                    await child.wait()
-        finally:
-            self._player = None
-            for pipe in open_pipe:
-                os.close(pipe)
-            if player.sound is not None:
-                player.sound.end()
-            audible.discard(child)
-            await child.end()
+            tally.sound = SoundFile(path, tally.rate, 1, self._not_kept)
+        async with self._loudspeaker(tally) as outlet:
+            if tally.sound is not None:
+                tally.sound.begin()
+            self._outlet = outlet
+            try:
+                yield outlet
+                self._outlet = None
+                await outlet.finish()
+            finally:
+                self._outlet = None
+                if tally.sound is not None:
+                    tally.sound.end()
 
     def _not_kept(self, why: str) -> None:
         self._context.notice(
@@ -270,8 +439,13 @@ class LiveTalk:
 
     # -- the verbs -----------------------------------------------------------------------------
 
-    async def talk(self, job: Job, audible: set[Child]) -> Mapping[str, Json]:
-        """Play the voice that comes, until `end_talk`. `audible` has the player while it runs.
+    @property
+    def on(self) -> bool:
+        """Whether somebody can be heard."""
+        return self._outlet is not None
+
+    async def talk(self) -> Mapping[str, Json]:
+        """Play the voice that comes, until `end_talk`.
 
         Raises `DeviceLostError` without the program that changes the voice: it is never heard
         unchanged where one is named.
@@ -282,21 +456,14 @@ class LiveTalk:
                 self._trouble.remedy or "press the key again in a moment",
             )
         clock, rate = self._context.clock, self._settings.rate
-        tally = _Tally(clock.now_us(), rate)
+        tally = VoiceTally(clock.now_us(), rate)
         ending = self._ending = asyncio.Event()
         why = "stopped"
         try:
-            async with self._playing(audible) as player:
-                if player.sound is not None:
-                    media = self._context.media.name
-                    tally.file = f"{media}/{player.sound.path.name}"
+            async with self._playing(tally) as outlet:
                 self._state.put(VoiceState(rate, on=True))
                 self._show("on")
-                try:
-                    why = await self._forward(player, tally, ending)
-                finally:
-                    tally.played += player.played
-                    tally.dropped += player.dropped
+                why = await self._forward(outlet, tally, ending)
         except DriverError as error:
             why = error.what
             raise
@@ -308,9 +475,11 @@ class LiveTalk:
             by = f" by {tally.by}" if tally.by else ""
             self._show("off", f"{why}: {heard}{by}")
             self._flush()
+        if tally.sound is not None:
+            result["file"] = f"{self._context.media.name}/{tally.sound.path.name}"
         return result
 
-    async def _forward(self, player: _Player, tally: _Tally, ending: asyncio.Event) -> str:
+    async def _forward(self, outlet: TalkOutlet, tally: VoiceTally, ending: asyncio.Event) -> str:
         """Hand on what comes; why it is over."""
         clock, settings = self._context.clock, self._settings
         reader = SoundReader(self._voice)
@@ -320,12 +489,7 @@ class LiveTalk:
             now, last = clock.now_us(), ending.is_set()
             if now - tally.began_us > settings.longest * 1_000_000:
                 return f"it was on for {settings.longest:g} s"
-            if not player.child.running:
-                status = await player.child.wait()
-                raise DriverError(
-                    f"{player.child.program} ended: {player.child.reason(status)}",
-                    "check the sound card, or `talk.play` in the robot file",
-                )
+            await outlet.check()
             if (taken := reader.take()) is not None:
                 piece, sound = taken
                 tally.came_us, tally.by, tally.lost_s = now, sound.source, sound.lost_s
@@ -353,11 +517,11 @@ class LiveTalk:
                 return "switched off"
             await asyncio.sleep(_LOOK_S)
 
-    def _change(self, pcm: bytes, tally: _Tally) -> None:
+    def _change(self, pcm: bytes, tally: VoiceTally) -> None:
         if self._through is None:
             self._hear(pcm)
         elif self._trouble is not None:  # it died: nobody hears an unchanged voice
-            tally.dropped += len(pcm) // WIDTH
+            tally.drop(len(pcm))
         else:
             if self._owed_us is None:
                 self._owed_us = self._context.clock.now_us()
@@ -372,8 +536,8 @@ class LiveTalk:
 
     async def stop(self) -> None:
         """Fall silent at once, for what is on its way, too."""
-        if self._player is not None:
-            self._player.child.kill()
+        if self._outlet is not None:
+            self._outlet.silence()
             await self._start_again()
 
     async def close(self) -> None:

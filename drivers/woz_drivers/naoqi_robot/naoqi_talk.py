@@ -1,0 +1,110 @@
+"""A person's voice through the robot's own loudspeaker, live: `talk` and `end_talk`."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import AsyncIterator, Mapping
+
+import numpy as np
+
+from woz_drivers import live_talk
+from woz_drivers.live_talk import LiveTalk, SentVoice, VoiceTally
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
+from woz_tui.drivers.sound_feeds import WIDTH
+from woz_tui.protocol.messages import Json
+
+_DEVICE = "ALAudioDevice"
+
+
+class TalkPart(NaoqiPart):
+    """Sends a voice to ALAudioDevice, piece by piece; the robot plays each as it comes."""
+
+    name = "live voice"
+
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
+        self._talk: LiveTalk | None = None
+        if settings.talk is not None:
+            self._talk = LiveTalk(settings.talk, context, self._open)
+        self._voice: SentVoice | None = None
+        #: Whether the robot has had some of a voice since it was connected.
+        self._sent = False
+
+    @classmethod
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+        """`talk` and `end_talk`, where the file says so."""
+        return () if settings.talk is None else live_talk.VERBS
+
+    @classmethod
+    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
+        """How old a voice is when it is sent."""
+        return () if settings.talk is None else (live_talk.TALK,)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Let somebody talk, or end that."""
+        if self._talk is None:
+            raise RejectedError("nobody can talk through it", "write `talk: {}` into its settings")
+        if job.verb == "end_talk":
+            return self._talk.end()
+        await self._cleaned_up()
+        return await self._talk.talk()
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """Fall silent, for what the robot has in store, too; also while no wizard watches."""
+        if self._talk is None or not self._sent:
+            return ()
+        await self._talk.stop()
+        await self._flush()
+        return (self.name,)
+
+    async def connected(self) -> None:
+        """Start the program that changes the voice."""
+        if self._talk is not None:
+            self._talk.start()
+
+    def lost(self) -> None:
+        """Who talks is not heard any more, and has to press the key again."""
+        self._sent = False
+        if self._voice is not None:
+            self._voice.fail(DeviceLostError("the robot is disconnected"))
+
+    async def close(self) -> None:
+        """End the program."""
+        if self._talk is not None:
+            await self._talk.close()
+        await super().close()
+
+    @contextlib.asynccontextmanager
+    async def _open(self, tally: VoiceTally) -> AsyncIterator[SentVoice]:
+        await self._robot.call(_DEVICE, "setParameter", "outputSampleRate", tally.rate)
+        voice = self._voice = SentVoice(tally, self._send)
+        try:
+            yield voice
+        except BaseException:
+            voice.silence()
+            if self._sent:
+                self._clean_up.start(self._flush())
+            raise
+        finally:
+            self._voice = None
+            await voice.close()
+
+    async def _send(self, pcm: bytes) -> None:
+        self._sent = True
+        both = np.repeat(np.frombuffer(pcm, "<i2"), 2).tobytes()
+        frames = len(pcm) // WIDTH
+        if await self._robot.call(_DEVICE, "sendRemoteBufferToOutput", frames, both) is False:
+            raise DriverError("the robot does not play the voice", "is its sound muted or in use?")
+
+    async def _flush(self) -> None:
+        await self._robot.call(_DEVICE, "flushAudioOutputs")

@@ -189,6 +189,19 @@ async def test_the_last_mistake_is_ones_own(tmp_path: Path) -> None:
         assert (wrong.run, wrong.console) == (mine, "con1")
 
 
+async def test_the_log_says_who_began_a_trial_and_who_ended_it(tmp_path: Path) -> None:
+    async with served(tmp_path, made=parted(tmp_path)) as host:
+        voice, body = await wizard(host, "voice"), await wizard(host, "body")
+        assert (await voice.ask("trial", what="begin"))["ok"]
+        assert (await body.ask("trial", what="done"))["ok"]
+        found = {
+            type(line): line.console
+            for line in host.lines
+            if isinstance(line, m.TrialStarted | m.TrialEnded)
+        }
+        assert found == {m.TrialStarted: "con1", m.TrialEnded: "con2"}
+
+
 async def test_each_wizard_is_blind(tmp_path: Path) -> None:
     made = parted(tmp_path)
     study = replace(made.study, design=Design(blind={"warm": "A", "cold": "B"}))

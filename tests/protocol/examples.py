@@ -429,6 +429,7 @@ def answers() -> list[r.AnyAnswer]:
             ),
             boot_id="6ba7b810-9dad-11d1-80b4-00c04fd430c8",
             clock_us=5_326_750_000,
+            robot_at="robot.local:8765",
         ),
         r.Reply(ref=4, ok=True, run="a00001"),
         r.Reply(

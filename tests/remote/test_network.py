@@ -38,6 +38,7 @@ async def test_a_wizard_on_another_machine_plays_and_the_log_has_the_name(tmp_pa
         peer = await connected(remote)
         welcome = await peer.hello("wizard")
         assert welcome["role"] == "wizard"
+        assert welcome["robot_at"] == two.address
         assert (await peer.ask("action", action="Hello", source="key"))["ok"]
         await peer.kind("action.done")
         assert "say" in {verb for verb, _ in two.robot.puppet().calls}

@@ -233,7 +233,7 @@ class Console(ScreenApp):
             for action, ended in self.state.runs.outcomes.items()
             if ended.how == "refused" and ended.t > self._lost_t
         }
-        back = "Robot process is back"
+        back = f"The {self.state.gone} is back"
         if late:
             why = next(reversed(late.values()))
             self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")

@@ -24,8 +24,8 @@ from woz_tui.console.cells import (
 from woz_tui.console.command_text import command_words
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
-from woz_tui.console.number_text import elapsed, millis
-from woz_tui.console.stop_confirmation import settled_row
+from woz_tui.console.number_text import millis
+from woz_tui.console.stop_confirmation import settled_row, stopped_words
 from woz_tui.protocol.messages import FilledCall
 from woz_tui.protocol.panels import ActionView
 from woz_tui.session.variables import HIDDEN_TEXT
@@ -287,9 +287,9 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         over, where = " The session has ended.", " enter shows where its log is"
         return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
     if state.lost and (asked_us is not None or state.stop is not None):
-        return _undelivered(glyphs, width)
+        return _undelivered(state, glyphs, width)
     if state.lost:
-        why = f" {glyphs.error} The robot process is gone: {state.lost}"
+        why = f" {glyphs.error} The {state.gone} is gone: {state.lost}"
         what = " No key is sent. It stops driving by itself. enter shows what can be done"
         return [((fit(why, width), "alarm"),), ((fit(what, width), "alarm-soft"),)]
     if state.stop is not None:
@@ -315,9 +315,9 @@ def _news_rows(news: News, glyphs: Glyphs, width: int, stop: str) -> list[Row]:
     return [cut(first, width, glyphs.ellipsis), last] if rest else [last]
 
 
-def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:
+def _undelivered(state: ConsoleState, glyphs: Glyphs, width: int) -> list[Row]:
     first = (
-        f" {glyphs.stop} STOP NOT DELIVERED: the robot process is gone; use the robot's own switch"
+        f" {glyphs.stop} STOP NOT DELIVERED: the {state.gone} is gone; use the robot's own switch"
     )
     second = " Without this console the robot process stops driving by itself."
     return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
@@ -325,7 +325,7 @@ def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:
 
 def _stopped(state: ConsoleState, stop: StopEpisode, release: str, frame: PaintFrame) -> list[Row]:
     glyphs, width = frame.glyphs, frame.width
-    left = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)}"
+    left = stopped_words(stop, state.others, glyphs)
     does = "releases it" if stop.settled and not stop.missing else "asks, then releases it"
     hint = f"{release} {does} " if release else ""
     if len(left) + len(hint) >= width:

@@ -105,6 +105,8 @@ class ConsoleState:
     #: The part that it plays, or would if it played; empty: none in particular.
     part: str = ""
     log: str = ""
+    #: The address of the robot's computer, where a network is between; else empty.
+    robot_at: str = ""
     welcomed: bool = False
     #: Who took part in the session before, if the robot process was lost meanwhile.
     before: str = ""
@@ -313,6 +315,11 @@ class ConsoleState:
         """The connection to the robot process is gone."""
         self.lost = why or "the connection closed"
 
+    @property
+    def gone(self) -> str:
+        """What is gone when this console is lost: behind a network that is all that is known."""
+        return f"line to {self.robot_at}" if self.robot_at else "robot process"
+
     def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
         """Begin anew; what the wizard has seen stays seen."""
         fresh = ConsoleState(edition=self.edition, before=self.participant or self.before)
@@ -322,6 +329,7 @@ class ConsoleState:
         self._t, self._local = welcome.t, local_us
         self.welcomed = True
         self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
+        self.robot_at = welcome.robot_at
         self.runs.console = self.console
         self.variables = tuple(welcome.variables)
         self.settings = welcome.settings

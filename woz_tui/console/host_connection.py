@@ -86,6 +86,7 @@ class HostConnection:
         self._lost = False
         #: Whether host and console share a clock, so that it can tell how old a request is.
         self._stamps = False
+        self._robot_at = ""
         self._opened: socket.socket | None = None
 
     # -- the feed ----------------------------------------------------------------------------
@@ -264,6 +265,8 @@ class HostConnection:
             except OSError as error:
                 return f"the connection to the robot process broke: {error.strerror}"
             if not data:
+                if self._robot_at:
+                    return "the network is cut, or the robot's computer is off"
                 return "the robot process closed the connection"
             heard_us = now
             lines = (rest + data).split(b"\n")
@@ -288,6 +291,7 @@ class HostConnection:
                 self._ended = True
             elif isinstance(message, Welcome):
                 self._stamps = bool(message.boot_id) and message.boot_id == boot_id()
+                self._robot_at = message.robot_at
                 self._lost = False
         self._on_messages(batch)
 

@@ -160,7 +160,8 @@ def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:
     if state.ended:
         return (("session over", "muted"),)
     if state.lost:
-        return ((f" {glyphs.error} ROBOT PROCESS LOST ", "alarm"),)
+        what = "NETWORK" if state.robot_at else "ROBOT PROCESS"
+        return ((f" {glyphs.error} {what} LOST ", "alarm"),)
     recorder = state.session.recorder
     if recorder is None:
         return ((f"{glyphs.no} Not recording yet", "muted"),)

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 from woz_tui.console.cells import Row, clean, length
 from woz_tui.console.glyphs import Glyphs
+from woz_tui.console.number_text import elapsed
 from woz_tui.timeline.episodes import StopEpisode
 
 Parts = Mapping[str, Iterable[str]]
@@ -47,6 +48,14 @@ def missing_words(
     away = ", ".join(short.get(name, name) for name in unreached)
     found = [f"not reached: {away}"] if unreached else []
     return [*found, f"not confirmed: {named}"] if named else found
+
+
+def stopped_words(stop: StopEpisode, others: Mapping[str, str], glyphs: Glyphs) -> str:
+    """`STOPPED by voice at 00:15`: another wizard by the part, else what was pressed. `others`:
+    consoles of other wizards, each with its part.
+    """
+    who = others.get(stop.presses[0].pressed.console) or stop.source
+    return f" {glyphs.stop} STOPPED by {clean(who)} at {elapsed(stop.begin)}"
 
 
 def settled_row(

@@ -646,7 +646,7 @@ class ListenerLeft(Message, frozen=True, kw_only=True, tag="listener.left"):
 #: Messages that name the connection (`console`) whose request brought them about.
 ASKED = (
     *(StopPressed, StopReleased, SessionChanged, PanelLocked, ProfileChanged, PhaseChanged),
-    *(Marker, Note, Mistake),
+    *(Marker, Note, Mistake, TrialStarted, TrialEnded, BreakStarted, BreakEnded),
 )
 
 #: Every message that may stand in a log or on the stream.

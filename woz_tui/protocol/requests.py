@@ -451,7 +451,8 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     file says of the study, and how it stands (see `docs/reference/protocol.md`). `boot_id`: of
     the robot process's machine; a client with the same one may stamp its requests with `sent_us`.
     `clock_us`: CLOCK_MONOTONIC of that machine at `t` = 0, in microseconds. `part`: as in the
-    hello; who plays which is in the lines `console.attached` of `state`.
+    hello; who plays which is in the lines `console.attached` of `state`. `robot_at`: the address of
+    the robot's computer, in a session that was joined from another machine.
     """
 
     protocol: int
@@ -474,6 +475,7 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     boot_id: str = ""
     clock_us: int = 0
     part: str = ""
+    robot_at: str = ""
 
 
 class Pulse(Answer, frozen=True, kw_only=True, tag="pulse"):

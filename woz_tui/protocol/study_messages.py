@@ -67,6 +67,7 @@ class TrialStarted(Message, frozen=True, kw_only=True, tag="trial.started"):
     trial: int
     condition: str = ""
     planned: int = 0
+    console: str = ""
 
 
 class TrialEnded(RestrictedMessage, frozen=True, kw_only=True, tag="trial.ended"):
@@ -75,18 +76,21 @@ class TrialEnded(RestrictedMessage, frozen=True, kw_only=True, tag="trial.ended"
     trial: int
     outcome: str
     text: str = ""
+    console: str = ""
 
 
 class BreakStarted(RestrictedMessage, frozen=True, kw_only=True, tag="break.started"):
     """A break: what happens now belongs to no trial."""
 
     text: str = ""
+    console: str = ""
 
 
 class BreakEnded(RestrictedMessage, frozen=True, kw_only=True, tag="break.ended"):
     """The break is over."""
 
     text: str = ""
+    console: str = ""
 
 
 # -- asked of people ------------------------------------------------------------------------------

@@ -45,9 +45,10 @@ _LONGEST_LINE = 16 * codec.MAX_LINE
 
 
 class LineTranslator:
-    """Gives lines the time of the machine that they go to."""
+    """Gives lines the time of the machine that they go to. `address`: the robot's computer."""
 
-    def __init__(self, clocks: ClockComparison, clock: Clock) -> None:
+    def __init__(self, address: str, clocks: ClockComparison, clock: Clock) -> None:
+        self._address = address
         self._clocks = clocks
         self._clock = clock
 
@@ -61,15 +62,14 @@ class LineTranslator:
             return msgspec.json.encode(request)
         return line
 
-    @staticmethod
-    def answer(line: bytes) -> bytes:
+    def answer(self, line: bytes) -> bytes:
         """One from the robot. By the `boot_id` of the welcome a client knows that it may stamp its
-        requests with the time of this machine.
+        requests with the time of this machine, by `robot_at` that a network is between.
         """
         if not line.startswith(b'{"kind":"welcome"'):
             return line
         welcome = codec.decode_unknown(line)
-        return msgspec.json.encode({**welcome, "boot_id": boot_id()})
+        return msgspec.json.encode({**welcome, "boot_id": boot_id(), "robot_at": self._address})
 
 
 class RemoteSessionError(Exception):
@@ -94,7 +94,7 @@ class RemoteSession:
         self._context = access.context()
         self._clock = clock or RealClock()
         self._clocks = ClockComparison()
-        self._lines = LineTranslator(self._clocks, self._clock)
+        self._lines = LineTranslator(address, self._clocks, self._clock)
         self._client: aiohttp.ClientSession | None = None
         self._open: set[asyncio.Task[None]] = set()
         self._path: Path | None = None

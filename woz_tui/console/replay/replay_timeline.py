@@ -15,13 +15,13 @@ from woz_tui.console.bottom_rows import (
     sentence_rows,
     upcoming,
 )
-from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
+from woz_tui.console.cells import Piece, Row, cut, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meter_rows import merge_pieces
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import ReplayState, TimelinePlace, wall_time
-from woz_tui.console.stop_confirmation import settled_row
+from woz_tui.console.stop_confirmation import settled_row, stopped_words
 from woz_tui.timeline.episodes import StopEpisode
 
 #: The most important first: they share cells of the line. Sign and look.
@@ -63,16 +63,16 @@ def _session_row(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
     if bar.news.text:
         return ((fit(f" {glyphs.plain(bar.news.text)}", width, glyphs.ellipsis), bar.news.look),)
     if state.stop is not None:
-        return _stop_row(state, state.stop, glyphs, width)
+        return _stop_row(state, state.stop, frame)
     if state.script:
         return script_row(state, frame, "script")
     return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
 
 
-def _stop_row(state: ConsoleState, stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
+def _stop_row(state: ConsoleState, stop: StopEpisode, frame: PaintFrame) -> Row:
     """The stop of then in one row, and who had confirmed."""
-    first = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)} "
-    row: Row = ((first, "alarm"),)
+    glyphs, width = frame.glyphs, frame.width
+    row: Row = ((f"{stopped_words(stop, state.others, glyphs)} ", "alarm"),)
     if stop.settled:
         row += settled_row(stop, state.short_names, glyphs, width - length(row))
     return cut((*row, (" " * width, "alarm-soft")), width, " ")

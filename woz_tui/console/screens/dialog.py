@@ -175,7 +175,7 @@ def plain(text: str) -> Content:
 class Dialog(PartialScreen[None], ModalScreen[None]):
     """A framed dialog. Subclasses give `heading`, `hint` and `body`."""
 
-    heading: ClassVar[str] = ""
+    heading: str = ""
     hint: ClassVar[str] = "ctrl+q closes"
     #: Class of the frame: `wide`, `drawing`, or nothing for a narrow one.
     size_class: ClassVar[str] = ""

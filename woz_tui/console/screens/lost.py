@@ -17,7 +17,7 @@ from woz_tui.log.file_names import current_path
 def open_lost(app: ConsoleApp) -> None:
     """The robot process is gone: say so and offer what can be done."""
     if not app.requests.ending:
-        app.open_dialog(EndedDialog() if app.state.ended else LostDialog())
+        app.open_dialog(EndedDialog() if app.state.ended else LostDialog(app.state.gone))
 
 
 def close_lost(app: ConsoleApp) -> None:
@@ -34,16 +34,22 @@ def _log(announced: str) -> str:
 class LostDialog(ChoiceDialog):
     """Says so, where the log is, and what can be done."""
 
-    heading = "The robot process is gone"
     hint = "arrows choose · enter"
+
+    def __init__(self, gone: str) -> None:
+        super().__init__()
+        self.heading = f"The {gone} is gone"
 
     def lines(self) -> list[Row]:
         """What happened, and what is safe."""
         state = self.state
+        safe = "Everything up to this moment is in the log:"
+        if state.robot_at:
+            safe = "The session may go on there; it is joined again by itself. Its log:"
         return [
             ((f"{self.glyphs.error} {state.lost}", "bad"),),
             (("No key reaches the robot from here until it is back, not even the stop.", "plain"),),
-            (("Everything up to this moment is in the log:", "plain"),),
+            ((safe, "plain"),),
             ((_log(state.log) or "(the log is not known)", "strong"),),
         ]
 

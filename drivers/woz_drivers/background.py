@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import threading
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from woz_tui.drivers.contract import DriverContext, DriverError
+from woz_tui.system.tasks import TaskSet, end_tasks
 
 #: What was begun for a robot may take so long to arrive there when the session is over, in seconds.
 FAREWELL_S = 0.5
-
-log = logging.getLogger(__name__)
 
 _T = TypeVar("_T")
 
@@ -52,9 +50,7 @@ class Background:
     async def close(self) -> None:
         """Give it up, and return when it has ended."""
         task, self._task = self._task, None
-        if task is not None and not task.done():
-            task.cancel()
-            await asyncio.wait([task])
+        await end_tasks(task)
 
     def _ended(self, task: asyncio.Task[None]) -> None:
         error = None if task.cancelled() else task.exception()
@@ -63,50 +59,17 @@ class Background:
             self._context.notice("error", text, "connect again; please report it")
 
 
-class BackgroundTasks:
+class BackgroundTasks(TaskSet):
     """Several tasks at a time, such as what a robot must still hear when a command was cut short.
 
-    That one is cancelled, or fails because the robot is gone, is no surprise and is not told; a
-    mistake of ours is in the program's log.
+    That one is cancelled, or fails because the robot is gone, is no surprise and is not told.
     """
 
-    def __init__(self, what: str) -> None:
-        self._what = what
-        self._tasks: set[asyncio.Task[Any]] = set()
-
-    def __bool__(self) -> bool:
-        return bool(self._tasks)
-
-    def start(self, work: Coroutine[Any, Any, _T]) -> asyncio.Task[_T]:
-        """Begin one more."""
-        task = asyncio.get_running_loop().create_task(work, name=self._what)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-        task.add_done_callback(self._ended)
-        return task
-
-    async def settled(self, within: float | None = None) -> None:
-        """Return when none is left, or after `within` seconds."""
-        loop = asyncio.get_running_loop()
-        until = None if within is None else loop.time() + within
-        while self._tasks and (until is None or loop.time() < until):
-            await asyncio.wait(self._tasks, timeout=until and until - loop.time())
-
-    def cancel(self) -> None:
-        """Give all up, without waiting for their end."""
-        for task in tuple(self._tasks):
-            task.cancel()
+    expected = (DriverError, TimeoutError)
 
     async def close(self, within: float = FAREWELL_S) -> None:
         """Return when none is left; after `within` seconds they are given up."""
-        await self.settled(within)
-        self.cancel()
-        await self.settled()
-
-    def _ended(self, task: asyncio.Task[Any]) -> None:
-        error = None if task.cancelled() else task.exception()
-        if error is not None and not isinstance(error, DriverError | TimeoutError):
-            log.error("%s failed", self._what, exc_info=error)
+        await super().close(within)
 
 
 async def apart(work: Callable[[], _T]) -> _T:

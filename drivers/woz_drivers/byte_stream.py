@@ -11,6 +11,7 @@ from woz_drivers import child_process
 from woz_drivers.child_process import Child, RestartPauses
 from woz_tui.drivers.contract import DriverError
 from woz_tui.system.clock import Clock
+from woz_tui.system.tasks import end_tasks
 
 #: A command that writes nothing is told of, and later ended and started again, in seconds; the
 #: first output may take longer, because cameras start slowly and ssh needs time to connect.
@@ -105,10 +106,8 @@ class ByteStream:
 
     async def close(self) -> None:
         """End it and everything it started."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
-            self._task = None
+        await end_tasks(self._task)
+        self._task = None
 
     def write(self, data: bytes) -> None:
         """Give a command that is `fed` some data; lost while it does not run."""

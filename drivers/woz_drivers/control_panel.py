@@ -19,6 +19,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.motion.body_feeds import STATE, BodyState
 from woz_tui.protocol.messages import ControlsMoved, Json
+from woz_tui.system.tasks import end_tasks
 
 #: How often the robot's state is looked at, and how often what moved is shown, in seconds.
 LOOK_S = 0.05
@@ -147,9 +148,7 @@ class ControlPanel(PassiveDriver):
         self._watch = asyncio.create_task(self._keep_looking())
 
     async def _end_looking(self) -> None:
-        if self._watch is not None:
-            self._watch.cancel()
-            await asyncio.gather(self._watch, return_exceptions=True)
+        await end_tasks(self._watch)
 
     async def _keep_looking(self) -> None:
         while True:

@@ -13,6 +13,7 @@ import os
 from collections.abc import Callable
 
 from woz_tui.drivers.contract import DeviceLostError
+from woz_tui.system.tasks import end_tasks
 
 #: A missing or occupied device is tried again this often, in seconds.
 POLL_S = 0.5
@@ -61,10 +62,8 @@ class DeviceLine(abc.ABC):
 
     async def close(self) -> None:
         """Stop looking and let go of the device."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
-            self._task = None
+        await end_tasks(self._task)
+        self._task = None
         self._detach()
 
     def write(self, data: bytes) -> None:

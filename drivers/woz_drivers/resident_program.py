@@ -24,6 +24,7 @@ from woz_drivers import child_process, command_lines
 from woz_drivers.child_process import Child, RestartPauses
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.messages import Json
+from woz_tui.system.tasks import end_tasks
 
 #: Until it must have loaded, in seconds; large models on a slow card take long.
 LOADS_WITHIN_S = 180.0
@@ -105,9 +106,7 @@ class ResidentProgram:
     async def close(self) -> None:
         """End it and everything it started."""
         task, self._task = self._task, None
-        if task is not None:
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
+        await end_tasks(task)
 
     async def load(self, within: float) -> float | None:
         """Load it; seconds that took, or None if it is still loading after `within` seconds. Raises

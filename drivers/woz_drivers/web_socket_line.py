@@ -22,6 +22,7 @@ import msgspec
 
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Health
 from woz_tui.system.retry_pauses import RetryPauses
+from woz_tui.system.tasks import end_tasks
 
 #: An attempt to connect may take so long, in seconds.
 _CONNECT_S = 3.0
@@ -128,8 +129,7 @@ class WebSocketLine:
         """Stop looking and let go of the robot."""
         task, self._task = self._task, None
         if task is not None:
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
+            await end_tasks(task)
             self._trouble = DeviceLostError(f"{self._shown} was let go", "start the session again")
 
     # -- for the driver ------------------------------------------------------------------------

@@ -28,6 +28,7 @@ from woz_tui.bml.bml_schedule import (
 )
 from woz_tui.client import WozClient, WozError, WozRefusedError
 from woz_tui.protocol.description import PredictedCommand
+from woz_tui.system.tasks import end_tasks
 
 #: From the plan to the beginning, in seconds: so that all requests are there in time.
 LEAD_S = 0.15
@@ -136,8 +137,7 @@ class BmlRealizer:
         """End a block now; what it plays is cut short."""
         played = self._blocks.get(block)
         if played is not None and played.task is not None:
-            played.task.cancel()
-            await asyncio.gather(played.task, return_exceptions=True)
+            await end_tasks(played.task)
             self._end(played)  # its task may not have begun
 
     async def close(self) -> None:
@@ -237,8 +237,7 @@ class BmlRealizer:
                 BmlWarning("IMPOSSIBLE_TO_SCHEDULE", text, (behaviour.id,)),
             )
         finally:
-            points.cancel()
-            await asyncio.gather(points, return_exceptions=True)
+            await end_tasks(points)
 
     async def _call(
         self, played: _Played, call: VerbCall, times: Mapping[str, float], usual: float

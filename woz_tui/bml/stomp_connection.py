@@ -14,6 +14,8 @@ from typing import NoReturn
 
 from woz_tui.system.retry_pauses import RetryPauses
 
+from woz_tui.system.tasks import end_tasks
+
 #: A longer frame ends the connection, in bytes.
 LONGEST_FRAME = 4 << 20
 #: More headers than this end the connection.
@@ -186,9 +188,7 @@ class StompConnection:
 
     async def close(self) -> None:
         """Say goodbye, and do not wait long for the answer."""
-        if self._beats is not None:
-            self._beats.cancel()
-            await asyncio.gather(self._beats, return_exceptions=True)
+        await end_tasks(self._beats)
         with contextlib.suppress(OSError, TimeoutError, StompError):
             async with asyncio.timeout(_GOODBYE_S):
                 self._writer.write(StompFrame("DISCONNECT", {"receipt": "bye"}).encode())

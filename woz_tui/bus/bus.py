@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import functools
 import logging
-from collections.abc import Callable, Coroutine, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import msgspec
 
@@ -32,6 +32,7 @@ from woz_tui.protocol.messages import (
     StopPressed,
     StopReleased,
 )
+from woz_tui.system.tasks import TaskSet
 
 #: Commands that may wait in one lane.
 CAPACITY = 16
@@ -80,7 +81,7 @@ class Bus:
         self._stopping: asyncio.Task[None] | None = None
         #: Drivers that did not confirm the last stop of everything.
         self._unconfirmed: set[str] = set()
-        self._asides: set[asyncio.Task[None]] = set()
+        self._confirming = TaskSet("confirming a stop")
         self._connected: set[str] = set()
         #: Those of which a part may be connected: they say which.
         self._faulted: set[str] = set()
@@ -236,7 +237,7 @@ class Bus:
         self._hub.publish(StopPressed(source=source))
         for lane in list(self._lanes.values()):
             lane.stop("stop pressed")
-        self._stopping = self._spawn(self._confirm(stops, began_us))
+        self._stopping = self._confirming.start(self._confirm(stops, began_us))
         return self._stopping
 
     def release(self, source: str) -> bool:
@@ -261,13 +262,7 @@ class Bus:
         self._hub.publish(StopPressed(source=source, scope=Scope.DRIVE.value))
         for lane in list(self._lanes.values()):
             lane.stop(source, only_driving=True)
-        self._spawn(self._confirm(stops, began_us, jobs=False))
-
-    def _spawn(self, coroutine: Coroutine[None, None, None]) -> asyncio.Task[None]:
-        task = asyncio.get_running_loop().create_task(coroutine)
-        self._asides.add(task)
-        task.add_done_callback(self._asides.discard)
-        return task
+        self._confirming.start(self._confirm(stops, began_us, jobs=False))
 
     def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, StopTask]:
         loop = asyncio.get_running_loop()
@@ -339,8 +334,7 @@ class Bus:
         """Every stop that was pressed has been confirmed, or has not; `STOP_WAIT_S` at most for
         each.
         """
-        while self._asides:
-            await asyncio.wait(self._asides)
+        await self._confirming.settled()
 
     async def drain(self, seconds: float) -> None:
         """End every command and wait up to `seconds` for the jobs to be gone."""

@@ -15,6 +15,7 @@ from woz_tui import __version__
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.client import WozError, connect
 from woz_tui.client.tools import Tool, ToolCaller
+from woz_tui.system.tasks import end_tasks
 
 MISSING = "`woz mcp` needs the package `mcp`: pip install 'woz-tui[mcp]'"
 INSTRUCTIONS = (
@@ -59,8 +60,7 @@ async def _serve(session: str) -> int:
                 options = server.create_initialization_options()
                 await server.run(reader, writer, options)
         finally:
-            following.cancel()
-            await asyncio.gather(following, return_exceptions=True)
+            await end_tasks(following)
     return 0
 
 

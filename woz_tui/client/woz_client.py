@@ -27,6 +27,7 @@ from woz_tui.protocol.description import Description, Prediction, VerbDescriptio
 from woz_tui.protocol.panels import PanelView
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import boot_id
+from woz_tui.system.tasks import end_tasks
 
 #: Bytes that a line from the robot process may have: a welcome grows with its experiment.
 MOST_BYTES = 16 << 20
@@ -405,9 +406,7 @@ class WozClient:
     async def close(self) -> None:
         """Leave; what was begun goes on."""
         self._writer.close()
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.wait([self._task])
+        await end_tasks(self._task)
         self._lose(WozConnectionError("the connection was closed"))
         with contextlib.suppress(OSError):
             await self._writer.wait_closed()

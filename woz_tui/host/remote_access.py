@@ -12,6 +12,7 @@ from pathlib import Path
 
 from woz_tui.protocol.messages import Notice
 from woz_tui.system.retry_pauses import RetryPauses
+from woz_tui.system.tasks import end_tasks
 
 #: Pauses before it is started again, in seconds.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.5, 8.0
@@ -53,9 +54,7 @@ class RemoteAccess:
     async def close(self) -> None:
         """Let nobody in any more."""
         task, self._task = self._task, None
-        if task is not None:
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
+        await end_tasks(task)
         if self._process is not None:
             await _end(self._process)
 

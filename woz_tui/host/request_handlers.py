@@ -70,6 +70,7 @@ from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.session import Session
 from woz_tui.session.typed_actions import Reader, copy_with_sentences, without_typed, write_beside
 from woz_tui.session.variables import MissingValueError, filled_call
+from woz_tui.system.tasks import TaskSet
 
 log = logging.getLogger(__name__)
 
@@ -104,7 +105,7 @@ class RequestHandlers:
         self._read = read or (lambda data: load())
         self._pictures = PictureService(session)
         self._sound = SoundService(session)
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks = TaskSet("slow requests")
         self._slow: dict[tuple[ClientConnection, type[Slow]], list[Slow]] = {}
         self._reading = asyncio.Lock()  # what was read last is what counts
         self._looking = asyncio.Lock()  # into the earlier logs, one after the other
@@ -352,9 +353,7 @@ class RequestHandlers:
         waiting = self._slow.get((client, type(request)))
         if waiting is None:
             waiting = self._slow[client, type(request)] = []
-            task = asyncio.get_running_loop().create_task(self._work_off(client, type(request)))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
+            self._tasks.start(self._work_off(client, type(request)))
         if len(waiting) < SLOW_WAITING:
             waiting.append(request)
         else:

@@ -21,6 +21,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.driver_context import DriverRequestHandler, SessionDriverContext
 from woz_tui.system.clock import Clock
+from woz_tui.system.tasks import TaskSet
 
 
 def make_drivers(
@@ -104,7 +105,7 @@ class DriverManager:
         self._on_closed = on_closed
         self._resting: list[asyncio.Task[None]] = []
         self._preparing: dict[str, asyncio.Task[None]] = {}
-        self._asides: set[asyncio.Task[None]] = set()
+        self._resuming = TaskSet("resuming after a stop")
 
     async def open(self) -> None:
         """Let every driver look for its hardware."""
@@ -159,19 +160,14 @@ class DriverManager:
     def resume(self) -> None:
         """The stop was released: what moves by itself may stir again."""
         for name, driver in self._drivers.items():
-            self._spawn(name, "resume", driver.resume)
+            self._resuming.start(self._resume(name, driver))
 
-    def _spawn(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
-        task = asyncio.get_running_loop().create_task(self._call_aside(name, what, call))
-        self._asides.add(task)
-        task.add_done_callback(self._asides.discard)
-
-    async def _call_aside(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
+    async def _resume(self, name: str, driver: Driver) -> None:
         try:
-            await guarded(call)
+            await guarded(driver.resume)
         except Exception as error:
-            log.exception("%s failed to %s", name, what)
-            self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {error}"))
+            log.exception("%s failed to resume", name)
+            self._hub.publish(m.Notice(level="error", text=f"{name}: resume failed: {error}"))
 
     async def close(self) -> None:
         """Let go of the hardware."""

@@ -21,6 +21,7 @@ from woz_drivers.resident_program import ResidentProgram
 from woz_tui.drivers.contract import DriverContext, DriverError, RejectedError
 from woz_tui.drivers.face_store import FaceStore, default_path, key_of
 from woz_tui.protocol.messages import Json
+from woz_tui.system.tasks import end_tasks
 
 #: Readings: of who is addressed, and of each face.
 IDENTITY, EACH_IDENTITY = "identity", "identity.face"
@@ -97,9 +98,7 @@ class FaceIdentity:
 
     async def close(self) -> None:
         """End it."""
-        if self._asking is not None:
-            self._asking.cancel()
-            await asyncio.gather(self._asking, return_exceptions=True)
+        await end_tasks(self._asking)
         await self._program.close()
 
     def forget_tracks(self) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from woz_drivers.byte_stream import StreamListener
 from woz_tui.drivers.contract import DriverContext, DriverError
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
+from woz_tui.system.tasks import end_tasks
 
 #: How often is looked for a new picture, and for how long the camera is asked for more, in seconds.
 _LOOK_S, _WATCHES_S = 0.02, 2.0
@@ -42,10 +43,8 @@ class FeedCamera:
 
     async def close(self) -> None:
         """Watch no longer."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
-            self._task = None
+        await end_tasks(self._task)
+        self._task = None
 
     async def _watch(self) -> None:
         self._listener.begun()

@@ -30,6 +30,7 @@ from woz_tui.motion.body_shape import FaceShape
 from woz_tui.motion.face_drawing import FaceState, draw
 from woz_tui.motion.light_frames import LightFrame, blank
 from woz_tui.protocol.messages import Json
+from woz_tui.system.tasks import end_tasks
 
 # -- light pictures --------------------------------------------------------------------------------
 # Pictures as the matrix is mounted, and patterns for whoever mounts it.
@@ -183,8 +184,7 @@ class LedFace(PassiveDriver):
         """Show what the settings say for afterwards, and let go of the port."""
         task, self._task = self._task, None
         if task is not None:
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
+            await end_tasks(task)
             await self._say_goodbye()
         await self._line.close()
 

@@ -21,6 +21,7 @@ from woz_drivers import child_process, command_lines
 from woz_drivers.resident_program import ResidentProgram
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
 from woz_tui.protocol.messages import SpeechText, SpokenWord
+from woz_tui.system.tasks import end_tasks
 
 log = logging.getLogger(__name__)
 
@@ -237,9 +238,7 @@ class Transcriber:
     async def close(self) -> None:
         """End the program; what is not understood by now never is."""
         task, self._task = self._task, None
-        if task is not None:
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
+        await end_tasks(task)
         await self._program.close()
         while self._waiting:
             ended = self._waiting.popleft()

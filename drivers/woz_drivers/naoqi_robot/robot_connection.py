@@ -54,6 +54,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
 )
 from woz_tui.system.retry_pauses import RetryPauses
+from woz_tui.system.tasks import end_tasks
 
 #: How long the parts may take to apply what the settings say, in seconds.
 _APPLIED_WITHIN_S = 10.0
@@ -312,9 +313,7 @@ class RobotConnection:
         if self._line is not None:
             self._line.why = why
         keeper, self._keeper = self._keeper, None
-        if keeper is not None:
-            keeper.cancel()
-            await asyncio.gather(keeper, return_exceptions=True)
+        await end_tasks(keeper)
         if self._address is not None and self._address.simulated:
             await self._simulated.close()
 
@@ -356,7 +355,7 @@ class RobotConnection:
             self._well, self._trouble = "", ("", "")
             getting_ready.cancel()
             await line.link.close()
-            await asyncio.gather(getting_ready, return_exceptions=True)
+            await end_tasks(getting_ready)
             if was_ready:
                 self._on_lost()
         return was_ready

@@ -19,6 +19,7 @@ from woz_drivers.simulated.argument_values import color as color_of
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.system.clock import Clock
+from woz_tui.system.tasks import end_tasks
 
 #: At most so long from one reading to the next.
 EVERY_S = 0.9
@@ -78,9 +79,7 @@ class SettingsReader:
     async def close(self) -> None:
         """Read no more."""
         loop, self._loop = self._loop, None
-        if loop is not None:
-            loop.cancel()
-            await asyncio.wait([loop])
+        await end_tasks(loop)
 
     async def _run(self) -> None:
         while self._loop is asyncio.current_task():

@@ -18,6 +18,7 @@ from woz_tui.drivers.contract import (
     PassiveDriver,
     Probe,
 )
+from woz_tui.system.tasks import end_tasks
 
 SENSOR = "distance"
 RATE = "distance.rate"
@@ -81,9 +82,7 @@ class Rangefinder(PassiveDriver):
 
     async def close(self) -> None:
         """Let go of the port."""
-        if self._watch is not None:
-            self._watch.cancel()
-            await asyncio.gather(self._watch, return_exceptions=True)
+        await end_tasks(self._watch)
         await self._line.close()
 
     # -- the port ------------------------------------------------------------------------------

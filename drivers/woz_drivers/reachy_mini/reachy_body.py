@@ -24,6 +24,7 @@ from woz_drivers.web_socket_line import AnswerError
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.motion.safety import LimitedJoint, Limits
+from woz_tui.system.tasks import end_tasks
 
 #: Setpoints a second.
 RATE = 50.0
@@ -419,9 +420,7 @@ class ReachyBody:
 
     async def _end_stream(self) -> None:
         streaming, self._streaming = self._streaming, None
-        if streaming is not None and not streaming.done():
-            streaming.cancel()
-            await asyncio.gather(streaming, return_exceptions=True)
+        await end_tasks(streaming)
 
     def _task(self, work: Callable[[], Coroutine[Any, Any, None]]) -> asyncio.Task[None]:
         async def guarded() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import time
 from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Mapping
@@ -45,6 +44,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
+from woz_tui.system.tasks import end_tasks
 
 
 class RobotTime:
@@ -238,10 +238,7 @@ class SimulatedRobot(Driver):
         """End the ticking. A second time does nothing."""
         self._closed = True
         life, self._life = self._life, None
-        if life is not None:
-            life.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await life
+        await end_tasks(life)
 
     async def _live(self) -> None:
         due = self._pace.now()

@@ -45,6 +45,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
+from woz_tui.system.tasks import end_tasks
 
 #: How often missing programs are looked for, in seconds.
 _LOOK_S = 2.0
@@ -241,10 +242,7 @@ class Speech(Driver):
 
     async def close(self) -> None:
         """End everything."""
-        tasks = [task for task in (self._task, self._preparing) if task is not None]
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await end_tasks(self._task, self._preparing)
         await self._silence()
         if self._talk is not None:
             await self._talk.close()
@@ -346,9 +344,7 @@ class Speech(Driver):
                 with _telling(job, utterance):
                     await self._play(job, utterance.path, utterance.sound, volume)
         finally:
-            for task in making:
-                task.cancel()
-            await asyncio.gather(*making, return_exceptions=True)
+            await end_tasks(*making)
         new = [utterance for utterance in spoken if utterance.source == "synthesised"]
         return {
             **self._sent((new or spoken)[0], volume),

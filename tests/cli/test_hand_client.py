@@ -279,7 +279,7 @@ def test_two_gamepads_get_two_panels_and_a_third_is_told() -> None:
 
 
 def test_a_device_can_be_named_for_a_panel() -> None:
-    line = Line({"pad": PAD, "pad2": PAD}, wanted={"xbox": "pad2"})
+    line = Line({"pad": PAD, "pad2": PAD}, panel_of={"xbox": "pad2"})
     line.plugged(Pad(name="Sony"))
     line.plugged(Pad(name="Xbox"))
     assert [hand.panel for hand in line.client.hands] == ["pad", "pad2"]

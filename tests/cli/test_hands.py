@@ -8,9 +8,10 @@ import os
 import signal
 import sys
 from asyncio.subprocess import PIPE, STDOUT, Process
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Collection
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -18,7 +19,12 @@ from tests.drivers.heard import PATIENCE_S
 from tests.fakes.joystick import Joystick
 from tests.host.rig import Served
 from tests.host.test_controls import session
+from woz_tui.cli import hands, main
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import DriverError, PassiveDriver
 from woz_tui.protocol import messages as m
+from woz_tui.system.session_sockets import bind
+from woz_tui.testing import until
 
 #: Runs the command here instead of somewhere else.
 SSH = '#!/bin/sh\nfor last; do :; done\nexec sh -c "$last"\n'
@@ -129,6 +135,56 @@ async def test_the_end_of_the_session_is_its_end(tmp_path: Path) -> None:
             await it.says("the session has ended")
             assert await it.process.wait() == 0
     pad.unplug()
+
+
+async def test_a_lost_session_of_this_computer_is_found_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    connect, tries = asyncio.open_unix_connection, 0
+
+    async def counted(path: Path, limit: int) -> Any:
+        nonlocal tries
+        tries += 1
+        return await connect(path, limit=limit)
+
+    def attached(line: m.AnyMessage) -> bool:
+        return isinstance(line, m.ConsoleAttached) and line.name == "hands"
+
+    async with session(tmp_path) as (place, reader):
+        reader.leave()
+        monkeypatch.setattr(hands, "AGAIN_S", 0.0)
+        monkeypatch.setattr(asyncio, "open_unix_connection", counted)
+        words = ["hands", str(place.path), "--device", str(tmp_path / "none")]
+        running = asyncio.create_task(asyncio.to_thread(main, words))
+        await place.published(attached)
+        await place.host.close()
+        await until(lambda: tries >= 3 or running.done(), PATIENCE_S)
+        place.lines.clear()
+        place.host.listen(bind(place.path))
+        await place.published(attached)
+        await place.session.close("test", rest=False)
+        await place.host.close()
+        assert await asyncio.wait_for(running, PATIENCE_S) == 0
+
+
+async def test_devices_that_cannot_be_read_any_more_end_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class BrokenDevices(PassiveDriver):
+        @classmethod
+        def watch(cls, wanted: list[str]) -> type[BrokenDevices]:
+            return cls
+
+        @staticmethod
+        async def run(kinds: Collection[str]) -> None:
+            raise DriverError("the kernel's list of devices cannot be read", "restart udev")
+
+    async with session(tmp_path) as (place, reader):
+        reader.leave()
+        monkeypatch.setattr(plugins, "installed", lambda: {"hands": BrokenDevices})
+        words = ["hands", str(place.path)]
+        assert await asyncio.wait_for(asyncio.to_thread(main, words), PATIENCE_S) == 1
+    assert "cannot be read (restart udev)" in capsys.readouterr().err
 
 
 async def test_without_a_session_it_says_so_and_ends(tmp_path: Path) -> None:

@@ -127,6 +127,17 @@ async def test_giving_up_waiting_cuts_it_short(host: Served) -> None:
             await waiting
 
 
+async def test_giving_up_in_the_moment_of_the_reply_cuts_it_short_too(host: Served) -> None:
+    async with connect(host.path) as woz:
+        stream = woz.messages(m.Command)
+        beginning = asyncio.create_task(woz.begin("say", text="a long sentence"))
+        await anext(stream)  # it comes right before the reply
+        beginning.cancel()
+        assert isinstance(await host.published(lambda line: isinstance(line, m.End)), m.Stopped)
+        with pytest.raises(asyncio.CancelledError):
+            await beginning
+
+
 async def test_what_was_begun_can_be_cancelled(host: Served) -> None:
     async with connect(host.path) as woz:
         run = await woz.begin("say", text="a long sentence")
@@ -264,6 +275,8 @@ async def test_leaving_ends_its_thread(host: Served) -> None:
         before = set(threading.enumerate())
         with blocking.connect(host.path) as woz:
             assert woz.welcome.title == "Made by hand"
+            assert "Hello" in {action.name for panel in woz.panels for action in panel.actions}
+            assert woz.clock_uncertainty == 0.0
             assert set(threading.enumerate()) > before
         assert set(threading.enumerate()) <= before
         with pytest.raises(WozConnectionError):

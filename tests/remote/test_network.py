@@ -9,6 +9,7 @@ import ssl
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import aiohttp
 import pytest
@@ -405,15 +406,27 @@ async def test_the_process_that_lets_in_is_started_again(
             await remote.close()
 
 
-async def test_without_an_access_file_the_wizard_is_told_what_to_do(
+async def test_without_an_access_file_the_wizard_is_told_what_to_do_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setattr("woz_tui.host.remote_access._FIRST_PAUSE_S", 0.0)
+    start, starts = asyncio.create_subprocess_exec, 0
+
+    async def counted(*words: str, **pipes: Any) -> asyncio.subprocess.Process:
+        nonlocal starts
+        starts += 1
+        return await start(*words, **pipes)
+
+    monkeypatch.setattr(asyncio, "create_subprocess_exec", counted)
     async with machines(tmp_path) as two:
         remote = RemoteAccess(two.robot.path, "127.0.0.1:0", two.robot.session.hub.publish)
         remote.start({})
         try:
-            await two.robot.published(_told("woz access new"))
+            await until(lambda: starts >= 3, WAIT_S)  # two have told their trouble
+            assert len([line for line in two.robot.lines if _told("woz access new")(line)]) == 1
+            Authority().new("anna", 30, "", tmp_path / "own.access")
+            await two.robot.published(_told("can join at 127.0.0.1"))
         finally:
             await remote.close()
 

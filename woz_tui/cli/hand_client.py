@@ -97,7 +97,7 @@ class HandClient:
     Args:
         clock: Time.
         say: Tells the wizard a line.
-        wanted: Part of a device's name, or its path -> the panel that it is for.
+        panel_of: Part of a device's name, or its path -> the panel that it is for; empty: any.
         take_over: Whether panels are taken from other clients.
     """
 
@@ -106,7 +106,7 @@ class HandClient:
         clock: Clock,
         say: Callable[[str], None],
         *,
-        wanted: Mapping[str, str] | None = None,
+        panel_of: Mapping[str, str] | None = None,
         take_over: bool = False,
     ) -> None:
         self.state = ConsoleState()
@@ -115,7 +115,7 @@ class HandClient:
         self.welcomed = False
         self._clock = clock
         self._say = say
-        self._wanted = wanted or {}
+        self._panel_of = panel_of or {}
         self._take_over = take_over
         self._write: Callable[[bytes], None] | None = None
         self._ref = 0
@@ -257,12 +257,12 @@ class HandClient:
     def _panel_for(self, device: PluggedInDevice) -> str:
         """The panel that was named for it, or the first of its kind that has no device yet."""
         taken = {hand.panel for hand in self.hands}
-        for wanted, panel in self._wanted.items():
-            if panel and (wanted == device.path or wanted.casefold() in device.name.casefold()):
+        for named, panel in self._panel_of.items():
+            if panel and (named == device.path or named.casefold() in device.name.casefold()):
                 return panel if panel in self.panels and panel not in taken else ""
-        named = {*self._wanted.values()}
-        for name, panel_of in self.panels.items():
-            if panel_of.device == device.kind and name not in taken | named:
+        kept = taken.union(self._panel_of.values())
+        for name, hand_panel in self.panels.items():
+            if hand_panel.device == device.kind and name not in kept:
                 return name
         return ""
 

@@ -12,6 +12,7 @@ import threading
 from argparse import ArgumentParser, Namespace
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import Any
 
 from woz_tui.cli.attach import find_session
@@ -21,6 +22,7 @@ from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.codec import MAX_LINE
 from woz_tui.system.clock import RealClock
+from woz_tui.system.tasks import until_first_ends
 
 #: The driver that knows gamepads and Stream Decks.
 DRIVER = "hands"
@@ -108,21 +110,21 @@ async def _hands(arguments: Namespace) -> int:
     catalogue = plugins.installed()
     if DRIVER not in catalogue:
         raise plugins.PluginError(f"no installed package offers the driver {DRIVER!r}")
-    wanted = _wanted(arguments.device)
+    panel_of = _panels_of(arguments.device)
     panel: Any = catalogue[DRIVER]
-    watch = panel.watch(list(wanted))
+    watch = panel.watch(list(panel_of))
     watch.on_trouble = lambda what, remedy: _say(f"{what}{remedy and f' ({remedy})'}")
     if arguments.show:
         watch.on_found = _show
         await watch.run()
-    client = HandClient(RealClock(), _say, wanted=wanted, take_over=arguments.take_over)
+    client = HandClient(RealClock(), _say, panel_of=panel_of, take_over=arguments.take_over)
     watch.on_found = client.add
     return await _play(arguments, client, watch)
 
 
-def _wanted(devices: list[str]) -> dict[str, str]:
-    """Device -> its panel, or nothing."""
-    split = [word.rpartition("=") for word in devices]
+def _panels_of(arguments: list[str]) -> dict[str, str]:
+    """Path or part of a device's name -> the panel that it is for (empty: any), of `--device`."""
+    split = [argument.rpartition("=") for argument in arguments]
     return {device: panel for panel, _, device in split}
 
 
@@ -147,35 +149,57 @@ def _show(device: Any) -> None:
 
 
 async def _play(arguments: Namespace, client: HandClient, watch: Any) -> int:
-    looking: asyncio.Task[None] | None = None
-    try:
-        while True:
-            async with _connected(arguments) as (reader, writer):
-                if reader is None:
-                    return 1
+    """Until the session ends, or devices cannot be read any more."""
+    path = None
+    if not arguments.to and (path := find_session(arguments.name, "woz hands")) is None:
+        return 1
+    welcomed = asyncio.Event()
+    code: int = await until_first_ends(
+        _follow(arguments, path, client, welcomed), _read(client, watch, welcomed), _tick(client)
+    )
+    return code
+
+
+async def _read(client: HandClient, watch: Any, welcomed: asyncio.Event) -> None:
+    """Read the devices of the session's panels, from the first welcome on."""
+    await welcomed.wait()
+    await watch.run({one.device for one in client.panels.values()})
+
+
+async def _tick(client: HandClient) -> None:
+    while True:
+        client.tick()
+        await asyncio.sleep(TICK_S)
+
+
+async def _follow(
+    arguments: Namespace, path: Path | None, client: HandClient, welcomed: asyncio.Event
+) -> int:
+    """Hand on what the session says, over one connection after the other; the exit code."""
+    while True:
+        connected = False
+        try:
+            async with _connected(arguments, path) as (reader, writer):
                 client.connect(writer.write)
-                ticking = asyncio.create_task(_tick(client))
-                try:
-                    while line := await _line(reader):
-                        client.receive(line)
-                        if client.welcomed and looking is None:
-                            kinds = {one.device for one in client.panels.values()}
-                            looking = asyncio.create_task(watch.run(kinds))
-                finally:
-                    ticking.cancel()
-                    client.disconnect()
-            if client.ended:
-                _say("the session has ended")
-                return 0
-            if looking is None:
-                _say("no session answered; if woz was not found there, say where it is: --woz PATH")
-                return 1
+                while line := await _line(reader):
+                    connected = True
+                    client.receive(line)
+                    if client.welcomed:
+                        welcomed.set()
+        except OSError:
+            if not welcomed.is_set():
+                raise
+        finally:
+            client.disconnect()
+        if client.ended:
+            _say("the session has ended")
+            return 0
+        if not welcomed.is_set():
+            _say("no session answered; if woz was not found there, say where it is: --woz PATH")
+            return 1
+        if connected:
             _say("the connection to the session is lost; looking for it again")
-            await asyncio.sleep(AGAIN_S)
-    finally:
-        if looking is not None:
-            looking.cancel()
-            await asyncio.gather(looking, return_exceptions=True)
+        await asyncio.sleep(AGAIN_S)
 
 
 async def _line(reader: asyncio.StreamReader) -> bytes:
@@ -185,22 +209,12 @@ async def _line(reader: asyncio.StreamReader) -> bytes:
     return b""
 
 
-async def _tick(client: HandClient) -> None:
-    while True:
-        client.tick()
-        await asyncio.sleep(TICK_S)
-
-
 @asynccontextmanager
 async def _connected(
-    arguments: Namespace,
-) -> AsyncIterator[tuple[asyncio.StreamReader | None, Any]]:
-    """The session's end of a line: its socket here, or ssh's pipes."""
-    if not arguments.to:
-        path = await asyncio.to_thread(find_session, arguments.name, "woz hands")
-        if path is None:
-            yield None, None
-            return
+    arguments: Namespace, path: Path | None
+) -> AsyncIterator[tuple[asyncio.StreamReader, asyncio.StreamWriter]]:
+    """The session's end of a line: its socket here, or ssh's pipes. Raises `OSError`."""
+    if path is not None:
         reader, writer = await asyncio.open_unix_connection(path, limit=_LINE_LIMIT)
         try:
             yield reader, writer
@@ -217,6 +231,7 @@ async def _connected(
         limit=_LINE_LIMIT,
     )
     assert ssh.stdin is not None
+    assert ssh.stdout is not None
     try:
         yield ssh.stdout, ssh.stdin
     finally:

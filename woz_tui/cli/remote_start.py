@@ -59,12 +59,12 @@ def _socket(process: subprocess.Popen[bytes]) -> Path | None:
     assert process.stdout is not None
     shown = ""
     for line in process.stdout:
-        told = json.loads(line)
-        if "socket" in told:
-            return Path(told["socket"])
-        if told["trouble"] != shown:
-            shown = told["trouble"]
+        announced = json.loads(line)
+        if "socket" in announced:
+            return Path(announced["socket"])
+        if announced["trouble"] != shown:
+            shown = announced["trouble"]
             print(f"woz: {shown}", file=sys.stderr)
-            if not told.get("final"):
+            if not announced.get("final"):
                 print("woz: it is tried again; ctrl+c gives up", file=sys.stderr)
     return None

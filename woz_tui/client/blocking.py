@@ -19,6 +19,7 @@ from woz_tui.client.woz_client import Incoming, RunEnd, WozClient, WozRun
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.description import Description
+from woz_tui.protocol.panels import PanelView
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -108,6 +109,16 @@ class BlockingWozClient:
     def description(self) -> Description:
         """See `WozClient`."""
         return self.client.description
+
+    @property
+    def panels(self) -> list[PanelView]:
+        """See `WozClient`."""
+        return self.client.panels
+
+    @property
+    def clock_uncertainty(self) -> float:
+        """See `WozClient`."""
+        return self.client.clock_uncertainty
 
     def now(self) -> float:
         """See `WozClient.now`."""

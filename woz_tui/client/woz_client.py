@@ -424,7 +424,12 @@ class WozClient:
         ref = self._write(request)
         asked = AwaitedReply(asyncio.get_running_loop().create_future(), arrives)
         self._replies[ref] = asked
-        reply = await asked.reply
+        try:
+            reply = await asked.reply
+        except asyncio.CancelledError:
+            if asked.run is not None:  # cancelled in the moment in which the reply came
+                self._cancel(asked.run.id)
+            raise
         if not reply.ok:
             raise WozRefusedError(reply.reason, reply.hint)
         return reply, asked.run

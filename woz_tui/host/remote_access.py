@@ -38,7 +38,8 @@ class RemoteAccess:
         self._roles: Mapping[str, str] = {}
         self._process: asyncio.subprocess.Process | None = None
         self._task: asyncio.Task[None] | None = None
-        self._listening = ""
+        #: Where it listens, and why it cannot; either is told once.
+        self._listening = self._trouble = ""
 
     def start(self, roles: Mapping[str, str]) -> None:
         """Begin; `roles`: name -> role."""
@@ -95,16 +96,17 @@ class RemoteAccess:
 
     def _take(self, line: bytes) -> None:
         try:
-            told: dict[str, str] = json.loads(line)
+            announced: dict[str, str] = json.loads(line)
         except ValueError:
             log.warning("the process for other machines wrote %r", line[:200])
             return
-        if listening := told.get("listening"):
-            self._listening = listening
+        if listening := announced.get("listening"):
+            self._listening, self._trouble = listening, ""
             self._tell("info", f"Other machines can join at {listening}")
-        elif refused := told.get("refused"):
+        elif refused := announced.get("refused"):
             self._tell("warning", f"Somebody from another machine was not let in: {refused}")
-        elif trouble := told.get("trouble"):
+        elif (trouble := announced.get("trouble", "")) != self._trouble:
+            self._trouble = trouble
             self._tell("error", f"Other machines cannot join at {self._address}: {trouble}")
 
     def _tell(self, level: str, text: str) -> None:

@@ -32,6 +32,7 @@ from woz_tui.protocol import codec
 from woz_tui.protocol.requests import AnyRequest, AskStop, AskTakeOver, Beat, Hello, Reply
 from woz_tui.remote.parent_lines import announce, standard_input
 from woz_tui.system.clock import Clock, RealClock, boot_id
+from woz_tui.system.tasks import until_first_ends
 
 #: Role of a certificate -> what it may say hello as.
 MAY_BE: Mapping[str, tuple[str, ...]] = {
@@ -284,18 +285,15 @@ class AccessServer:
                 await socket.close(code=1011, message=b"the robot process has ended")
                 return socket
             requests = RequestFilter(guest.name, guest.role, self._clock)
-            ways = {
-                asyncio.create_task(self._inward(socket, writer, requests)),
-                asyncio.create_task(_outward(reader, socket)),
-            }
             try:
-                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+                await until_first_ends(
+                    self._inward(socket, writer, requests), _outward(reader, socket)
+                )
+            except ConnectionError:
+                pass
+            except Exception:
+                log.exception("the connection of %s ended", guest.name)
             finally:
-                for way in ways:
-                    way.cancel()
-                for end in await asyncio.gather(*ways, return_exceptions=True):
-                    if isinstance(end, Exception) and not isinstance(end, ConnectionError):
-                        log.error("the connection of %s ended", guest.name, exc_info=end)
                 writer.close()
         await socket.close()
         return socket

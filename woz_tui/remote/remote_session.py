@@ -15,7 +15,6 @@ import asyncio
 import contextlib
 import os
 import signal
-import socket
 import ssl
 import sys
 from argparse import ArgumentParser
@@ -32,6 +31,7 @@ from woz_tui.protocol import codec
 from woz_tui.remote.parent_lines import announce, standard_input
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import Clock, RealClock, boot_id
+from woz_tui.system.tasks import end_tasks, until_first_ends
 
 #: Connecting may take so long, and an answer of the other clock, in seconds.
 _CONNECT_S, _ANSWER_S = 5.0, 3.0
@@ -129,21 +129,21 @@ class RemoteSession:
                         await self._ask(clock)
                         await asyncio.sleep(_ASK_FIRST_S)
                 with self._listener(hello["session"]) as listener:
-                    server = asyncio.create_task(self._accept(listener))
+                    server = await asyncio.start_unix_server(
+                        self._relay, sock=listener, limit=_LONGEST_LINE
+                    )
                     self._usable.set()
                     announce(socket=str(self._path), name=hello["name"], role=hello["role"])
                     try:
                         await self._keep_asking(clock)
                     finally:
                         self._usable.clear()
-                        server.cancel()
+                        server.close()
             except (TimeoutError, TypeError, KeyError, ValueError, aiohttp.ClientError) as error:
                 why = "it does not answer" if isinstance(error, TimeoutError) else "it was cut off"
                 raise RemoteSessionError(f"the line to {self._address} is lost: {why}") from None
             finally:
-                for task in self._open:
-                    task.cancel()
-                await asyncio.gather(*self._open, return_exceptions=True)
+                await end_tasks(*self._open)
 
     async def _keep_asking(self, clock: aiohttp.ClientWebSocketResponse[bool]) -> None:
         while True:
@@ -219,34 +219,24 @@ class RemoteSession:
             if session_sockets.inode(self._path) == own:
                 self._path.unlink(missing_ok=True)
 
-    async def _accept(self, listener: socket.socket) -> None:
-        loop = asyncio.get_running_loop()
-        while True:
-            connection, _ = await loop.sock_accept(listener)
-            if session_sockets.peer_uid(connection) != os.getuid():
-                connection.close()
-                continue
-            task = loop.create_task(self._relay(connection))
-            self._open.add(task)
-            task.add_done_callback(self._open.discard)
-
-    async def _relay(self, connection: socket.socket) -> None:
-        reader, writer = await asyncio.open_connection(sock=connection, limit=_LONGEST_LINE)
+    async def _relay(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        task = asyncio.current_task()
+        assert task is not None
+        self._open.add(task)
         try:
-            with contextlib.suppress(RemoteSessionError):
+            peer = session_sockets.peer_uid(writer.get_extra_info("socket"))
+            if peer != os.getuid() or not self._usable.is_set():
+                return
+            with contextlib.suppress(RemoteSessionError, ConnectionError, aiohttp.ClientError):
                 other = await self._dial("/session")
-                ways = [
-                    asyncio.create_task(self._outward(reader, other)),
-                    asyncio.create_task(self._inward(other, writer)),
-                ]
                 try:
-                    await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+                    await until_first_ends(
+                        self._outward(reader, other), self._inward(other, writer)
+                    )
                 finally:
-                    for way in ways:
-                        way.cancel()
-                    await asyncio.gather(*ways, return_exceptions=True)
                     await other.close()
         finally:
+            self._open.discard(task)
             writer.close()
 
     async def _outward(
@@ -269,15 +259,12 @@ class RemoteSession:
 
 
 async def _until_abandoned(session: RemoteSession) -> int:
-    work = asyncio.create_task(session.run())
-    ended = asyncio.create_task((await standard_input()).read())
-    await asyncio.wait({work, ended}, return_when=asyncio.FIRST_COMPLETED)
-    if not work.done():
-        work.cancel()
-        await asyncio.gather(work, return_exceptions=True)
-        return 0
-    announce(trouble=str(work.exception()), final=True)
-    return 1
+    try:
+        await until_first_ends(session.run(), (await standard_input()).read())
+    except RemoteSessionError as error:
+        announce(trouble=str(error), final=True)
+        return 1
+    return 0
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

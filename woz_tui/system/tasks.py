@@ -25,10 +25,11 @@ async def end_tasks(*tasks: asyncio.Task[Any] | None) -> None:
     await asyncio.gather(*there, return_exceptions=True)
 
 
-async def until_first_ends(*work: Coroutine[Any, Any, Any]) -> None:
+async def until_first_ends(*work: Coroutine[Any, Any, Any]) -> Any:
     """Run all at once until the first of them ends; then the others are cancelled.
 
-    Raises what the first one raised. Of what others raise while they end nobody hears.
+    Returns what the first one returned, or raises what it raised. Of what others raise while they
+    end nobody hears.
     """
     tasks = [asyncio.ensure_future(each) for each in work]
     try:
@@ -37,8 +38,7 @@ async def until_first_ends(*work: Coroutine[Any, Any, Any]) -> None:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-    for task in ended:
-        task.result()
+    return ended.pop().result()
 
 
 class TaskSet:

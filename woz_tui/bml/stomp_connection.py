@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from typing import NoReturn
 
 from woz_tui.system.retry_pauses import RetryPauses
-
 from woz_tui.system.tasks import end_tasks
 
 #: A longer frame ends the connection, in bytes.

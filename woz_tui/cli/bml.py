@@ -14,12 +14,15 @@ from woz_tui.bml.bml_schedule import BlockSchedule, schedule
 from woz_tui.bml.realizer import BmlRealizer, Feedback
 from woz_tui.bml.stomp_connection import StompError
 from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
+from woz_tui.bml.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
+from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
 from woz_tui.console.text_console import TextConsole
 from woz_tui.system import files
 
+_port = number(1, 0xFFFF, whole=True)
 #: The widest picture, in columns.
 _WIDTH = 40
 
@@ -43,6 +46,23 @@ def add(parser: ArgumentParser) -> None:
         metavar="HOST[:PORT]",
         help="play what a planner sends over this message broker, until ctrl+c",
     )
+    ports = PlannerPorts()
+    parser.add_argument(
+        "--listen",
+        nargs="?",
+        const=ports.request,
+        type=_port,
+        metavar="PORT",
+        help=f"play what a planner on this machine sends to this port (default {ports.request}),"
+        " until ctrl+c",
+    )
+    parser.add_argument(
+        "--feedback-port",
+        type=_port,
+        default=ports.feedback,
+        metavar="PORT",
+        help=f"with --listen: the planner's port for feedback (default {ports.feedback})",
+    )
     topics = PlannerTopics()
     parser.add_argument("--request", default=topics.request, help="topic of the blocks")
     parser.add_argument("--told", default=topics.feedback, help="topic of the feedback")
@@ -51,20 +71,25 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Play the blocks as their composition says; returns when all have ended."""
-    if bool(arguments.files) == bool(arguments.stomp):
-        print("woz: name files with blocks, or --stomp HOST", file=sys.stderr)
+    if sum(map(bool, (arguments.files, arguments.stomp, arguments.listen))) != 1:
+        print("woz: name files with blocks, or --stomp HOST, or --listen", file=sys.stderr)
         return 2
-    work = _planner if arguments.stomp else _bml
+    work = _bml if arguments.files else _planner
     return with_error_sentences(
-        lambda: asyncio.run(work(arguments)), BmlError, StompError, ValueError, WozError
+        lambda: asyncio.run(work(arguments)),
+        *(BmlError, PlannerPortError, StompError, ValueError, WozError),
     )
 
 
 async def _planner(arguments: Namespace) -> int:
-    place = broker_place(arguments.stomp, arguments)
+    place = broker_place(arguments.stomp, arguments) if arguments.stomp else None
     async with connect(arguments.session, name="planner") as client:
-        topics = PlannerTopics(arguments.request, arguments.told)
-        await StompPlanner(client, place, topics, print).run()
+        if place is None:
+            ports = PlannerPorts(arguments.listen, arguments.feedback_port)
+            await TcpPlanner(client, ports, print).run()
+        else:
+            topics = PlannerTopics(arguments.request, arguments.told)
+            await StompPlanner(client, place, topics, print).run()
     return 0
 
 

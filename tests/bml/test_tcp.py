@@ -1,0 +1,230 @@
+"""A planner that connects by TCP, as AsapRealizer's planners do."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree as Xml
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.host.rig import Served, served
+from woz_tui.bml.bml_block import LONGEST
+from woz_tui.bml.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
+from woz_tui.bml.xml_elements import LONGEST_TAG, XmlElements, XmlElementsError
+from woz_tui.client import connect
+from woz_tui.testing import until
+
+PATIENCE_S = 40.0
+BLOCK = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">'
+    '<head id="n" lexeme="NOD"/></bml>\n'
+)
+
+
+@dataclass
+class AsapPlanner:
+    """A planner with its port for feedback, which is read line by line."""
+
+    request: int
+    feedback: int
+    reads: bool = True
+    lines: list[str] = field(default_factory=list)
+    writer: asyncio.StreamWriter | None = None
+    reader: asyncio.StreamReader | None = None
+    server: asyncio.Server | None = None
+
+    async def connect(self) -> None:
+        """The port for feedback is opened after the connection, as ASAP's planners do."""
+        self.reader, self.writer = await asyncio.open_connection("127.0.0.1", self.request)
+        self.server = await asyncio.start_server(self._read, "127.0.0.1", self.feedback)
+
+    async def _read(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await until(lambda: self.reads, PATIENCE_S)
+        async for line in reader:
+            self.lines.append(line.decode())
+        writer.close()
+
+    def send(self, text: str) -> None:
+        assert self.writer is not None
+        self.writer.write(text.encode())
+
+    async def leave(self) -> None:
+        for each in (self.writer, self.server):
+            if each is not None:
+                each.close()
+
+    def heard(self, name: str) -> bool:
+        """Whether the feedback tells of this."""
+        return any(f'"{name}"' in line for line in self.lines)
+
+
+@dataclass
+class Listening:
+    """A session, and what listens for planners."""
+
+    host: Served
+    ports: PlannerPorts
+    sentences: list[str]
+    planners: list[AsapPlanner] = field(default_factory=list)
+
+    async def planner(self) -> AsapPlanner:
+        """One more that connects."""
+        self.planners.append(AsapPlanner(self.ports.request, self.ports.feedback))
+        await self.planners[-1].connect()
+        return self.planners[-1]
+
+    async def said(self, words: str) -> None:
+        await until(lambda: any(words in each for each in self.sentences), PATIENCE_S)
+
+
+def _ports() -> PlannerPorts:
+    """Two that nobody listens on."""
+    with contextlib.ExitStack() as probes:
+        import socket  # noqa: PLC0415
+
+        found = [probes.enter_context(socket.socket()) for _ in range(2)]
+        for each in found:
+            each.bind(("127.0.0.1", 0))
+        return PlannerPorts(*(each.getsockname()[1] for each in found))
+
+
+@contextlib.asynccontextmanager
+async def listening(tmp_path: Path) -> AsyncIterator[Listening]:
+    async with served(tmp_path) as host, connect(host.path, name="planner") as client:
+        it = Listening(host, _ports(), [])
+        running = asyncio.create_task(TcpPlanner(client, it.ports, it.sentences.append).run())
+        try:
+            await it.said("connect to")
+            yield it
+        finally:
+            for planner in it.planners:
+                await planner.leave()
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+
+async def test_blocks_come_are_played_and_told_at_the_planners_port(tmp_path: Path) -> None:
+    async with listening(tmp_path) as it:
+        planner = await it.planner()
+        planner.send(BLOCK.format("b1") + "<bml" + BLOCK.format("b2")[4:50])
+        await until(lambda: planner.heard("b1:end"), PATIENCE_S)
+        planner.send(BLOCK.format("b2")[50:])
+        await until(lambda: planner.heard("b2:end"), PATIENCE_S)
+        assert [verb for verb, _ in it.host.puppet().calls] == ["play", "play"]
+        names = [Xml.fromstring(line).tag.rpartition("}")[2] for line in planner.lines]
+        assert {*names} == {"predictionFeedback", "blockProgress", "syncPointProgress"}
+
+
+async def test_what_is_no_xml_is_told_and_the_next_planner_is_served(tmp_path: Path) -> None:
+    async with listening(tmp_path) as it:
+        planner, next_one = await it.planner(), AsapPlanner(it.ports.request, it.ports.feedback)
+        planner.send("<bml" + 'id="x"/>')
+        await until(lambda: planner.heard("PARSING_FAILURE"), PATIENCE_S)
+        planner.send("GET / HTTP/1.1\n")
+        await it.said("has gone")
+        assert sum("PARSING_FAILURE" in line for line in planner.lines) == 2
+        await planner.leave()
+        it.planners.append(next_one)
+        await next_one.connect()
+        next_one.send(BLOCK.format("b1"))
+        await until(lambda: next_one.heard("b1:end"), PATIENCE_S)
+
+
+async def test_a_planner_without_a_port_for_feedback_is_played(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_tui.bml.tcp_planner._FEEDBACK_S", 0.01)
+    async with listening(tmp_path) as it:
+        _, writer = await asyncio.open_connection("127.0.0.1", it.ports.request)
+        writer.write(BLOCK.format("b1").encode())
+        await it.said("no feedback")
+        await until(lambda: bool(it.host.puppet().calls), PATIENCE_S)
+        writer.close()
+
+
+async def test_a_planner_that_does_not_read_gets_no_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_tui.bml.tcp_planner._MOST_UNREAD", 0)
+    async with listening(tmp_path) as it:
+        planner = AsapPlanner(it.ports.request, it.ports.feedback, reads=False)
+        it.planners.append(planner)
+        await planner.connect()
+        text = f'<bml id="{"x" * 60_000}"><head id="n" lexeme="NOD"/></bml>'
+        while not any("does not read" in each for each in it.sentences):
+            planner.send(text)
+            await asyncio.sleep(0)
+        planner.send(BLOCK.format("b1"))
+        await until(lambda: len(it.host.puppet().calls) > 1, PATIENCE_S)
+        planner.reads = True
+
+
+async def test_a_port_that_is_taken_is_told(tmp_path: Path) -> None:
+    async with listening(tmp_path) as it, connect(it.host.path) as client:
+        with pytest.raises(PlannerPortError, match=f"{it.ports.request}"):
+            await TcpPlanner(client, it.ports, print).run()
+
+
+# -- where a document ends ---------------------------------------------------------------------
+
+DOCUMENTS = [
+    b"<bml/>",
+    b"<a><b x='>'/></a>",
+    b"<?xml version='1.0'?><a>text &lt; <!-- </a> --><b><![CDATA[</a>]]></b></a>",
+    b"""<a x="'/>" y='"'><b></b>\xc3\xa4</a >""",
+    b"<!-- before --><a/>",
+    b"<a><?p </a>?></a>",
+]
+
+
+@given(
+    documents=st.lists(st.sampled_from(DOCUMENTS), max_size=5),
+    between=st.sampled_from([b"", b"\n", b" \r\n\t", b"\xef\xbb\xbf"]),
+    size=st.integers(1, 60),
+)
+def test_documents_are_found_however_they_are_cut(
+    documents: list[bytes], between: bytes, size: int
+) -> None:
+    data = between.join([b"", *documents, b""])
+    elements, found = XmlElements(), list[bytes]()
+    for begin in range(0, len(data), size):
+        found += elements.feed(data[begin : begin + size])
+    assert found == documents
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"hello",
+        b"<bml/> hello",
+        b"</bml>",
+        b"<!DOCTYPE x [<!ENTITY a 'b'>]>",
+        b"<a " + b"x" * LONGEST_TAG,
+        b"<a '" + b"<>" * LONGEST_TAG,
+        b"<a>" + b"x" * LONGEST,
+        b"<a>" * (LONGEST // 3 + 1),
+        b" " * (LONGEST + 1) + b"x",
+        b"<!--" + b"-" * LONGEST,
+    ],
+)
+def test_what_cannot_become_a_document_is_refused(data: bytes) -> None:
+    elements = XmlElements()
+    with pytest.raises(XmlElementsError):
+        for begin in range(0, len(data), 1 << 16):
+            list(elements.feed(data[begin : begin + (1 << 16)]))
+
+
+@pytest.mark.hypothesis
+@given(pieces=st.lists(st.one_of(st.sampled_from(DOCUMENTS), st.binary(max_size=20)), max_size=9))
+def test_whatever_comes_is_a_document_or_refused(pieces: list[bytes]) -> None:
+    elements = XmlElements()
+    with contextlib.suppress(XmlElementsError):
+        for piece in pieces:
+            for document in elements.feed(piece):
+                assert document.endswith(b">")

@@ -28,6 +28,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    Job,
     RejectedError,
     Verb,
 )
@@ -65,6 +66,7 @@ VERBS = (
     ),
     Verb("end_talk", "end `talk`", lane="end_talk", brief=True),
 )
+NAMES = frozenset(verb.name for verb in VERBS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,10 +248,11 @@ class SentVoice:
 
     Args:
         tally: What becomes of it.
-        send: Sends one piece and returns when the robot has taken it. Raises `DriverError`.
+        send: Sends one piece; returns, when the robot has taken it, whether it is heard: the robot
+            may have too much already. Raises `DriverError`.
     """
 
-    def __init__(self, tally: VoiceTally, send: Callable[[bytes], Awaitable[None]]) -> None:
+    def __init__(self, tally: VoiceTally, send: Callable[[bytes], Awaitable[bool]]) -> None:
         self._tally = tally
         self._send = send
         self._most = round(_WAITING_S * tally.rate) * WIDTH
@@ -303,11 +306,14 @@ class SentVoice:
             self._waiting.clear()
             self._more.clear()
             try:
-                await self._send(piece)
+                heard = await self._send(piece)
             except DriverError as error:
-                self._trouble = error
+                self._trouble = self._trouble or error
                 return
-            self._tally.hear(piece)
+            if heard:
+                self._tally.hear(piece)
+            else:
+                self._tally.drop(len(piece))
             if not self._waiting:
                 self._taken.set()
 
@@ -443,6 +449,10 @@ class LiveTalk:
     def on(self) -> bool:
         """Whether somebody can be heard."""
         return self._outlet is not None
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """One of `VERBS`. Raises as `talk`, and `RejectedError` if `end_talk` finds nobody."""
+        return self.end() if job.verb == "end_talk" else await self.talk()
 
     async def talk(self) -> Mapping[str, Json]:
         """Play the voice that comes, until `end_talk`.

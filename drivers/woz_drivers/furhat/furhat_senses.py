@@ -1,4 +1,4 @@
-"""Who stands before a Furhat, and how loud it is there."""
+"""Who stands before a Furhat, how loud it is there, and what its microphone hears."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import AudioData, DetectedUser, Place, UsersData
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_tui.drivers.contract import DriverContext, DriverError
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
+from woz_tui.drivers.sound_feeds import WIDTH, SoundOffer
 
 #: Of people, as the engagement model calls them.
 PEOPLE = ("presence", "people", "distance", "direction", "gaze")
@@ -47,6 +48,8 @@ class FurhatSenses(FurhatPart):
         #: What was told of people too soon after what was published.
         self._waiting: UsersData | None = None
         self._watching = Background("reading who is there", context)
+        self._offer = SoundOffer(context, _RATE)
+        self._following = Background("the live sound", context)
         link.on(UsersData, self._users)
         link.on(AudioData, self._sound)
 
@@ -63,13 +66,14 @@ class FurhatSenses(FurhatPart):
             self._heard_us = self._context.clock.now_us()
             self._watching.start(self._watch())
         if self._settings.senses.loudness:
-            await self._link.send(
-                "request.audio.start", sample_rate=_RATE, microphone=True, speaker=False
-            )
+            await self._send_sound(True)
+        else:
+            self._following.start(self._follow_listeners())
 
     def lost(self) -> None:
         """Nothing is known any more."""
         self._watching.cancel()
+        self._following.cancel()
         self._waiting = None
         self._head.sees({})
         self._stale(self.sensors(self._settings), "the robot is not connected")
@@ -77,6 +81,7 @@ class FurhatSenses(FurhatPart):
     async def close(self) -> None:
         """The robot need not tell us any more."""
         await self._watching.close()
+        await self._following.close()
 
     def _stale(self, sensors: tuple[str, ...], why: str) -> None:
         for sensor in sensors:
@@ -136,17 +141,40 @@ class FurhatSenses(FurhatPart):
 
     # -- sound ---------------------------------------------------------------------------------
 
+    async def _send_sound(self, on: bool) -> None:
+        """Have it send what its microphone hears, or no more."""
+        if on:
+            shape = {"sample_rate": _RATE, "microphone": True, "speaker": False}
+            await self._link.send("request.audio.start", **shape)
+        else:
+            await self._link.send("request.audio.stop")
+
+    async def _follow_listeners(self) -> None:
+        """Its sound is wanted only while somebody listens live."""
+        sends = False
+        with contextlib.suppress(DeviceLostError):  # until it is back this is begun anew
+            while True:
+                if self._offer.wanted is not sends:
+                    sends = not sends
+                    await self._send_sound(sends)
+                await asyncio.sleep(_LOOK_S)
+
     def _sound(self, data: AudioData) -> None:
-        now_us = self._context.clock.now_us()
-        recent = now_us - self._published_us["loudness"] < _APART_US
-        if not self._settings.senses.loudness or recent or not data.microphone:
-            return
         with contextlib.suppress(binascii.Error):
-            samples = pcm_audio.decode(base64.b64decode(data.microphone), "S16_LE", 1)
-            if samples.size:
-                self._published_us["loudness"] = now_us
-                self._context.sensor("loudness", "ok")
-                self._context.reading("loudness", round(pcm_audio.rms(samples), 6))
+            pcm = base64.b64decode(data.microphone or "")
+            pcm = pcm[: len(pcm) // WIDTH * WIDTH]
+            if self._offer.wanted:
+                self._offer.add(pcm)
+            if self._settings.senses.loudness and pcm:
+                self._publish_loudness(pcm)
+
+    def _publish_loudness(self, pcm: bytes) -> None:
+        now_us = self._context.clock.now_us()
+        if now_us - self._published_us["loudness"] >= _APART_US:
+            self._published_us["loudness"] = now_us
+            self._context.sensor("loudness", "ok")
+            samples = pcm_audio.decode(pcm, "S16_LE", 1)
+            self._context.reading("loudness", round(pcm_audio.rms(samples), 6))
 
 
 def _metres(user: DetectedUser) -> float:

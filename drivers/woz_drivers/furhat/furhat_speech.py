@@ -9,11 +9,11 @@ from __future__ import annotations
 import asyncio
 import base64
 import contextlib
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from woz_drivers import pcm_audio, wav
+from woz_drivers import live_talk, pcm_audio, wav
 from woz_drivers.background import BackgroundTasks
 from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
@@ -25,7 +25,8 @@ from woz_drivers.furhat.realtime_events import (
     SystemStatus,
     VoiceStatus,
 )
-from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.furhat.settings import FurhatSettings, FurhatTalkSettings
+from woz_drivers.live_talk import LiveTalk, SentVoice, VoiceTally
 from woz_drivers.simulated.argument_values import file, number, text
 from woz_drivers.speech.synthesis import read_wav
 from woz_tui.drivers.contract import (
@@ -39,6 +40,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.drivers.sound_feeds import WIDTH
 from woz_tui.protocol.messages import Json
 
 #: One mouth: what is said and what is played wait for each other.
@@ -51,7 +53,10 @@ _BEGINS_WITHIN_S = 15.0
 _GOES_ON_S = 60.0
 #: Sound is sent in pieces of this length, and so far ahead of what is heard, in seconds.
 _PIECE_S, _AHEAD_S = 0.2, 1.0
-_LONGEST_S = 600.0
+_LONGEST_S, _LONGEST_TALK_S = 600.0, 4000.0
+#: So much of a live voice the robot may have in store before more is dropped, and so long it may
+#: take for the rest of it at the end, in seconds.
+_BEHIND_S, _LAST_WORDS_S = 0.6, 1.0
 #: How loud it is, it tells within this; an older robot does not.
 _TELLS_WITHIN_S = 1.0
 
@@ -71,11 +76,22 @@ class FurhatSpeech(FurhatPart):
         voice = settings.voice
         self._voice = _wish(voice.name, voice.language, voice.gender)
         self._volume = settings.voice.volume
+        self._talk: LiveTalk | None = None
+        if (talk := settings.talk) is not None:
+            self._talk = LiveTalk(talk, context, lambda tally: self._open(tally, talk))
+        #: Whose voice is sent now.
+        self._live: _LiveUtterance | None = None
+
+    @classmethod
+    def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:
+        """How old a live voice is when it is sent."""
+        return () if settings.talk is None else (live_talk.TALK,)
 
     @classmethod
     def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
-        """`say`, `sound`, `voice`, `volume`."""
+        """`say`, `sound`, `voice`, `volume`; `talk` and `end_talk` where the file says so."""
         return (
+            *(() if settings.talk is None else live_talk.VERBS),
             common_verb("say", limit_s=_LONGEST_S),
             common_verb(
                 "sound",
@@ -100,6 +116,10 @@ class FurhatSpeech(FurhatPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Ends when the robot says that it has ended."""
+        if job.verb in ("say", "sound") and self._live is not None:
+            raise RejectedError("somebody talks through it live", "`end_talk` first")
+        if self._talk is not None and job.verb in live_talk.NAMES:
+            return await self._talk.perform(job)
         match job.verb:
             case "say":
                 return await self._say(job)
@@ -120,19 +140,25 @@ class FurhatSpeech(FurhatPart):
         return await super().perform(job)
 
     def hold(self) -> None:
-        """Send no more of a sound."""
+        """Send no more of a sound, or of a voice."""
         self._sending.cancel()
+        if self._live is not None:
+            self._live.voice.silence()
 
     async def halt(self) -> list[asyncio.Future[Any]]:
         """Fall silent, whoever speaks through it."""
         spoken = self._spoken
         await self._link.send("request.speak.stop")
+        if self._talk is not None:
+            await self._talk.stop()
         return [] if spoken is None or spoken.over.done() else [spoken.over]
 
     async def connected(self) -> None:
         """Set voice and volume; say nothing that was begun before."""
         await self._link.send("request.speak.stop")
         self._spoken = None
+        if self._talk is not None:
+            self._talk.start()
         if self._volume is not None:
             await self._link.send("request.system.config", volume=round(self._volume * 100))
         if self._voice:
@@ -142,6 +168,16 @@ class FurhatSpeech(FurhatPart):
             self._voice_id = status.voice_id or ""
         if self._volume is None:
             await self._ask_volume()
+
+    def lost(self) -> None:
+        """Who talks is not heard any more, and has to press the key again."""
+        if self._live is not None:
+            self._live.voice.fail(DeviceLostError("the robot is disconnected"))
+
+    async def close(self) -> None:
+        """End the program that changes a voice."""
+        if self._talk is not None:
+            await self._talk.close()
 
     def shown(self) -> Mapping[str, Json]:
         """Voice and volume."""
@@ -158,6 +194,24 @@ class FurhatSpeech(FurhatPart):
             return
         if status.volume is not None:
             self._volume = min(max(status.volume / 100, 0.0), 1.0)
+
+    # -- a live voice --------------------------------------------------------------------------
+
+    @contextlib.asynccontextmanager
+    async def _open(
+        self, tally: VoiceTally, settings: FurhatTalkSettings
+    ) -> AsyncIterator[_LiveUtterance]:
+        if self._spoken is not None and not self._spoken.over.done():
+            raise RejectedError("it is speaking", "press the key again when it has ended")
+        live = self._live = _LiveUtterance(self, tally, settings.lipsync)
+        try:
+            yield live
+        except BaseException:
+            await self._send_stop()
+            raise
+        finally:
+            self._live = None
+            await live.close()
 
     # -- speaking ------------------------------------------------------------------------------
 
@@ -250,17 +304,28 @@ class FurhatSpeech(FurhatPart):
             self._sending.cancel()
         return {"file": str(job.args["file"]), "volume": volume}
 
+    async def begin_live(self, rate: int, lipsync: bool) -> Exchange[SpeakEnded]:
+        """Begin a sound of which nobody knows how long it lasts. Raises `DeviceLostError`."""
+        return await self._begin("request.speak.audio.start", sample_rate=rate, lipsync=lipsync)
+
+    async def send_live(self, pcm: bytes) -> None:
+        """A piece of it. Raises `DeviceLostError`."""
+        await self._link.send("request.speak.audio.data", audio=base64.b64encode(pcm).decode())
+
+    async def end_live(self) -> None:
+        """It ends when it was heard. Raises `DeviceLostError`."""
+        await self._link.send("request.speak.audio.end")
+
     async def _send_sound(self, sound: wav.Wav) -> None:
         loop = asyncio.get_running_loop()
         begun = loop.time()
         piece = 2 * round(sound.rate * _PIECE_S)
         for start in range(0, len(sound.data), piece):
-            data = base64.b64encode(sound.data[start : start + piece]).decode()
-            await self._link.send("request.speak.audio.data", audio=data)
+            await self.send_live(sound.data[start : start + piece])
             ahead = start / (2 * sound.rate) - (loop.time() - begun)
             if ahead > _AHEAD_S:
                 await asyncio.sleep(ahead - _AHEAD_S)
-        await self._link.send("request.speak.audio.end")
+        await self.end_live()
 
     async def _take_voice(self, wish: Mapping[str, str]) -> None:
         asked: dict[str, Any] = {**wish, "input_language": False}
@@ -273,6 +338,75 @@ class FurhatSpeech(FurhatPart):
                 f" {self._voice_id or 'another one'}",
                 "look up its voices with `woz doctor`",
             )
+
+
+class _LiveUtterance:
+    """A voice on its way to the robot, as one long utterance."""
+
+    def __init__(self, speech: FurhatSpeech, tally: VoiceTally, lipsync: bool) -> None:
+        self._speech = speech
+        self._rate = tally.rate
+        self._lipsync = lipsync
+        self._exchange: Exchange[SpeakEnded] | None = None
+        self._watching: asyncio.Task[None] | None = None
+        #: Bytes sent of this utterance, and those that the robot has played by its own account.
+        self._sent = 0
+        self._played: int | None = None
+        self.voice = SentVoice(tally, self._send)
+
+    def give(self, pcm: bytes) -> None:
+        """Have samples heard."""
+        self.voice.give(pcm)
+
+    async def check(self) -> None:
+        """The robot has to be there, and nobody must have cut it short."""
+        await self.voice.check()
+
+    async def finish(self) -> None:
+        """Return when the robot has said the rest."""
+        await self.voice.finish()
+        if self._exchange is not None:
+            with contextlib.suppress(DriverError):
+                await self._speech.end_live()
+                await asyncio.wait([self._exchange.over], timeout=_LAST_WORDS_S)
+
+    def silence(self) -> None:
+        """Send nothing more."""
+        self.voice.silence()
+
+    async def close(self) -> None:
+        """Nothing more is sent, nor heard of it."""
+        await self.voice.close()
+        if self._watching is not None:
+            self._watching.cancel()
+            await asyncio.wait([self._watching])
+
+    async def _send(self, pcm: bytes) -> bool:
+        if self._exchange is None or self._exchange.over.done():
+            self._exchange = await self._speech.begin_live(self._rate, self._lipsync)
+            self._sent, self._played = 0, None
+            self._watching = asyncio.create_task(self._watch(self._exchange))
+        behind = 0 if self._played is None else self._sent - self._played
+        if behind > _BEHIND_S * self._rate * WIDTH:
+            return False
+        await self._speech.send_live(pcm)
+        self._sent += len(pcm)
+        return True
+
+    async def _watch(self, exchange: Exchange[SpeakEnded]) -> None:
+        """How far the robot is, and whether it was cut short: one that has ended by itself, because
+        nothing came, is begun anew.
+        """
+        try:
+            while True:
+                match await exchange.next(_LONGEST_TALK_S, _silent("go on with")):
+                    case SpeakBuffer(played=int(played)):
+                        self._played = played
+                    case SpeakEnded() as ended:
+                        _judge(ended)
+                        return
+        except DriverError as error:
+            self.voice.fail(error)
 
 
 def _wish(name: str, language: str, gender: str) -> dict[str, str]:

@@ -47,7 +47,9 @@ class SpeakEnded(RobotEvent, frozen=True, tag="response.speak.end"):
 
 
 class SpeakBuffer(RobotEvent, frozen=True, tag="response.speak.audio.buffer"):
-    """A piece of the sound that is sent to it has been played."""
+    """How much of the sound that is sent to it has been played, in bytes."""
+
+    played: int | None = None
 
 
 class GestureStarted(RobotEvent, frozen=True, tag="response.gesture.start"):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers.furhat.furhat_moves import FACE_PARAMETERS, FaceFrame
+from woz_drivers.live_talk import TalkSettings
 from woz_drivers.simulated.argument_values import color, did_you_mean
 from woz_drivers.simulated_process import SIMULATED, robot_place
 from woz_tui.drivers.contract import RejectedError
@@ -42,6 +43,13 @@ class FurhatListeningSettings:
     languages: Annotated[tuple[str, ...], Doc("languages to recognise")] = ("en-US",)
     phrases: Annotated[tuple[str, ...], Doc("words that are likely, such as names")] = ()
     end_speech: Annotated[float, Seconds(0.1, 10), Doc("silence that ends an utterance")] = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class FurhatTalkSettings(TalkSettings):
+    """How somebody talks through it live."""
+
+    lipsync: Annotated[bool, Doc("move the lips to the voice")] = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +117,10 @@ class FurhatSettings(Section):
     pictures: Annotated[
         str, Doc("folder for camera pictures on this machine; empty: beside the log")
     ] = ""
+    talk: Annotated[
+        FurhatTalkSettings | None,
+        Doc("somebody can talk through its loudspeaker live: verbs `talk` and `end_talk`"),
+    ] = None
     pace: Annotated[
         float, Range(0.01, 100), Doc("of the simulated robot only: how fast its time passes")
     ] = 1.0
@@ -131,6 +143,8 @@ class FurhatSettings(Section):
             _ = self.place
         except RejectedError as error:
             found.append(("address", f"{error.what}; {error.remedy}"))
+        if self.talk is not None:
+            found += self.talk.problems()
         if not re.fullmatch("[A-Z][A-Z0-9_]*", self.key):
             found.append(("key", _NO_VARIABLE))
         if self.led:

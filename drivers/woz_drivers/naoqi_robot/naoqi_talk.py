@@ -54,10 +54,8 @@ class TalkPart(NaoqiPart):
         """Let somebody talk, or end that."""
         if self._talk is None:
             raise RejectedError("nobody can talk through it", "write `talk: {}` into its settings")
-        if job.verb == "end_talk":
-            return self._talk.end()
         await self._cleaned_up()
-        return await self._talk.talk()
+        return await self._talk.perform(job)
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Fall silent, for what the robot has in store, too; also while no wizard watches."""
@@ -99,12 +97,13 @@ class TalkPart(NaoqiPart):
             self._voice = None
             await voice.close()
 
-    async def _send(self, pcm: bytes) -> None:
+    async def _send(self, pcm: bytes) -> bool:
         self._sent = True
         both = np.repeat(np.frombuffer(pcm, "<i2"), 2).tobytes()
         frames = len(pcm) // WIDTH
         if await self._robot.call(_DEVICE, "sendRemoteBufferToOutput", frames, both) is False:
             raise DriverError("the robot does not play the voice", "is its sound muted or in use?")
+        return True
 
     async def _flush(self) -> None:
         await self._robot.call(_DEVICE, "flushAudioOutputs")

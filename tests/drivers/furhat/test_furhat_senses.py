@@ -17,6 +17,7 @@ from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSet
 
 from tests.drivers.furhat.acted import SOMEBODY, Acted, acted, looks_often
 from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.sound_feeds import LISTENED, SOUND, LiveSound, SoundListened
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 from woz_tui.testing import until
@@ -97,6 +98,30 @@ async def reads_loudness(it: Acted, low: float, high: float) -> None:
     async with asyncio.timeout(10):
         while not it.context.of("loudness") or not low <= it.context.latest("loudness") <= high:
             await it.passes(0.1)
+
+
+@pytest.mark.parametrize("loudness", [True, False])
+async def test_its_microphone_is_heard_live_while_somebody_listens(
+    tmp_path: Path, loudness: bool
+) -> None:
+    senses = FurhatSensesSettings(users=False, loudness=loudness)
+    async with acted(tmp_path, senses=senses) as it:
+        feed, wish = it.context.feed(SOUND), it.context.feed(LISTENED)
+        await it.passes(0.3)
+        assert feed.latest().serial == 0, "nobody listens"
+        assert bool(it.robot.requests("request.audio.start")) is loudness
+        wish.put(SoundListened(it.context.clock.now_us() + 600_000_000))
+        async with asyncio.timeout(10):
+            while feed.latest().serial < 2:
+                await it.passes(0.1)
+        sound = feed.latest().value
+        assert isinstance(sound, LiveSound)
+        assert (sound.rate, len(sound.blocks[-1].pcm)) == (16_000, 3200)
+        await it.robot.send_raw('{"type": "response.audio.data", "microphone": "no base64!"}')
+        await it.robot.send_raw('{"type": "response.audio.data", "microphone": "AAAA"}')
+        wish.put(SoundListened(0))
+        await until(lambda: bool(it.robot.requests("request.audio.stop")) is not loudness)
+        assert it.notices == ""
 
 
 async def test_nothing_is_asked_for_that_nobody_wants(tmp_path: Path) -> None:

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import asyncio
+import base64
+import functools
 import struct
 import wave
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
 from aiohttp import web
 from furhat_realtime_api import AsyncFurhatClient
 from robot_simulators.furhat import CHARACTERS_PER_S, VOICES
-from woz_drivers.furhat import furhat_speech
-from woz_drivers.furhat.settings import FurhatVoiceSettings
+from woz_drivers import live_talk
+from woz_drivers.furhat import Furhat, FurhatSettings, furhat_speech
+from woz_drivers.furhat.settings import FurhatTalkSettings, FurhatVoiceSettings
 
 from tests.drivers.furhat.acted import Acted, acted, brisk
-from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
+from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, SoundWindow, VoiceState
+from woz_tui.protocol.messages import Json
 from woz_tui.testing import until
 
 SENTENCE = "Good morning to everybody in this room"
@@ -81,19 +88,25 @@ async def test_a_cancelled_utterance_ends_on_the_robot_and_the_next_one_is_heard
     assert (await it.do("say", text="Hello"))["text"] == "Hello"
 
 
-async def test_another_program_that_cuts_it_short_is_told(it: Acted) -> None:
-    saying = it.begin("say", text=SENTENCE)
-    await until(lambda: it.robot.speaking == SENTENCE)
+@asynccontextmanager
+async def vendors_client(it: Acted) -> AsyncIterator[AsyncFurhatClient]:
     other = AsyncFurhatClient("other")
     other.ws_url = f"ws://{it.robot.address}/v1/events"
     await other.connect()
     try:
+        yield other
+    finally:
+        await other.disconnect()
+
+
+async def test_another_program_that_cuts_it_short_is_told(it: Acted) -> None:
+    saying = it.begin("say", text=SENTENCE)
+    await until(lambda: it.robot.speaking == SENTENCE)
+    async with vendors_client(it) as other:
         await other.request_speak_text("Now I speak", abort=True)
         with pytest.raises(DriverError, match="cut short"):
             await saying
         await until(lambda: it.robot.speaking == "Now I speak")
-    finally:
-        await other.disconnect()
 
 
 async def test_an_utterance_that_does_not_begin_is_given_up_and_does_not_begin_later(
@@ -189,3 +202,138 @@ async def test_a_voice_that_the_robot_does_not_have_is_told(tmp_path: Path) -> N
 async def test_the_volume_is_set_in_per_cent(it: Acted) -> None:
     assert await it.do("volume", level=0.5) == {"level": 0.5}
     await until(lambda: it.robot.volume == 50)
+
+
+# -- a live voice ----------------------------------------------------------------------------------
+
+#: 20 ms of a voice.
+WORD = b"\1\2" * 320
+
+
+class Talk:
+    """Somebody who talks through the robot."""
+
+    def __init__(self, it: Acted) -> None:
+        self.it = it
+        self.window = SoundWindow(it.context.feed(VOICE), 16_000)
+
+    @property
+    def on(self) -> bool:
+        state = self.it.context.feed(VOICE_STATE).latest().value
+        return isinstance(state, VoiceState) and state.on
+
+    async def begin(self) -> asyncio.Task[Mapping[str, Json]]:
+        task = self.it.begin("talk")
+        await until(lambda: self.on or task.done())
+        return task
+
+    def say(self, pcm: bytes = WORD) -> None:
+        self.window.add(pcm, self.it.context.clock.now_us(), "con7")
+
+    def has(self, size: int) -> bool:
+        """Whether the robot has so many bytes of it."""
+        return len(self.sent) == size
+
+    @property
+    def sent(self) -> bytes:
+        """What the robot has got of it."""
+        pieces = self.it.robot.requests("request.speak.audio.data")
+        return b"".join(base64.b64decode(piece["audio"]) for piece in pieces)
+
+
+@pytest.fixture
+async def talk(tmp_path: Path) -> AsyncIterator[Talk]:
+    async with acted(tmp_path, talk=FurhatTalkSettings()) as it:
+        yield Talk(it)
+
+
+async def test_a_live_voice_is_played_by_the_robot_while_it_is_on(talk: Talk) -> None:
+    talk.say(b"\7\7" * 320)
+    talking = await talk.begin()
+    talk.say()
+    await until(lambda: talk.sent == WORD)
+    talk.say()
+    await until(lambda: talk.sent == 2 * WORD)
+    assert talk.it.robot.requests("request.speak.audio.start") == [
+        {"sample_rate": 16_000, "lipsync": True}
+    ]
+    await talk.it.do("end_talk")
+    sent = await talk.it.ended(talking)
+    assert (sent["played"], sent["dropped"], sent["by"]) == (0.04, 0.0, "con7")
+    assert not talk.it.robot.speaking
+    assert not talk.it.robot.requests("request.speak.stop")[1:], "its last words are heard"
+    talk.say()
+    await talk.it.arrived()
+    assert talk.sent == 2 * WORD
+
+
+async def test_a_stop_ends_a_live_voice_and_it_needs_the_key_again(talk: Talk) -> None:
+    await talk.begin()
+    talk.say()
+    await until(lambda: talk.sent == WORD)
+    report = await talk.it.stop()
+    assert "speech" in report.confirmed
+    assert not talk.on and not talk.it.robot.speaking
+    talk.say()
+    await talk.it.arrived()
+    assert talk.sent == WORD
+
+
+async def test_the_wizards_line_ends_a_live_voice(talk: Talk) -> None:
+    talking = await talk.begin()
+    talk.say()
+    await until(lambda: talk.sent == WORD)
+    talking.cancel()
+    await talk.it.driver.stop(Scope.DRIVE)
+    await until(lambda: not talk.it.robot.speaking)
+
+
+async def test_what_the_robot_has_too_much_of_is_dropped(talk: Talk) -> None:
+    talking = await talk.begin()
+    talk.say()
+    await until(lambda: talk.sent == WORD)
+    await talk.it.robot.send_raw('{"type": "response.speak.audio.buffer", "played": 0}')
+    for count in range(2, 40):  # 20 ms each, and the robot plays nothing
+        talk.say()
+        await until(functools.partial(talk.has, min(count, 31) * len(WORD)))
+    await talk.it.do("end_talk")
+    sent = await talk.it.ended(talking)
+    assert float(str(sent["dropped"])) > 0.1
+
+
+async def test_one_who_talks_is_not_talked_over_by_the_robot(talk: Talk) -> None:
+    saying = talk.it.begin("say", text=SENTENCE)
+    await until(lambda: bool(talk.it.robot.speaking))
+    with pytest.raises(RejectedError, match="speaking"):
+        await (await talk.begin())
+    await talk.it.ended(saying)
+    await talk.begin()
+    with pytest.raises(RejectedError, match="talks"):
+        await talk.it.begin("say", text=SENTENCE)
+
+
+async def test_a_voice_that_is_cut_short_at_the_robot_is_told(talk: Talk) -> None:
+    talking = await talk.begin()
+    talk.say()
+    await until(lambda: bool(talk.it.robot.speaking))
+    async with vendors_client(talk.it) as other:
+        await other.request_speak_stop()
+        with pytest.raises(DriverError, match="cut short"):
+            await talking
+
+
+async def test_a_robot_that_goes_ends_a_live_voice(talk: Talk) -> None:
+    talking = await talk.begin()
+    talk.say()
+    await until(lambda: talk.sent == WORD)
+    await talk.it.robot.close()
+    with pytest.raises(DeviceLostError):
+        await talking
+    assert not talk.on
+
+
+def test_a_live_voice_is_offered_only_where_the_file_says_so() -> None:
+    names = {verb.name for verb in Furhat.verbs(FurhatSettings())}
+    assert not names & live_talk.NAMES
+    told = FurhatSettings(talk=FurhatTalkSettings(through='sox "')).problems()
+    assert [path for path, _ in told] == ["talk.through"]

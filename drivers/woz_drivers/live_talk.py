@@ -213,9 +213,9 @@ class _Player:
 
 
 def program_loudspeaker(
-    words: Callable[[], tuple[str, ...]], context: DriverContext, audible: set[Child]
+    words: Callable[[], tuple[str, ...]], context: DriverContext
 ) -> Loudspeaker:
-    """A program that plays raw samples from its standard input; `audible` has it while it runs."""
+    """A program that plays raw samples from its standard input."""
 
     @contextlib.asynccontextmanager
     async def opened(tally: VoiceTally) -> AsyncIterator[TalkOutlet]:
@@ -230,13 +230,11 @@ def program_loudspeaker(
             raise
         finally:
             os.close(reading)
-        audible.add(child)
         player = _Player(child, writing, room, tally)
         try:
             yield player
         finally:
             player.close()
-            audible.discard(child)
             await child.end()
 
     return opened

@@ -9,9 +9,9 @@ import msgspec
 
 from woz_drivers.answer_times import line_finding
 from woz_drivers.reachy_mini.daemon_link import read_status
-from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
 from woz_drivers.simulated_process import SimulatedProcess
-from woz_drivers.speech.doctor import synthesiser_finding
+from woz_drivers.speech.doctor import synthesiser_finding, talk_findings
 from woz_drivers.web_socket_line import failure_reason
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Probe
 
@@ -30,7 +30,8 @@ async def examine(probe: Probe) -> list[Finding]:
         findings = [Finding("error", settings.address, error.what, error.remedy)]
     finally:
         await simulated.close()
-    return [*findings, await synthesiser_finding(probe, settings.voice)]
+    talk = talk_findings(probe, settings.talk, LOUDSPEAKER)
+    return [*findings, await synthesiser_finding(probe, settings.voice), *talk]
 
 
 async def _visit(settings: ReachyMiniSettings, base: str) -> list[Finding]:

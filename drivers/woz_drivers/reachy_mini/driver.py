@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 
-from woz_drivers import confirmed_stop
+from woz_drivers import confirmed_stop, live_talk
 from woz_drivers.background import Background, BackgroundTasks
 from woz_drivers.confirmed_stop import confirmed_within
+from woz_drivers.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.reachy_mini import doctor, reachy_pose
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_body import ReachyBody
@@ -16,7 +18,7 @@ from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, LIBRARIES, MOVES, dat
 from woz_drivers.reachy_mini.reachy_pose import ASLEEP, HOME
 from woz_drivers.reachy_mini.reachy_senses import ReachySenses
 from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
-from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
 from woz_drivers.simulated.argument_values import did_you_mean
 from woz_drivers.speech.settings import VOICE_ARGUMENTS
 from woz_drivers.speech.voice_list import voices
@@ -199,9 +201,13 @@ class ReachyMini(Driver):
             self._link,
             settings,
             context,
-            own_sound=lambda: self._sounds.audible,
+            own_sound=lambda: self._sounds.audible or (self._talk is not None and self._talk.on),
             setpoints=lambda: self._body.setpoint,
         )
+        self._talk: LiveTalk | None = None
+        if (talk := settings.talk) is not None:
+            words = functools.partial(talk.play_words, LOUDSPEAKER)
+            self._talk = LiveTalk(talk, context, program_loudspeaker(words, context))
         self._wobbles = settings.wobble
         self._mode = MODES[0]
         self._demo = Background("the demo", context)
@@ -235,6 +241,8 @@ class ReachyMini(Driver):
             "nudge": self._nudge,
             "mode": self._set_mode,
         }
+        if self._talk is not None:
+            self._performers |= dict.fromkeys(live_talk.NAMES, self._talk.perform)
         self._offered = {verb.name for verb in self.verbs(settings)}
 
     @classmethod
@@ -243,12 +251,14 @@ class ReachyMini(Driver):
         verbs of movement in its place.
         """
         moving = () if settings.follows else _moving(settings)
-        return (*_SOUND, *moving, _EMOTION, _RECORDED, *_POWER)
+        talk = () if settings.talk is None else live_talk.VERBS
+        return (*_SOUND, *talk, *moving, _EMOTION, _RECORDED, *_POWER)
 
     @classmethod
     def sensors(cls, settings: ReachyMiniSettings) -> tuple[str, ...]:
-        """Joints, a face, the direction of sound, speech."""
-        return ReachySenses.sensors(settings)
+        """Joints, a face, the direction of sound, speech; how old a live voice is."""
+        talk = () if settings.talk is None else (live_talk.TALK,)
+        return (*ReachySenses.sensors(settings), *talk)
 
     @classmethod
     def joints(cls, settings: ReachyMiniSettings) -> Mapping[str, Range]:
@@ -288,6 +298,8 @@ class ReachyMini(Driver):
     async def open(self) -> None:
         """Begin to look for the daemon."""
         self._sounds.start()
+        if self._talk is not None:
+            self._talk.start()
         self._link.start()
 
     async def prepare_say(self, utterances: list[Mapping[str, Json]]) -> None:
@@ -312,8 +324,11 @@ class ReachyMini(Driver):
     async def stop(self, scope: Scope) -> StopReport | None:
         """Stand still and fall silent; return which of both was confirmed in time.
 
-        It has no wheels: nothing carries it through the room.
+        It has no wheels: nothing carries it through the room. Nobody talks through it while no
+        wizard watches.
         """
+        if self._talk is not None:
+            await self._talk.stop()
         if scope is Scope.DRIVE:
             return None
         self._body.hold()  # also a robot that comes back while the stop is pressed
@@ -367,6 +382,8 @@ class ReachyMini(Driver):
         self._leaving.cancel()
         await self._senses.close()
         await asyncio.gather(self._body.close(), self._sounds.close())
+        if self._talk is not None:
+            await self._talk.close()
         if self._link.ready:
             with contextlib.suppress(DriverError, TimeoutError):
                 async with asyncio.timeout(FAREWELL_S):

@@ -8,12 +8,14 @@ from typing import Annotated
 
 from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, MOVES, data_set_and_name
 from woz_drivers.simulated_process import SIMULATED, robot_place
-from woz_drivers.speech.settings import SynthesisSettings
+from woz_drivers.speech.settings import PlayedTalkSettings, SynthesisSettings
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, Range, Section, Sibling
 
 #: Where the vendor's daemon listens unless it is told otherwise.
 PORT = 8000
+#: ALSA's name for its loudspeaker on the computer inside the wireless one; programs share it.
+LOUDSPEAKER = "plug:reachymini_audio_sink"
 ADDRESS_EXAMPLES = f"write reachy-mini.local, 127.0.0.1:{PORT} or {SIMULATED}"
 
 
@@ -43,6 +45,11 @@ class ReachyMiniSettings(Section):
         Doc("have the daemon let go of camera and microphones, for drivers on its computer that"
             " see faces and hear speech instead of it"),
     ] = False  # fmt: skip
+    talk: Annotated[
+        PlayedTalkSettings | None,
+        Doc("somebody can talk through its loudspeaker live, on the daemon's computer or with a"
+            " `play` of yours: verbs `talk` and `end_talk`"),
+    ] = None  # fmt: skip
     rate: Annotated[float, Range(1, 20, "Hz"), Doc("readings a second")] = 5.0
     recorded: Annotated[
         Mapping[str, str],
@@ -65,6 +72,8 @@ class ReachyMiniSettings(Section):
     def problems(self) -> list[tuple[str, str]]:
         """What no daemon can be reached with, by the setting's path."""
         found = [(f"voice.{path}", what) for path, what in self.voice.problems()]
+        if self.talk is not None:
+            found += self.talk.problems(LOUDSPEAKER)
         return [*found, *self._address_problems(), *self._recorded_problems()]
 
     @property

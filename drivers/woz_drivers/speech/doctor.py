@@ -6,7 +6,7 @@ import asyncio
 from pathlib import Path
 
 from woz_drivers import child_process, command_lines
-from woz_drivers.speech.settings import SpeechSettings, SynthesisSettings
+from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings, SynthesisSettings
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
@@ -25,17 +25,17 @@ async def examine(probe: Probe) -> list[Finding]:
             await synthesiser_finding(probe, settings),
             await _player(probe, settings),
             *_recordings(probe, settings),
-            *_talk(probe, settings),
+            *talk_findings(probe, settings.talk, settings.device),
         ]
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
 
 
-def _talk(probe: Probe, settings: SpeechSettings) -> list[Finding]:
+def talk_findings(probe: Probe, talk: PlayedTalkSettings | None, device: str) -> list[Finding]:
     """The programs of a live voice."""
-    if settings.talk is None:
+    if talk is None:
         return []
-    words = settings.talk.through_words(), settings.talk.play_words(settings.device)
+    words = talk.through_words(), talk.play_words(device)
     return [_program_finding(probe, each[0]) for each in words if each]
 
 

@@ -94,7 +94,7 @@ class Speech(Driver):
         self._talk: LiveTalk | None = None
         if (talk := settings.talk) is not None:
             words = functools.partial(talk.play_words, settings.device)
-            loudspeaker = program_loudspeaker(words, context, self._audible)
+            loudspeaker = program_loudspeaker(words, context)
             self._talk = LiveTalk(talk, context, loudspeaker, lambda: self._volume)
         self._missing: DriverError | None = None
         self._broken = False

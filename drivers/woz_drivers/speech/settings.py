@@ -124,6 +124,11 @@ class PlayedTalkSettings(TalkSettings):
         Command, Doc("program that plays raw S16_LE from stdin at {rate} Hz; default: aplay")
     ] = ""
 
+    def problems(self, device: str = "") -> list[tuple[str, str]]:
+        """What is wrong with the commands: pairs of the setting's path and a sentence."""
+        plays = command_lines.setting_problems(("talk.play", lambda: self.play_words(device)))
+        return [*TalkSettings.problems(self), *plays]
+
     def play_words(self, device: str) -> tuple[str, ...]:
         """The program that plays it. Raises `DriverError`."""
         values = {"rate": str(self.rate), "device": device}
@@ -162,11 +167,8 @@ class SpeechSettings(SynthesisSettings):
         ]
         if self.speak and (self.synthesise or self.resident_voice or self.play):
             found.append(("speak", "speak replaces the programs that make and play sound"))
-        if (talk := self.talk) is not None:
-            found += talk.problems()
-            found += command_lines.setting_problems(
-                ("talk.play", lambda: talk.play_words(self.device)),
-            )
+        if self.talk is not None:
+            found += self.talk.problems(self.device)
         return found
 
     def play_words(self) -> tuple[str, ...]:

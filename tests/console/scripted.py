@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.console.message_feed import Incoming, OnLost, OnMessages
+from woz_tui.console.message_feed import Incoming, Loss, LostPart, OnLost, OnMessages
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -104,9 +104,9 @@ class ScriptedFeed:
         ]
         self._elsewhere(functools.partial(self._on_messages, batch))
 
-    def cut(self, why: str) -> None:
+    def cut(self, why: str, part: LostPart = LostPart.PROCESS) -> None:
         """Lose the connection."""
-        self._elsewhere(functools.partial(self._on_lost, why))
+        self._elsewhere(functools.partial(self._on_lost, Loss(why, part)))
 
     def last(self, kind: type[r.Request]) -> r.Request | None:
         """The last request of a kind."""

@@ -17,6 +17,7 @@ from woz_tui.console.bodies.bodies_pane import pane_rows
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.message_feed import Loss
 from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import WelcomeSettings
@@ -132,7 +133,7 @@ def test_joints_that_nobody_speaks_of_any_more_are_old() -> None:
 
 def test_a_lost_session_makes_everything_old() -> None:
     state = pictured(*bodies.alive())
-    state.lose("closed")
+    state.lose(Loss("closed"))
     assert "old" in text(pane_rows(state, PaintFrame(50, 20, NOW)))
 
 

@@ -15,6 +15,7 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_text import LONG_US, SLOW_US, state_row
 from woz_tui.console.engagement.sign_bars import distance_bar, queue_bar
 from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.message_feed import Loss
 from woz_tui.console.meters import meter_rows
 from woz_tui.protocol import messages as m
 
@@ -268,7 +269,7 @@ def test_a_sign_outside_the_condition_says_so() -> None:
 
 def test_a_lost_robot_process_leaves_no_verdict_and_no_clock() -> None:
     state = pictured(engaged.waits())
-    state.lose("gone")
+    state.lose(Loss("gone"))
     shown = text(meter_rows(state, HIGH))
     assert shown.startswith(" ~ visitor v12")
     assert "3.2 s" not in shown

@@ -9,7 +9,7 @@ import pytest
 
 from tests.fakes.host import WAIT_S, FakeHost, stops
 from woz_tui.console.host_connection import WAITING_LIMIT, HostConnection
-from woz_tui.console.message_feed import Incoming
+from woz_tui.console.message_feed import Incoming, Loss, LostPart
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Marker, Notice, SessionEnd
 from woz_tui.protocol.requests import (
@@ -33,7 +33,7 @@ class Ears:
 
     def __init__(self) -> None:
         self.messages: list[Incoming] = []
-        self.lost: list[str] = []
+        self.lost: list[Loss] = []
         self._changed = threading.Condition()
 
     def on_messages(self, batch: list[Incoming]) -> None:
@@ -41,9 +41,9 @@ class Ears:
             self.messages += batch
             self._changed.notify_all()
 
-    def on_lost(self, reason: str) -> None:
+    def on_lost(self, loss: Loss) -> None:
         with self._changed:
-            self.lost.append(reason)
+            self.lost.append(loss)
             self._changed.notify_all()
 
     def until(self, true: Callable[[], bool]) -> None:
@@ -156,7 +156,7 @@ def test_a_host_that_closes_is_lost_and_found_again(
     link.ask(AskMarker(text="back"))
 
     assert host.wait(AskMarker).text == "back"
-    assert ears.lost == ["the robot process closed the connection"]
+    assert [loss.part for loss in ears.lost] == [LostPart.PROCESS]
 
 
 def test_whoever_took_over_does_not_take_over_again_when_coming_back(
@@ -181,7 +181,33 @@ def test_a_silent_host_is_lost(host: FakeHost, ears: Ears) -> None:
     ears.until(lambda: bool(ears.lost))
     link.close()
 
-    assert "silent" in ears.lost[0]
+    assert ears.lost[0].part is LostPart.ANSWER
+
+
+def test_behind_a_network_it_is_the_line_that_is_lost(host: FakeHost, ears: Ears) -> None:
+    host.robot_at = "robot.local:8765"
+    link = HostConnection(host.path)
+    link.start(ears.on_messages, ears.on_lost)
+    ears.until_heard(Welcome)
+    host.stop_listening()
+    host.drop()
+    ears.until(lambda: bool(ears.lost))
+    link.close()
+    assert ears.lost[0].part is LostPart.LINE
+
+
+def test_what_becomes_known_of_a_loss_is_told_again_and_once(host: FakeHost, ears: Ears) -> None:
+    known = [Loss("cut off", LostPart.LINE)]
+    link = HostConnection(host.path, explain=lambda loss: known[-1])
+    link.start(ears.on_messages, ears.on_lost)
+    ears.until_heard(Welcome)
+    host.stop_listening()
+    host.drop()
+    ears.until(lambda: bool(ears.lost))
+    known.append(Loss("no session listens there"))
+    ears.until(lambda: len(ears.lost) == 2)
+    link.close()
+    assert ears.lost == known
 
 
 def test_after_the_end_of_the_session_nobody_looks_for_it(
@@ -193,7 +219,7 @@ def test_after_the_end_of_the_session_nobody_looks_for_it(
     host.drop()
     ears.until(lambda: bool(ears.lost))
 
-    assert ears.lost == ["the session has ended"]
+    assert [loss.why for loss in ears.lost] == ["the session has ended"]
     host.until(lambda: len(host.closed) == 1, "the connection's end")
     assert len(host.all(Hello)) == 1
 

@@ -13,6 +13,7 @@ from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_list import event_rows, listed_events
 from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
+from woz_tui.console.message_feed import Loss
 from woz_tui.console.meters import meter_rows
 from woz_tui.console.number_text import decibels, elapsed, seconds, time_left
 from woz_tui.console.status_rows import StatusInfo, status_rows
@@ -411,7 +412,7 @@ def test_a_stop_that_is_not_answered_or_not_delivered_says_so() -> None:
     picture = pictured()
     assert "STOP SENT" in bar(picture, asked_us=NOW - 400_000)
     assert "400 ms" in bar(picture, asked_us=NOW - 400_000)
-    picture.lose("the robot process closed the connection")
+    picture.lose(Loss("the robot process closed the connection"))
     assert "robot process is gone" in bar(picture)
     assert "STOP NOT DELIVERED" in bar(picture, asked_us=NOW)
 

@@ -88,20 +88,6 @@ async def test_trials_and_the_stop_name_the_other_wizard() -> None:
         assert "STOPPED by body" in seat.text("StopBar")
 
 
-async def test_behind_a_network_the_robot_process_is_not_blamed() -> None:
-    far = msgspec.structs.replace(welcome("voice"), robot_at="robot.local:8765")
-    async with sitting(far) as seat:
-        seat.feed.cut("cut")
-        await seat.until(lambda: seat.console.dialog is not None)
-        await seat.settle()
-        drawn = seat.drawn()
-        assert "The line to robot.local:8765 is gone" in drawn
-        assert "NETWORK LOST" in drawn
-        assert "robot process" not in drawn.casefold()
-        await seat.tell(far)
-        assert "The line to robot.local:8765 is back" in seat.text("StopBar")
-
-
 async def test_what_is_refused_to_the_other_wizard_is_on_the_list_and_on_no_button() -> None:
     async with sitting(welcome("voice", there("con2", "body")), size=(120, 40)) as seat:
         for run, console, action in (("a1", "con2", "Hello"), ("a2", "console1", "Welcome")):

@@ -21,6 +21,7 @@ from tests.console.dialogs import (
 from tests.console.driving import sitting
 from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.glyphs import ASCII
+from woz_tui.console.message_feed import LostPart
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.drivers import DriversDialog
 from woz_tui.console.screens.help import HelpDialog
@@ -379,7 +380,7 @@ async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
         await seat.press("enter")
         assert restarted == [1]
         await seat.tell(scenes.welcome())
-        assert seat.console.state.lost == ""
+        assert seat.console.state.lost is None
         assert "is back" in seat.text("StopBar")
 
 
@@ -395,6 +396,34 @@ async def test_what_was_too_old_for_a_robot_process_that_woke_is_told() -> None:
         bar = seat.text("StopBar")
         assert "not played: Hello" in bar
         assert "8.0 s ago" in bar
+
+
+@pytest.mark.parametrize("part", LostPart)
+async def test_what_is_lost_and_what_the_robot_does_meanwhile_is_told(part: LostPart) -> None:
+    async with sitting(restart=lambda: None) as seat:
+        seat.feed.cut("why it is", part)
+        await seat.until(lambda: seat.console.dialog is not None)
+        await seat.settle()
+        for text in (part.title, "why it is", part.robot[:30], "own switch"):
+            assert text in seat.drawn()
+        assert ("Start the robot process" in seat.drawn()) is (part is LostPart.PROCESS)
+        assert part.title in seat.text("StopBar")
+        assert part.sign in seat.drawn()
+        await seat.press("escape")
+        await seat.until(lambda: f"NOT DELIVERED: {part.sentence}" in seat.text("StopBar"))
+
+
+async def test_more_that_becomes_known_of_a_loss_is_shown() -> None:
+    async with sitting() as seat:
+        seat.feed.cut("nothing has come for 3 s", LostPart.ANSWER)
+        await seat.until(lambda: seat.console.dialog is not None)
+        seat.feed.cut("robot:8765 was cut off", LostPart.LINE)
+        await seat.until(lambda: "robot:8765 was cut off" in seat.drawn())
+        assert LostPart.LINE.title in seat.drawn()
+        assert LostPart.ANSWER.title not in seat.drawn()
+        await seat.tell(scenes.welcome())
+        await seat.until(lambda: seat.console.dialog is None)
+        assert LostPart.LINE.back in seat.text("StopBar")
 
 
 async def test_a_robot_process_that_comes_back_by_itself_closes_the_dialog() -> None:

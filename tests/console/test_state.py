@@ -7,7 +7,7 @@ from tests.console import scenes
 from tests.console.scripted import raw
 from tests.replay.logs import stamped
 from woz_tui.console.console_state import DONE_US, ConsoleState
-from woz_tui.console.message_feed import Incoming
+from woz_tui.console.message_feed import Incoming, Loss
 from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -138,10 +138,10 @@ def test_what_was_seen_stays_seen_when_the_line_comes_back() -> None:
     picture = begun(first=scenes.welcome(recent=failed))
     assert len(picture.runs.unseen()) == 1
     picture.runs.see_all()
-    picture.lose("closed")
+    picture.lose(Loss("closed"))
     picture.apply([scenes.welcome(recent=failed)], 0)
     assert picture.runs.unseen() == []
-    assert picture.lost == ""
+    assert picture.lost is None
 
 
 def test_a_failure_has_one_time_in_consoles_that_came_before_and_after_its_press() -> None:

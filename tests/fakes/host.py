@@ -68,7 +68,7 @@ class FakeHost:
         #: Set: it neither reads nor speaks, as a stopped process.
         self.frozen = False
         #: What the welcome says of the machine.
-        self.boot_id = ""
+        self.boot_id = self.robot_at = ""
         #: Set: it reads and answers, but does not pulse.
         self.silent = False
         self._keys = keys or {}
@@ -221,6 +221,7 @@ class FakeHost:
             keyboard="us",
             drivers=list(self._verbs),
             boot_id=self.boot_id,
+            robot_at=self.robot_at,
         )
 
     def _pulse(self) -> None:

@@ -18,7 +18,9 @@ from hypothesis import strategies as st
 
 from tests.host.rig import WAIT_S
 from tests.remote.network import BootClock, Machines, S, connected, machines
+from woz_tui.cli.remote_start import remote_session
 from woz_tui.config.experiment import AccessRole
+from woz_tui.console.message_feed import Loss, LostPart
 from woz_tui.host.remote_access import RemoteAccess
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
 from woz_tui.network.clock_offset import ClockOffset
@@ -222,6 +224,27 @@ async def test_a_cut_network_is_told_on_both_sides_and_comes_back(tmp_path: Path
         await until(lambda: not path.exists(), WAIT_S)
         await two.cable.lay()
         assert (await (await connected(remote)).hello("wizard"))["role"] == "wizard"
+
+
+async def test_a_lost_line_and_an_ended_robot_process_are_told_apart(tmp_path: Path) -> None:
+    async with machines(tmp_path) as two:
+        access = two.access("anna", "wizard")
+        opening = remote_session(access.path, two.address)
+        line = await asyncio.to_thread(opening.__enter__)
+        assert line is not None
+
+        def lost() -> LostPart:
+            return line.explained(Loss("it closed the connection")).part
+
+        try:
+            two.cable.flowing.clear()
+            await until(lambda: line.reason != "" and lost() is LostPart.LINE, WAIT_S)
+            two.cable.flowing.set()
+            await until(lambda: line.reason == "", WAIT_S)
+            await two.cable.cut()  # nobody listens there any more
+            await until(lambda: lost() is LostPart.PROCESS, WAIT_S)
+        finally:
+            await asyncio.to_thread(opening.__exit__, None, None, None)
 
 
 @given(

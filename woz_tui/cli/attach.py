@@ -5,10 +5,12 @@ from __future__ import annotations
 import shlex
 import sys
 from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
 from pathlib import Path
 
 from woz_tui.cli import console_start
 from woz_tui.cli.shared_options import add_keymap, add_part, add_pictures, add_theme, builtins
+from woz_tui.console.message_feed import Loss
 from woz_tui.system import session_sockets
 
 
@@ -54,15 +56,21 @@ def _attach(arguments: Namespace) -> int:
     if arguments.access is not None:
         from woz_tui.cli.remote_start import remote_session  # noqa: PLC0415 - few come from afar
 
-        with remote_session(arguments.access, arguments.name) as socket:
-            return 1 if socket is None else _open(arguments, socket)
+        with remote_session(arguments.access, arguments.name) as line:
+            if line is None or line.socket is None:
+                return 1
+            return _open(arguments, line.socket, line.explained)
     socket = find_socket(arguments)
     return 1 if socket is None else _open(arguments, socket)
 
 
-def _open(arguments: Namespace, socket: Path) -> int:
+def _open(
+    arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] = lambda loss: loss
+) -> int:
     if arguments.questionnaire is not None:
-        return console_start.open_questionnaire(socket, arguments.questionnaire, arguments.theme)[1]
+        return console_start.open_questionnaire(
+            socket, arguments.questionnaire, arguments.theme, explain
+        )[1]
     left, code = console_start.open_console(
         console_start.ScreenOptions(
             socket=socket,
@@ -72,6 +80,7 @@ def _open(arguments: Namespace, socket: Path) -> int:
             pictures=arguments.pictures,
             theme=arguments.theme,
             part=arguments.part,
+            explain=explain,
         )
     )
     if left == "detached":

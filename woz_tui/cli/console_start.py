@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from woz_tui.console.app import Console
     from woz_tui.console.host_connection import HostConnection
     from woz_tui.console.keyboard import Keyboard
+    from woz_tui.console.message_feed import Loss
     from woz_tui.console.theme import Appearance
 
 #: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
@@ -36,7 +37,7 @@ class ScreenOptions:
     `restart` are the arguments of `woz host` with which a lost robot process is started again;
     None if nobody can. `builtins` are the console's own keys, moved by a keymap file or not.
     `pictures`: how a camera's are drawn. `theme`: its colours, as `add_theme` has them. `part`:
-    which part of the panels this wizard plays.
+    which part of the panels this wizard plays. `explain`: see `HostConnection`.
     """
 
     socket: Path
@@ -48,6 +49,7 @@ class ScreenOptions:
     pictures: str = "auto"
     theme: str = ""
     part: str = ""
+    explain: Callable[[Loss], Loss] = lambda loss: loss
 
 
 def with_terminal(work: Callable[[], int], hint: str = "") -> int:
@@ -95,6 +97,7 @@ def make_console(options: ScreenOptions) -> Console:
         name=os.environ.get("TERM", ""),
         take_over=options.take_over,
         part=options.part,
+        explain=options.explain,
     )
     app = Console(
         link,
@@ -145,7 +148,12 @@ def detect_appearance(theme: str) -> tuple[Appearance, tuple[str, ...]]:
     return look, stops
 
 
-def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, int]:
+def open_questionnaire(
+    socket: Path,
+    only: str,
+    theme: str = "",
+    explain: Callable[[Loss], Loss] = lambda loss: loss,
+) -> tuple[str, int]:
     """Run a participant's own screen until it is left: how (ended, detached), and the exit code.
 
     `only` is the name of the one questionnaire that is shown; empty: all.
@@ -155,7 +163,9 @@ def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, i
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     look, stops = detect_appearance(theme)
-    link = HostConnection(socket, role="participant", name=os.environ.get("TERM", ""))
+    link = HostConnection(
+        socket, role="participant", name=os.environ.get("TERM", ""), explain=explain
+    )
     keyboard = _connect(link, stops)
     app = ParticipantApp(link, keyboard, only=only, look=look, driver_class=WizardDriver)
     prioritise_keys()

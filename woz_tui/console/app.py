@@ -24,7 +24,7 @@ from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
 from woz_tui.console.keyboard import KeyPress
 from woz_tui.console.main_screen import MainScreen
-from woz_tui.console.message_feed import MessageFeed
+from woz_tui.console.message_feed import Loss, MessageFeed
 from woz_tui.console.partial_update import cropped
 from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.robot_requests import RobotRequests
@@ -104,6 +104,7 @@ class Console(ScreenApp):
         self._training: TrainingChanged | None = None
         self._was_lost = self._alt_told = False
         self._lost_t = 0
+        self._loss = Loss("")
         self._news = News()
         self._news_t = self._news_until = self._flash_until = 0
         #: The driver that refused what the sentence is about.
@@ -184,8 +185,9 @@ class Console(ScreenApp):
             self._news_driver = refusal.driver
         for tiding in self.state.study.read_news():
             self.news(self._sentence(tiding), tiding.look)
-        for why in self.inbox.losses():
-            self.state.lose(why)
+        for loss in self.inbox.losses():
+            self.state.lose(loss)
+            self._loss = loss
             self.requests.forget()
             if not self._was_lost:
                 self._was_lost, self._lost_t = True, self.state.now(local)
@@ -233,7 +235,7 @@ class Console(ScreenApp):
             for action, ended in self.state.runs.outcomes.items()
             if ended.how == "refused" and ended.t > self._lost_t
         }
-        back = f"The {self.state.gone} is back"
+        back = self._loss.part.back
         if late:
             why = next(reversed(late.values()))
             self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")

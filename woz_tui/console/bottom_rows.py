@@ -24,6 +24,7 @@ from woz_tui.console.cells import (
 from woz_tui.console.command_text import command_words
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
+from woz_tui.console.message_feed import Loss
 from woz_tui.console.number_text import millis
 from woz_tui.console.stop_confirmation import settled_row, stopped_words
 from woz_tui.protocol.messages import FilledCall
@@ -287,10 +288,10 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         over, where = " The session has ended.", " enter shows where its log is"
         return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
     if state.lost and (asked_us is not None or state.stop is not None):
-        return _undelivered(state, glyphs, width)
+        return _undelivered(state.lost, glyphs, width)
     if state.lost:
-        why = f" {glyphs.error} The {state.gone} is gone: {state.lost}"
-        what = " No key is sent. It stops driving by itself. enter shows what can be done"
+        why = f" {glyphs.error} {state.lost.part.title}: {clean(state.lost.why)}"
+        what = " No key is sent. enter shows what the robot does and what can be done"
         return [((fit(why, width), "alarm"),), ((fit(what, width), "alarm-soft"),)]
     if state.stop is not None:
         return _stopped(state, state.stop, bar.release, frame)
@@ -315,11 +316,9 @@ def _news_rows(news: News, glyphs: Glyphs, width: int, stop: str) -> list[Row]:
     return [cut(first, width, glyphs.ellipsis), last] if rest else [last]
 
 
-def _undelivered(state: ConsoleState, glyphs: Glyphs, width: int) -> list[Row]:
-    first = (
-        f" {glyphs.stop} STOP NOT DELIVERED: the {state.gone} is gone; use the robot's own switch"
-    )
-    second = " Without this console the robot process stops driving by itself."
+def _undelivered(loss: Loss, glyphs: Glyphs, width: int) -> list[Row]:
+    first = f" {glyphs.stop} STOP NOT DELIVERED: {loss.part.sentence}; use the robot's own switch"
+    second = f" {loss.part.robot}"
     return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
 
 

@@ -20,7 +20,7 @@ from woz_tui.console.command_text import spoken_text
 from woz_tui.console.engagement.engagement_view import EngagementView
 from woz_tui.console.engagement.wizard_overrides import toggled_text
 from woz_tui.console.event_sentences import EventLine, event_line, explained
-from woz_tui.console.message_feed import Incoming
+from woz_tui.console.message_feed import Incoming, Loss
 from woz_tui.console.number_text import seconds
 from woz_tui.console.replay.replay_state import ReplayState, updated
 from woz_tui.console.running_actions import ActiveRun, RunningActions, RunOutcome
@@ -105,8 +105,6 @@ class ConsoleState:
     #: The part that it plays, or would if it played; empty: none in particular.
     part: str = ""
     log: str = ""
-    #: The address of the robot's computer, where a network is between; else empty.
-    robot_at: str = ""
     welcomed: bool = False
     #: Who took part in the session before, if the robot process was lost meanwhile.
     before: str = ""
@@ -134,7 +132,7 @@ class ConsoleState:
     #: The last act of the wizard or of a program; once it is done, what is likely to follow.
     act: str = ""
     then: tuple[str, ...] = ()
-    lost: str = ""
+    lost: Loss | None = None
     #: Action -> its key, as a cap shows it.
     keys: Mapping[str, str] = field(default_factory=dict)
     #: Raised whenever panels or script are new, so that keys and layout follow.
@@ -311,14 +309,9 @@ class ConsoleState:
                     self._tie_clocks(message.t, local_us)
                 self._message(message, tell=True)
 
-    def lose(self, why: str) -> None:
+    def lose(self, loss: Loss) -> None:
         """The connection to the robot process is gone."""
-        self.lost = why or "the connection closed"
-
-    @property
-    def gone(self) -> str:
-        """What is gone when this console is lost: behind a network that is all that is known."""
-        return f"line to {self.robot_at}" if self.robot_at else "robot process"
+        self.lost = loss
 
     def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
         """Begin anew; what the wizard has seen stays seen."""
@@ -329,7 +322,6 @@ class ConsoleState:
         self._t, self._local = welcome.t, local_us
         self.welcomed = True
         self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
-        self.robot_at = welcome.robot_at
         self.runs.console = self.console
         self.variables = tuple(welcome.variables)
         self.settings = welcome.settings

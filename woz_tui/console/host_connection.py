@@ -12,11 +12,12 @@ import select
 import socket
 import threading
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
 
-from woz_tui.console.message_feed import Incoming, OnLost, OnMessages
+from woz_tui.console.message_feed import Incoming, Loss, LostPart, OnLost, OnMessages
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Notice, SessionEnd
 from woz_tui.protocol.requests import PROTOCOL, AnyRequest, AskStop, Beat, Hello, Reply, Welcome
@@ -52,6 +53,7 @@ class HostConnection:
         name: What the host may call this console.
         take_over: Whether a wizard who is there already has to watch from now on.
         part: Which part of the experiment's panels this wizard plays; empty: none in particular.
+        explain: What is known of a loss besides, for a session on another machine; None: nothing.
         clock: For the host's silence and the stamps of requests.
         silence_s: Seconds without a byte from the host after which it counts as lost.
     """
@@ -64,6 +66,7 @@ class HostConnection:
         name: str = "",
         take_over: bool = False,
         part: str = "",
+        explain: Callable[[Loss], Loss] = lambda loss: loss,
         clock: Clock | None = None,
         silence_s: float = SILENCE_S,
     ) -> None:
@@ -74,7 +77,8 @@ class HostConnection:
         self._clock = clock or RealClock()
         self._silence_us = round(silence_s * 1_000_000)
         self._on_messages: OnMessages = lambda batch: None
-        self._on_lost: OnLost = lambda reason: None
+        self._on_lost: OnLost = lambda loss: None
+        self._explain = explain
         self._lock = threading.Lock()
         self._socket: socket.socket | None = None
         self._waiting: deque[bytes] = deque()
@@ -224,21 +228,29 @@ class HostConnection:
         """Thread: read until the host is lost, then look for it again."""
         again = msgspec.structs.replace(self._hello, take_over=False)
         while True:
-            reason = self._read(connection)
+            loss = self._read(connection)
             self._disconnect(connection)
             if self._closed.is_set():
                 return
-            self._on_lost("the session has ended" if self._ended else reason)
-            found = self._find(again)
+            if self._ended:
+                loss = Loss("the session has ended")
+            found = self._find(again, loss)
             if found is None:
                 return
             connection = found
 
-    def _find(self, hello: Hello) -> socket.socket | None:
-        while not self._ended and not self._closed.wait(RETRY_S):
+    def _find(self, hello: Hello, loss: Loss) -> socket.socket | None:
+        """Tell of the loss, and again when more is known, until the host is there."""
+        told = None
+        while True:
+            known = loss if self._ended else self._explain(loss)
+            if known != told:
+                told = known
+                self._on_lost(known)
+            if self._ended or self._closed.wait(RETRY_S):
+                return None
             with contextlib.suppress(OSError):
                 return self._connect(hello)
-        return None
 
     def _disconnect(self, connection: socket.socket) -> None:
         with self._lock:
@@ -247,7 +259,7 @@ class HostConnection:
             self._waiting.clear()
             connection.close()
 
-    def _read(self, connection: socket.socket) -> str:
+    def _read(self, connection: socket.socket) -> Loss:
         """Deliver batches until the connection ends; returns why it did."""
         rest = b""
         heard_us: int | None = None  # a host found again may take its time for the first word
@@ -256,25 +268,27 @@ class HostConnection:
             now = self._clock.now_us()
             if not ready:
                 if heard_us is not None and now - heard_us > self._silence_us:
-                    return f"the robot process has been silent for {(now - heard_us) / 1e6:.0f} s"
+                    silent_s = (now - heard_us) / 1e6
+                    return Loss(f"nothing has come from it for {silent_s:.0f} s", LostPart.ANSWER)
                 continue
             try:
                 data = connection.recv(_READ)
             except BlockingIOError:
                 continue
             except OSError as error:
-                return f"the connection to the robot process broke: {error.strerror}"
+                return Loss(f"the connection broke: {error.strerror}")
             if not data:
                 if self._robot_at:
-                    return "the network is cut, or the robot's computer is off"
-                return "the robot process closed the connection"
+                    why = "the network is cut, or the robot's computer is off"
+                    return Loss(why, LostPart.LINE)
+                return Loss("it closed the connection")
             heard_us = now
             lines = (rest + data).split(b"\n")
             rest = lines.pop()
             if len(rest) > LINE_LIMIT:
-                return "the robot process sent a line without end"
+                return Loss("it sent a line without end", LostPart.ANSWER)
             self._deliver([_decode(line) for line in lines if line.strip()])
-        return "closed"
+        return Loss("closed")
 
     def _said_goodbye(self) -> bool:
         """Whether this side has left and the host had its time to notice."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
 from typing import Any, Protocol
 
 from woz_tui.protocol.messages import AnyMessage
 from woz_tui.protocol.requests import AnyAnswer, AnyRequest
 
 #: The reason of a reply that cannot come any more, as nobody knows whether its request arrived.
-GONE = "the robot process is gone"
+GONE = "the connection to the robot process was lost"
 
 #: One decoded line from the host; a kind this version does not know comes as a plain dict.
 Incoming = AnyMessage | AnyAnswer | dict[str, Any]
@@ -17,9 +19,54 @@ Incoming = AnyMessage | AnyAnswer | dict[str, Any]
 #: Called from the feed's own thread with everything that arrived together, oldest first.
 OnMessages = Callable[[list[Incoming]], None]
 
-#: Called from the feed's own thread with the reason in words, each time the connection is lost: a
-#: feed that comes back by itself may lose it again.
-OnLost = Callable[[str], None]
+
+class LostPart(Enum):
+    """What is not there any more between keys and robot: as a sentence, as a sign, how it is when
+    it is back, and what the robot does meanwhile.
+    """
+
+    PROCESS = (
+        "the robot process is gone",
+        "ROBOT PROCESS LOST",
+        "Robot process is back",
+        "Nobody controls the robot now; what is still moving ends by its own safeguards.",
+    )
+    ANSWER = (
+        "the robot process does not answer",
+        "NO ANSWER",
+        "Robot process answers again",
+        "What runs may go on. What was pressed is not played late.",
+    )
+    LINE = (
+        "the line to the robot is lost",
+        "LINE LOST",
+        "The line is back",
+        "Driving stops there by the dead man's switch, the rest goes on to its end.",
+    )
+
+    def __init__(self, sentence: str, sign: str, back: str, robot: str) -> None:
+        self.sentence = sentence
+        self.sign = sign
+        self.back = back
+        self.robot = robot
+
+    @property
+    def title(self) -> str:
+        """The sentence as a heading."""
+        return self.sentence[0].upper() + self.sentence[1:]
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """The connection was lost: why, and what is not there any more."""
+
+    why: str
+    part: LostPart = LostPart.PROCESS
+
+
+#: Called from the feed's own thread each time the connection is lost, and when more is known about
+#: it: a feed that comes back by itself may lose it again.
+OnLost = Callable[[Loss], None]
 
 
 class MessageFeed(Protocol):

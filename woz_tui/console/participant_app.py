@@ -14,7 +14,7 @@ from textual.app import ComposeResult
 from woz_tui.config.keys.terminals import STOPS
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import GONE, MessageFeed
+from woz_tui.console.message_feed import GONE, Loss, MessageFeed
 from woz_tui.console.screen_app import ScreenApp
 from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet, Words, thanks
 from woz_tui.console.study.questionnaires import OpenQuestionnaire
@@ -64,8 +64,8 @@ class ParticipantApp(ScreenApp):
                     self._thanks = message.reason != "left"
                 elif isinstance(message, m.QuestionnaireStarted):
                     self._thanks = False
-        for why in self.inbox.losses():
-            self._cut(why)
+        for loss in self.inbox.losses():
+            self._cut(loss)
         if self.state.ended and self.state.lost:
             self.exit("ended")
         self._begin()
@@ -89,9 +89,9 @@ class ParticipantApp(ScreenApp):
             self._ask(request, _nobody)
         self._begun = due
 
-    def _cut(self, why: str) -> None:
+    def _cut(self, loss: Loss) -> None:
         """No reply will come any more; what was not confirmed goes out again later."""
-        self.state.lose(why)
+        self.state.lose(loss)
         waiting, self._waiting = self._waiting, {}
         for ref, on_reply in waiting.items():
             on_reply(Reply(ref=ref, ok=False, reason=GONE))

@@ -18,7 +18,7 @@ from textual.screen import Screen
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import UNICODE
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import Incoming, MessageFeed
+from woz_tui.console.message_feed import Incoming, Loss, MessageFeed
 from woz_tui.console.partial_update import PartialScreen
 from woz_tui.console.text_console import TextConsole
 from woz_tui.console.theme import SIXTEEN, THEMES, Appearance
@@ -35,7 +35,7 @@ class Inbox:
     def __init__(self, wake: Callable[[], None]) -> None:
         self._wake = wake
         self._batches: deque[list[Incoming]] = deque()
-        self._losses: deque[str] = deque()
+        self._losses: deque[Loss] = deque()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._surroundings: contextvars.Context | None = None
 
@@ -57,9 +57,9 @@ class Inbox:
         if idle:
             self._call(self._wake)
 
-    def cut(self, why: str) -> None:
+    def cut(self, loss: Loss) -> None:
         """The connection is lost."""
-        self._losses.append(why)
+        self._losses.append(loss)
         self._call(self._wake)
 
     def elsewhere(self, callback: Callable[..., None]) -> Callable[..., None]:
@@ -78,8 +78,8 @@ class Inbox:
         while self._batches:
             yield self._batches.popleft()
 
-    def losses(self) -> Iterator[str]:
-        """Take the reasons for which the connection was lost."""
+    def losses(self) -> Iterator[Loss]:
+        """Take how the connection was lost."""
         while self._losses:
             yield self._losses.popleft()
 

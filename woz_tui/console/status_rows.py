@@ -160,8 +160,7 @@ def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:
     if state.ended:
         return (("session over", "muted"),)
     if state.lost:
-        what = "NETWORK" if state.robot_at else "ROBOT PROCESS"
-        return ((f" {glyphs.error} {what} LOST ", "alarm"),)
+        return ((f" {glyphs.error} {state.lost.part.sign} ", "alarm"),)
     recorder = state.session.recorder
     if recorder is None:
         return ((f"{glyphs.no} Not recording yet", "muted"),)

@@ -6,7 +6,7 @@ asked again and again: the robot process refuses what was under way for too long
 network did with it. When the network is gone so is the socket, until the network is back.
 
 It ends with standard input. Standard output has one JSON object a line: `socket` when the session
-can be used, `trouble` (a sentence) when it cannot.
+can be used, `trouble` (a sentence) when it cannot, with `reached` if the robot's computer is there.
 """
 
 from __future__ import annotations
@@ -41,6 +41,8 @@ _RETRY_S = 1.0
 #: Seconds from one ping to the next; one that is not answered in half of it ends the connection.
 _HEARTBEAT_S = 2.0
 _READ = 1 << 16
+#: How the other side closes a connection that it ends itself.
+_CLOSED_THERE = (aiohttp.WSCloseCode.OK, aiohttp.WSCloseCode.GOING_AWAY)
 _LONGEST_LINE = 16 * codec.MAX_LINE
 
 
@@ -73,11 +75,14 @@ class LineTranslator:
 
 
 class RemoteSessionError(Exception):
-    """The session cannot be used at the moment; the text says why. `final`: nor later."""
+    """The session cannot be used at the moment; the text says why. `final`: nor later. `reached`:
+    its computer was reached, and nobody listens there.
+    """
 
-    def __init__(self, text: str, *, final: bool = False) -> None:
+    def __init__(self, text: str, *, final: bool = False, reached: bool = False) -> None:
         super().__init__(text)
         self.final = final
+        self.reached = reached
 
 
 class RemoteSession:
@@ -114,7 +119,7 @@ class RemoteSession:
             except RemoteSessionError as error:
                 if error.final:
                     raise
-                announce(trouble=str(error))
+                announce(trouble=str(error), reached=error.reached)
             await asyncio.sleep(_RETRY_S)
 
     async def connect_once(self) -> None:
@@ -140,8 +145,13 @@ class RemoteSession:
                         self._usable.clear()
                         server.close()
             except (TimeoutError, TypeError, KeyError, ValueError, aiohttp.ClientError) as error:
-                why = "it does not answer" if isinstance(error, TimeoutError) else "it was cut off"
-                raise RemoteSessionError(f"the line to {self._address} is lost: {why}") from None
+                if clock.close_code in _CLOSED_THERE:
+                    raise RemoteSessionError(
+                        f"{self._address} has ended the session's line", reached=True
+                    ) from None
+                silent = isinstance(error, TimeoutError)
+                why = "{} does not answer" if silent else "the connection to {} broke"
+                raise RemoteSessionError(why.format(self._address)) from None
             finally:
                 await end_tasks(*self._open)
 
@@ -184,6 +194,10 @@ class RemoteSession:
             ) from None
         except (aiohttp.ClientError, ssl.SSLError, OSError) as error:
             cause = getattr(error, "os_error", error)
+            if isinstance(cause, ConnectionRefusedError):
+                raise RemoteSessionError(
+                    f"no session listens at {self._address}", reached=True
+                ) from None
             reason = getattr(cause, "strerror", None) or str(cause)
             raise RemoteSessionError(f"{self._address} cannot be reached: {reason}") from None
 

@@ -47,7 +47,7 @@ class ReplayFeed:
     def start(
         self,
         on_messages: Callable[[list[Incoming]], None],
-        on_lost: Callable[[str], None],
+        on_lost: Callable[..., None],
     ) -> None:
         """Begin to play. A replay is never lost: at its end it stands still."""
         self._on_messages = on_messages

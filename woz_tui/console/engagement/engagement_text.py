@@ -102,7 +102,7 @@ def sign_verdict(
     old: bool = False,
     sensors: Iterable[str] = (),
 ) -> SignVerdict:
-    """The verdict on one sign; `old`: the robot process is gone. `sensors`: those of the session,
+    """The verdict on one sign; `old`: the connection is lost. `sensors`: those of the session,
     also of one robot among several.
     """
     sign = shown.signs.get(name, m.SignShown())

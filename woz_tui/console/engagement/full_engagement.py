@@ -106,7 +106,7 @@ def _second(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) ->
     """The state as a sentence, what is being said, which limits run."""
     glyphs, engaged = frame.glyphs, state.engaged
     if state.lost:
-        return ((f"{glyphs.stale} the robot process is gone: all this is old", "stale"),)
+        return ((f"{glyphs.stale} {state.lost.part.sentence}: all this is old", "stale"),)
     row = (*state_row(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
     if (segment := engaged.speaking(frame.now)) is not None:
         row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)

@@ -97,8 +97,8 @@ class SettingViewer:
         return shown or SettingsShown(driver=driver, values={})
 
     def _state(self, driver: str, now: int) -> Piece:
-        if self._picture.lost:
-            return f"{self._glyphs.error} the robot process is gone", "bad"
+        if (lost := self._picture.lost) is not None:
+            return f"{self._glyphs.error} {lost.part.sentence}", "bad"
         known = self._picture.drivers.get(driver)
         health = self._picture.health(driver)
         if known is None or health == "unknown":

@@ -188,7 +188,7 @@ class CameraDialog(Dialog):
     def _trouble(self, watching: PictureRequester) -> str:
         """Why there are no pictures, as far as anybody knows."""
         if self.state.lost:
-            return "the robot process is gone"
+            return self.state.lost.part.sentence
         driver = self.state.drivers.get(watching.camera)
         if driver is not None and driver.health in ("lost", "faulted"):
             return clean(f"{watching.camera} is {driver.health}: {driver.detail}")

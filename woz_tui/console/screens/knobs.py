@@ -36,7 +36,7 @@ class KnobsDialog(DrawingDialog):
     def _old(self, outline: PanelOutline, frame: PaintFrame) -> str:
         driver = self.state.drivers.get(outline.driver)
         if self.state.lost:
-            return "the robot process is gone"
+            return self.state.lost.part.sentence
         if driver is None or driver.health != "lost":
             return ""
         return f"lost {age(frame.now - driver.t)} ago"

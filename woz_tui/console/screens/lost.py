@@ -1,4 +1,4 @@
-"""The robot process is gone: it was lost, or somebody has ended the session."""
+"""The robot cannot be reached: it was lost, or somebody has ended the session."""
 
 from __future__ import annotations
 
@@ -8,20 +8,23 @@ from pathlib import Path
 from textual.content import Content
 
 from woz_tui.console.cells import Row
+from woz_tui.console.message_feed import Loss, LostPart
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.typed import has_typed
 from woz_tui.log.file_names import current_path
+from woz_tui.system.text_cleaning import clean
 
 
 def open_lost(app: ConsoleApp) -> None:
-    """The robot process is gone: say so and offer what can be done."""
+    """The robot cannot be reached: say so and offer what can be done."""
     if not app.requests.ending:
-        app.open_dialog(EndedDialog() if app.state.ended else LostDialog(app.state.gone))
+        lost = app.state.lost or Loss("")
+        app.open_dialog(EndedDialog() if app.state.ended else LostDialog(lost))
 
 
 def close_lost(app: ConsoleApp) -> None:
-    """The robot process is back: nothing to choose any more."""
+    """The robot is reached again: nothing to choose any more."""
     if isinstance(app.dialog, LostDialog):
         app.close_dialog()
 
@@ -32,31 +35,42 @@ def _log(announced: str) -> str:
 
 
 class LostDialog(ChoiceDialog):
-    """Says so, where the log is, and what can be done."""
+    """Says so, what the robot does, where the log is, and what can be done."""
 
     hint = "arrows choose · enter"
 
-    def __init__(self, gone: str) -> None:
+    def __init__(self, loss: Loss) -> None:
         super().__init__()
-        self.heading = f"The {gone} is gone"
+        self.heading = loss.part.title
+        self._loss = loss
+
+    def refreshed(self) -> None:
+        """Say it anew when more is known."""
+        if self.state.lost not in (None, self._loss):
+            self.leave()
+            open_lost(self.console_app)
 
     def lines(self) -> list[Row]:
         """What happened, and what is safe."""
-        state = self.state
-        safe = "Everything up to this moment is in the log:"
-        if state.robot_at:
-            safe = "The session may go on there; it is joined again by itself. Its log:"
+        state, loss = self.state, self._loss
+        log = "Everything up to this moment is in the log:"
+        if loss.part is not LostPart.PROCESS:
+            log = "The session may go on there. Its log:"
         return [
-            ((f"{self.glyphs.error} {state.lost}", "bad"),),
-            (("No key reaches the robot from here until it is back, not even the stop.", "plain"),),
-            ((safe, "plain"),),
+            ((f"{self.glyphs.error} {clean(loss.why)}", "bad"),),
+            ((loss.part.robot, "plain"),),
+            (("No key reaches the robot from here until it is back, not even the stop:", "plain"),),
+            (("use the robot's own switch. It is looked for all the time.", "plain"),),
+            ((log, "plain"),),
             ((_log(state.log) or "(the log is not known)", "strong"),),
         ]
 
     def choices(self) -> Sequence[ListChoice]:
         """Restart if somebody can, look on, leave."""
+        gone = self._loss.part is LostPart.PROCESS
         restart = ListChoice(Content("Start the robot process again"), self._restart)
-        return [*([restart] if self.console_app.restart else []), *_leaving(self, "lost")]
+        can = self.console_app.restart is not None and gone
+        return [*([restart] if can else []), *_leaving(self, "lost")]
 
     def _restart(self) -> None:
         if (restart := self.console_app.restart) is not None:

@@ -1,0 +1,1 @@
+"""Topics of a robot's own software, over a broker."""

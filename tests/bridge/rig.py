@@ -1,0 +1,105 @@
+"""A broker, EyePi in a session without hardware, and the bridge between them."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_drivers.simulated import SimulatedRobot
+
+from tests.drivers.body.rig import SteppedBody
+from tests.fakes.stomp_broker import StompBroker
+from tests.host.rig import Served, served
+from woz_tui.bml.stomp_connection import StompPlace
+from woz_tui.bridge.ros_data import RosValue, read_data, write_data
+from woz_tui.bridge.stomp_bridge import StompBridge
+from woz_tui.bridge.topic_table import load_table
+from woz_tui.client import connect
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Driver
+from woz_tui.protocol import messages as m
+from woz_tui.testing import until
+
+PATIENCE_S = 40.0
+EXPERIMENT = Path(__file__).parents[2] / "experiments" / "eyepi.yaml"
+PREFIX = "/topic/ramsocialrobot_"
+GENERAL, PREDICTION = "ram.asap.feedback.general", "ram.asap.feedback.prediction"
+SEQUENCE = "ram.animation.hmmm.sequence"
+CATALOGUE: Mapping[str, type[Driver]] = {"body": SteppedBody, "simulated": SimulatedRobot}
+
+
+@dataclass
+class Planner:
+    """A planner of EyePi's: it speaks XML on topics."""
+
+    broker: StompBroker
+    host: Served
+    sentences: list[str] = field(default_factory=list)
+
+    def send(self, topic: str, fields: Mapping[str, RosValue]) -> None:
+        """A message on a topic, with dots."""
+        self.send_text(topic, write_data(fields))
+
+    def send_text(self, topic: str, text: str) -> None:
+        """Any text on a topic, as ActiveMQ hands it on."""
+        self.broker.publish(PREFIX + topic, text)
+
+    def ask(
+        self, ident: str, sequence: int, *, kind: int = 1, seconds: float = 0.1, count: int = 1
+    ) -> None:
+        """Ask for a sequence."""
+        request = {"requestType": kind, "request": seconds, "requestCount": count}
+        self.send(SEQUENCE, {"id": ident, "sequence": sequence, **request})
+
+    def texts(self, topic: str) -> list[str]:
+        """What came on a topic."""
+        return self.broker.sent(PREFIX + topic)
+
+    def heard(self, topic: str) -> list[dict[str, RosValue]]:
+        """The messages that came on a topic."""
+        return [read_data(text) for text in self.texts(topic)]
+
+    def general(self, ident: str) -> list[tuple[RosValue, RosValue, RosValue]]:
+        """Type, message and reason of all feedback about an id."""
+        return [
+            (each["type"], each["message"], each["reason"])
+            for each in self.heard(GENERAL)
+            if each["id"] == ident
+        ]
+
+    async def until(self, holds: Callable[[], bool]) -> None:
+        """Wait for it."""
+        await until(holds, PATIENCE_S)
+
+    async def over(self, ident: str) -> None:
+        """Until a sequence has ended."""
+        await self.until(lambda: (2, 3, 0) in self.general(ident))
+
+    def commands(self, *verbs: str) -> list[m.Command]:
+        """What was asked of the robot."""
+        lines = [line for line in self.host.lines if isinstance(line, m.Command)]
+        return [line for line in lines if not verbs or line.verb in verbs]
+
+
+@contextlib.asynccontextmanager
+async def bridged(tmp_path: Path) -> AsyncIterator[Planner]:
+    """The robot and its planner, until the block ends."""
+    made = load(EXPERIMENT, CATALOGUE)
+    async with (
+        StompBroker() as broker,
+        served(tmp_path, made=made, catalogue=CATALOGUE) as host,
+        connect(host.path, name="bridge") as client,
+    ):
+        planner = Planner(broker, host)
+        place = StompPlace("127.0.0.1", broker.port)
+        bridge = StompBridge(client, place, load_table("eyepi"), planner.sentences.append)
+        running = asyncio.create_task(bridge.run())
+        try:
+            await planner.until(lambda: broker.subscribed)
+            yield planner
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)

@@ -1,0 +1,234 @@
+"""EyePi is played by its own planners, over a broker, byte for byte."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree as Xml
+
+import pytest
+
+from tests.bridge.rig import GENERAL, PREDICTION, SEQUENCE, bridged
+from woz_tui.bridge.ros_data import RosValue
+from woz_tui.protocol import messages as m
+
+ACK, NACK_FLUENCY, NACK_SOON, NACK_INVALID = (1, 1, 0), (1, 0, 1), (1, 0, 2), (1, 0, 3)
+START, STROKE, END = (2, 1, 0), (2, 2, 0), (2, 3, 0)
+NOD, DANCE = 3, 2
+
+
+async def test_a_nod_is_acknowledged_begins_strikes_and_ends(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.send_text(  # as EyePi's engine of AsapRealizer writes it
+            SEQUENCE,
+            '<data><sequence type="int">3</sequence><id type="str">nod1</id>'
+            '<requestType type="int">1</requestType><requestCount type="int">1</requestCount>'
+            '<request type="float">0.1</request></data>',
+        )
+        await it.over("nod1")
+        assert it.general("nod1") == [ACK, START, STROKE, END]
+        [played] = it.commands("play")
+        assert (played.args["move"], played.source) == ("nod", "program")
+        first = it.texts(GENERAL)[0]
+        assert first == (
+            '<data><id type="str">nod1</id><type type="int">1</type>'
+            '<message type="int">1</message><reason type="int">0</reason></data>'
+        )
+        sends = [frame for frame in it.broker.frames if frame.startswith(b"SEND")]
+        assert not any(b"content-length" in frame for frame in sends)
+
+
+async def test_a_stroke_is_where_it_was_asked_for_and_foretold(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.ask("p", NOD, kind=4)
+        await it.until(lambda: bool(it.heard(PREDICTION)))
+        [foretold] = it.heard(PREDICTION)
+        lasts, stroke = foretold["duration"], foretold["stroke"]
+        assert foretold["id"] == "p"
+        assert isinstance(lasts, float) and isinstance(stroke, float)
+        assert 0 < stroke < lasts == pytest.approx(3 / 2.13333, abs=0.01)  # three beats
+        assert it.commands("play") == []
+        it.ask("n", NOD, kind=2, seconds=1.0)
+        it.ask("twice", NOD, kind=1, seconds=1.0 + lasts, count=2)
+        await it.over("twice")
+        assert it.general("twice") == [ACK, START, STROKE, STROKE, END]
+        commands = it.commands("play")
+        begun = [line for line in it.host.lines if isinstance(line, m.Dispatched)]
+        marks = [line for line in it.host.lines if isinstance(line, m.CommandMark)]
+        first = next(line for line in begun if line.command == commands[0].command)
+        struck = next(line for line in marks if line.command == commands[0].command)
+        planned = [line for line in it.host.lines if isinstance(line, m.ActionScheduled)]
+        # Never earlier than planned, but for a tick of the body; a busy machine may be late.
+        assert planned[0].at - planned[0].t <= (1.0 - stroke) * 1e6
+        assert first.t >= planned[0].at
+        assert struck.t - first.t >= stroke * 1e6 - 40_000
+        assert planned[1].at - planned[0].at >= (lasts + stroke) * 1e6 - 1000
+
+
+async def test_what_does_not_fit_is_refused_with_its_reason(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.ask("soon", NOD, seconds=0.05)
+        it.ask("nothing", NOD, kind=0)
+        it.ask("past", NOD, kind=3, seconds=-1.0)
+        it.ask("unknown", 99)
+        it.ask("first", NOD, seconds=30.0)
+        it.ask("second", NOD, seconds=30.5)
+        it.send(SEQUENCE, {"id": "wrong", "sequence": "nod"})
+        it.send(SEQUENCE, {"id": "more", "sequence": NOD, "haste": 3.0})
+        await it.until(lambda: bool(it.general("more")))
+        assert {
+            name: it.general(name)
+            for name in ("soon", "nothing", "past", "unknown", "first", "second", "wrong", "more")
+        } == {
+            "soon": [NACK_SOON],
+            "nothing": [NACK_INVALID],
+            "past": [NACK_INVALID],
+            "unknown": [NACK_INVALID],
+            "first": [ACK],
+            "second": [NACK_FLUENCY],
+            "wrong": [NACK_INVALID],
+            "more": [NACK_INVALID],
+        }
+
+
+async def test_sequence_one_ends_the_sequence_under_way(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.ask("dance", DANCE)
+        await it.until(lambda: START in it.general("dance"))
+        it.ask("stop", 1)
+        await it.over("dance")
+        assert it.general("stop") == [ACK]
+        assert [type(line) for line in it.host.lines if isinstance(line, m.End)] == [m.Stopped]
+        it.ask("nod", NOD)
+        await it.over("nod")
+
+
+async def test_moods_are_shown_and_acknowledged(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        topic = "ram.animation.hmmm.emotion"
+        it.send(topic, {"id": "e1", "arousal": 0.1, "valence": 0.9, "valenceWeight": 3})
+        it.send(topic, {"id": "e2", "arousal": 0.1, "valence": "very"})
+        await it.until(lambda: bool(it.general("e2")))
+        assert (it.general("e1"), it.general("e2")) == ([ACK], [NACK_INVALID])
+        assert [line.args for line in it.commands("affect")] == [{"arousal": 0.1, "valence": 0.9}]
+
+
+def saliency(x: float, y: float, weight: int, program: str) -> dict[str, RosValue]:
+    places: dict[str, RosValue] = {"locationsX": (x,), "locationsY": (y,), "weights": (weight,)}
+    return {"inputId": program, "deliberate": 1, **places}
+
+
+async def test_the_most_salient_place_is_looked_at_once(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        topic = "ram.animation.hmmm.saliency"
+        for _ in range(5):
+            it.send(topic, saliency(0.0, -0.5, 1000, "2"))
+        await it.until(lambda: len(it.commands("gaze")) == 1)
+        for _ in range(5):
+            it.send(topic, saliency(0.5, 0.0, 10000, "1"))
+            it.send(topic, saliency(0.0, -0.5, 1000, "2"))
+        await it.until(lambda: len(it.commands("gaze")) == 2)
+        up, right = (line.args for line in it.commands("gaze"))
+        assert up == {"yaw": 0.0, "pitch": -22.5}
+        assert right == {"yaw": -28.125, "pitch": 0.0}
+        await it.until(lambda: {"x": 0.5, "y": 0.0} in it.heard("ram.asap.feedback.gaze"))
+
+
+async def test_a_look_waits_for_the_sequence_to_end(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.ask("nod", NOD)
+        await it.until(lambda: START in it.general("nod"))
+        it.send("ram.animation.hmmm.saliency", saliency(0.5, 0, 10000, "1"))
+        await it.until(lambda: bool(it.commands("gaze")))
+        assert END in it.general("nod")
+
+
+async def test_states_are_played_when_they_change(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        face = {"eyePosX": 64, "eyePosY": 127, "emotionState": 3, "emotionLevel": 127}
+        for _ in range(10):
+            it.send("ram.animation.desired.face", {**face, "screenBrightness": 127})
+            it.send("ram.animation.desired.joint", {"position": (0.5, 0.6, 0.45)})
+            it.send(
+                "ram.animation.desired.animation", {"frequency": 1.0, "sequence": 1, "input": 2}
+            )
+        it.send("ram.animation.desired.face", {**face, "screenBrightness": 64})
+        await it.until(lambda: len(it.commands("brightness")) == 2)
+        assert [(line.verb, line.args) for line in it.commands("emotion", "look")] == [
+            ("emotion", {"emotion": "happy", "intensity": 1.0}),
+            ("look", {"x": 0.0, "y": 1.0}),
+        ]
+        [joints] = it.commands("joints")
+        assert joints.args["joints"] == pytest.approx(
+            {"pitch": 28.6479, "middle": 34.3774, "top": 25.783}, abs=0.001
+        )
+        [way] = it.commands("personality")
+        assert way.args == {"tempo": 3.2, "smoothing": 0.0, "compression": 0.0}
+        assert it.commands("mode") == []
+
+
+async def test_a_planner_is_a_guest(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.ask("dance", DANCE)
+        it.ask("later", NOD, seconds=60.0)
+        await it.until(lambda: START in it.general("dance"))
+        it.host.session.stop("key")
+        await it.over("dance")
+        it.ask("more", NOD)
+        it.send("ram.animation.desired.face", {"emotionState": 5})
+        await it.until(lambda: bool(it.general("more")))
+        assert it.general("more") == [NACK_FLUENCY]
+        assert it.general("later") == [ACK]
+        await it.until(lambda: any("stop" in text for text in it.texts("bridge_status")))
+        await it.until(lambda: any("stop" in text for text in it.sentences))
+
+
+async def test_the_bridge_itself_is_asked(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        relay = '<config><relay publisher="{}" name="{}"/></config>'
+        it.send_text("bridge_config", relay.format("apollo", SEQUENCE.replace(".", "/")))
+        it.send_text("bridge_config", relay.format("ros", GENERAL.replace(".", "/")))
+        it.send_text("bridge_config", relay.format("ros", "turtle/pose"))
+        it.send_text("bridge_config", "<config><relay name='x'/></config>")
+        it.send_text("bridge_config", "<nonsense/>")
+        it.send_text("bridge_service", '<service><request name="reset"/></service>')
+        it.send_text(
+            "bridge_info",
+            '<info><request type="msg-structure" name="ram/asap/feedback/prediction"/>'
+            '<request type="list-pubs-subs-services"/><request type="tea"/></info>',
+        )
+        await it.until(lambda: len(it.texts("bridge_status")) == 7)
+        statuses = [Xml.fromstring(text) for text in it.texts("bridge_status")]
+        assert [status.findtext("relay") for status in statuses[:3]] == ["ok", "ok", "failed"]
+        assert all(status.find("error") is not None for status in statuses[2:])
+        [info] = it.texts("bridge_info")
+        assert '<duration type="float">0.0</duration>' in info
+        assert '<sub-topic isrelayed="True">/ram/animation/hmmm/sequence</sub-topic>' in info
+
+
+async def test_nonsense_is_told_and_the_next_message_is_played(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        for topic in (SEQUENCE, "ram.animation.desired.joint", "ram.animation.hmmm.saliency"):
+            for text in ("", "<data", "\x01", "<data><a type='x'/></data>", "<data>" * 100):
+                it.send_text(topic, text)
+        it.send("ram.animation.hmmm.saliency", {"locationsX": (1.0,)})
+        it.ask("nod", NOD)
+        await it.over("nod")
+        assert any("different lengths" in text for text in it.texts("bridge_status"))
+
+
+async def test_a_broker_that_comes_back_is_used_again(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        await it.broker.stop()
+        await it.until(lambda: any("tried again" in each for each in it.sentences))
+        await it.broker.start()
+        await it.until(lambda: it.broker.subscribed)
+        it.ask("nod", NOD)
+        await it.over("nod")
+
+
+async def test_who_asks_is_seen(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.send("ram.animation.hmmm.emotion", {"id": "e", "arousal": 0.5})
+        await it.until(lambda: bool(it.commands("affect")))
+        joined = [line for line in it.host.lines if isinstance(line, m.ConsoleAttached)]
+        assert [line.name for line in joined] == ["bridge"]

@@ -1,0 +1,53 @@
+"""Which place is looked at, of those that several programs call salient; arithmetic, no clock.
+
+Source: the node ram_hmmm of ArticulatedSocialAgentsPlatform/UTRobotics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+#: A program that says nothing for so long is gone, and its places with it, in seconds.
+SILENCE_S = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class SalientPlace:
+    """A place in the camera's picture, from -1 (left, top) to 1 (right, bottom); it is looked at if
+    its weight is the highest. Planners use weights up to 10000.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    weight: float = 0.0
+
+
+#: Looked at when nothing is salient.
+MIDDLE = SalientPlace()
+
+
+class SaliencyMap:
+    """The places of each program, and when it last spoke (seconds of any clock)."""
+
+    def __init__(self) -> None:
+        self._places: dict[str, tuple[float, tuple[SalientPlace, ...]]] = {}
+        self._chosen = MIDDLE
+
+    def put(self, program: str, places: Iterable[SalientPlace], now: float) -> None:
+        """All that is salient to a program at this moment."""
+        self._places[program] = (now, tuple(places))
+
+    def chosen(self, now: float) -> SalientPlace:
+        """The heaviest place; of equally heavy ones that which is nearest to the last one."""
+        self._places = {
+            program: entry for program, entry in self._places.items() if now - entry[0] < SILENCE_S
+        }
+        last = self._chosen
+        places = [place for _, each in self._places.values() for place in each if place.weight > 0]
+        self._chosen = min(
+            places,
+            key=lambda one: (-one.weight, abs(one.x - last.x) + abs(one.y - last.y)),
+            default=MIDDLE,
+        )
+        return self._chosen

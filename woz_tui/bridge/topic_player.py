@@ -1,0 +1,385 @@
+"""Plays what a planner says on the topics of a robot, in a session, and says what comes of it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from woz_tui.bridge.ros_data import RosDataError, RosValue, typed
+from woz_tui.bridge.saliency import MIDDLE, SILENCE_S, SaliencyMap, SalientPlace
+from woz_tui.bridge.sequence_queue import (
+    NackReason,
+    QueuedSequence,
+    RequestKind,
+    SequenceQueue,
+    SequenceRequest,
+)
+from woz_tui.bridge.topic_table import (
+    TakenTopic,
+    TopicTable,
+    VerbWithArgs,
+    salient_places,
+    sequence_verb,
+)
+from woz_tui.client import WozClient, WozError, WozRefusedError, WozSupersededError
+from woz_tui.client.woz_client import WozRun
+from woz_tui.protocol import messages as m
+
+#: `type`, `message` and `reason` of feedback (`feedbackConstants.hpp` of the robot's own software).
+_FEEDBACK, _PROGRESS = 1, 2
+_NACK, _ACK = 0, 1
+_START, _STROKE, _END = 1, 2, 3
+#: What was refused is tried again after so many seconds, if the planner still says the same.
+RETRY_S = 1.0
+#: A place that is nearer than this to the last one is the same; of -1 to 1.
+NEAR = 0.02
+#: The planner is told where the robot looks at most so often, in seconds.
+GAZE_EVERY_S = 0.1
+#: Commands that began before their request was answered.
+_EARLY = 64
+
+Answer = Callable[[str, Mapping[str, RosValue]], None]
+
+
+class TopicPlayer:
+    """One robot, and the planners that speak on its topics.
+
+    Args:
+        client: The session.
+        table: What its messages mean.
+        answer: Sends the fields of a message on a topic.
+        complain: Gets a sentence about what cannot be played.
+    """
+
+    def __init__(
+        self,
+        client: WozClient,
+        table: TopicTable,
+        answer: Answer,
+        complain: Callable[[str], None],
+    ) -> None:
+        self._client = client
+        self._table = table
+        self._answer = answer
+        self._complain = complain
+        self._states = _States(client, complain)
+        self._sequences = _Sequences(client, self._general, complain)
+        self._gaze = _Gaze(client, table, self._tell_gaze, complain)
+
+    async def run(self) -> None:
+        """Follow the session until it ends or this is cancelled. Raises `WozConnectionError`."""
+        looking = asyncio.create_task(self._gaze.run(self._sequences.idle), name="bridge gaze")
+        try:
+            await self._sequences.follow()
+        finally:
+            looking.cancel()
+            await asyncio.gather(looking, return_exceptions=True)
+            await self._sequences.close()
+
+    async def take(self, topic: str, message: Mapping[str, RosValue]) -> None:
+        """A message on one of the table's topics. Raises `RosDataError`."""
+        entry = self._table.takes[topic]
+        try:
+            read = typed(message, entry.fields)
+            if entry.looks is not None:
+                self._gaze.put(str(read["inputId"]), salient_places(read))
+            elif entry.sequences:
+                await self._take_sequence(entry, read)
+            else:
+                played = await self._states.play(topic, entry, read)
+                if entry.acknowledges:
+                    self._acknowledge(read, None if played else NackReason.FLUENCY)
+        except RosDataError:
+            ident = message.get("id")
+            if (entry.sequences or entry.acknowledges) and isinstance(ident, str):
+                self._acknowledge({"id": ident}, NackReason.INVALID)
+            raise
+
+    # -- sequences -------------------------------------------------------------------------------
+
+    async def _take_sequence(self, entry: TakenTopic, read: Mapping[str, Any]) -> None:
+        call = sequence_verb(entry, read)
+        if call is None:
+            self._acknowledge(read, None)
+            self._sequences.end_at(self._client.now() + max(0.0, read["request"]))
+            return
+        try:
+            lasts, stroke = await self._foreseen(call)
+        except WozRefusedError as error:
+            self._complain(f"{read['id']}: {error}")
+            self._acknowledge(read, NackReason.FLUENCY)
+            return
+        if read["requestType"] == RequestKind.PREDICT:
+            fields = {"id": read["id"], "duration": lasts, "stroke": stroke}
+            self._tell("prediction", fields)
+            return
+        request = SequenceRequest(
+            read["id"],
+            read["requestType"],
+            read["request"],
+            read["requestCount"],
+            lasts,
+            stroke,
+        )
+        placed = self._sequences.queue.add(request, self._client.now())
+        if isinstance(placed, NackReason):
+            self._acknowledge(read, placed)
+            return
+        try:
+            first = await self._sequences.begin(placed, call)
+        except WozRefusedError as error:
+            self._complain(f"{read['id']}: {error}")
+            self._acknowledge(read, NackReason.FLUENCY)
+            return
+        self._acknowledge(read, None)
+        self._sequences.follow_up(placed, call, first)
+
+    async def _foreseen(self, call: VerbWithArgs) -> tuple[float, float]:
+        """How long it takes and when its stroke comes, in seconds. Raises `WozRefusedError`."""
+        foretold = await self._client.predict(call.verb, call.args)
+        if foretold.duration_us is None:
+            raise WozRefusedError(f"the robot does not know how long {call.verb} takes", "")
+        lasts = foretold.duration_us / 1e6
+        marks = foretold.commands[0].marks or ()
+        strokes = [mark.at_us / 1e6 for mark in marks if mark.sort == "stroke"]
+        return lasts, min(strokes, default=lasts / 2)
+
+    # -- answers ---------------------------------------------------------------------------------
+
+    def _acknowledge(self, message: Mapping[str, Any], nack: NackReason | None) -> None:
+        self._general(str(message["id"]), _FEEDBACK, _ACK if nack is None else _NACK, nack or 0)
+
+    def _general(self, ident: str, sort: int, what: int, reason: int = 0) -> None:
+        fields: dict[str, RosValue] = {"id": ident, "type": sort, "message": what}
+        self._tell("general", {**fields, "reason": int(reason)})
+
+    def _tell_gaze(self, place: SalientPlace) -> None:
+        self._tell("gaze", {"x": place.x, "y": place.y})
+
+    def _tell(self, what: str, fields: Mapping[str, RosValue]) -> None:
+        for topic, entry in self._table.answers.items():
+            if entry.tells == what:
+                self._answer(topic, fields)
+
+
+class _States:
+    """Messages that say again and again how things shall be: what changes is played."""
+
+    def __init__(self, client: WozClient, complain: Callable[[str], None]) -> None:
+        self._client = client
+        self._complain = complain
+        #: Arguments as they were last, by topic and place in its list.
+        self._last: dict[tuple[str, int], Mapping[str, Any] | None] = {}
+        #: When what was refused may be tried again, in seconds of the session.
+        self._again: dict[tuple[str, int], float] = {}
+        self._ends: set[asyncio.Task[None]] = set()
+
+    async def play(self, topic: str, entry: TakenTopic, read: Mapping[str, RosValue]) -> bool:
+        """Call what differs from before; says whether nothing was refused."""
+        taken = True
+        for at, call in enumerate([call.of(read) for call in entry.plays]):
+            place, now = (topic, at), self._client.now()
+            if call is None:
+                self._last[place] = None
+            elif entry.acknowledges or call.args != self._last.get(
+                place, entry.plays[at].before or None
+            ):
+                if now < self._again.get(place, 0.0):
+                    taken = False
+                    continue
+                try:
+                    run = await self._client.begin(call.verb, call.args)
+                except WozRefusedError as error:
+                    self._complain(f"{topic}: {error}")
+                    self._again[place], taken = now + RETRY_S, False
+                    continue
+                self._last[place] = call.args
+                _watch(run, topic, self._ends, self._complain)
+        return taken
+
+
+def _watch(
+    run: WozRun, topic: str, tasks: set[asyncio.Task[None]], complain: Callable[[str], None]
+) -> None:
+    """Complain if it goes wrong later; something newer in its place is what states are for."""
+
+    async def look() -> None:
+        try:
+            await run
+        except WozSupersededError:
+            pass
+        except WozError as error:
+            complain(f"{topic}: {error}")
+
+    task = asyncio.create_task(look())
+    tasks.add(task)
+    task.add_done_callback(tasks.discard)
+
+
+class _Gaze:
+    """Looks at what is most salient, and home when that has been silent for a while."""
+
+    def __init__(
+        self,
+        client: WozClient,
+        table: TopicTable,
+        tell: Callable[[SalientPlace], None],
+        complain: Callable[[str], None],
+    ) -> None:
+        self._client = client
+        self._table = table
+        self._tell = tell
+        self._complain = complain
+        self._map = SaliencyMap()
+        self._place = MIDDLE
+        self._heard = asyncio.Event()
+        self._told = 0.0
+        self._ends: set[asyncio.Task[None]] = set()
+
+    def put(self, program: str, places: list[SalientPlace]) -> None:
+        """All that is salient to a program at this moment."""
+        now = self._client.now()
+        self._map.put(program, places, now)
+        self._heard.set()
+        if now - self._told >= GAZE_EVERY_S:
+            self._told = now
+            self._tell(self._map.chosen(now))
+
+    async def run(self, idle: asyncio.Event) -> None:
+        """Look, until this is cancelled; while a sequence is played (not `idle`) the look waits."""
+        while True:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(SILENCE_S if self._place != MIDDLE else None):
+                    await self._heard.wait()
+            await idle.wait()
+            self._heard.clear()
+            place = self._map.chosen(self._client.now())
+            far = max(abs(place.x - self._place.x), abs(place.y - self._place.y))
+            if far < NEAR and (place == MIDDLE) == (self._place == MIDDLE):
+                continue
+            await self._look(place)
+
+    async def _look(self, place: SalientPlace) -> None:
+        call = self._table.look(place.x, place.y)
+        if call is None:
+            return
+        try:
+            run = await self._client.begin(call.verb, call.args)
+        except WozRefusedError as error:
+            self._complain(f"saliency: {error}")
+            await asyncio.sleep(RETRY_S)
+            return
+        _watch(run, "saliency", self._ends, self._complain)
+        self._place = place
+        self._told = self._client.now()
+        self._tell(place)
+
+
+class _Sequences:
+    """Sequences that were accepted: each begins in its time, and the planner hears how it goes."""
+
+    def __init__(
+        self,
+        client: WozClient,
+        tell: Callable[[str, int, int], None],
+        complain: Callable[[str], None],
+    ) -> None:
+        self._client = client
+        self._tell = tell
+        self._complain = complain
+        self.queue = SequenceQueue()
+        #: Set while nothing is played.
+        self.idle = asyncio.Event()
+        self.idle.set()
+        self._tasks: dict[QueuedSequence, asyncio.Task[None]] = {}
+        self._endings: set[asyncio.Task[None]] = set()
+        #: The sequence of each command that was asked for.
+        self._commands: dict[str, QueuedSequence] = {}
+        self._early: deque[str] = deque(maxlen=_EARLY)
+        self._playing: QueuedSequence | None = None
+
+    async def begin(self, sequence: QueuedSequence, call: VerbWithArgs) -> WozRun:
+        """Ask for its first movement. Raises `WozRefusedError`; then it is over."""
+        try:
+            return await self._movement(call, sequence.start)
+        except WozError:
+            self.queue.remove(sequence)
+            raise
+
+    def follow_up(self, sequence: QueuedSequence, call: VerbWithArgs, first: WozRun) -> None:
+        """Tell of it, and ask for the others."""
+        task = asyncio.create_task(self._play(sequence, call, first), name="bridge sequence")
+        self._tasks[sequence] = task
+        task.add_done_callback(lambda task: self._tasks.pop(sequence, None))
+
+    def end_at(self, moment: float) -> None:
+        """Cut short what is played at this moment."""
+        task = asyncio.create_task(self._end(moment), name="bridge end")
+        self._endings.add(task)
+        task.add_done_callback(self._endings.discard)
+
+    async def follow(self) -> None:
+        """Tell of beginnings and strokes until the session ends."""
+        async for message in self._client.messages(m.Dispatched, m.CommandMark):
+            sequence = self._commands.get(message.command)
+            match message:
+                case m.Dispatched() if sequence is None:
+                    self._early.append(message.command)
+                case m.Dispatched() if sequence is not None:
+                    self._began(sequence)
+                case m.CommandMark(sort="stroke") if sequence is not None:
+                    self._tell(sequence.id, _PROGRESS, _STROKE)
+
+    async def close(self) -> None:
+        """Begin nothing any more; what is played is cut short."""
+        tasks = (*self._tasks.values(), *self._endings)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _movement(self, call: VerbWithArgs, at: float) -> WozRun:
+        """Ask for a movement at its time, or at once if that is over."""
+        moment = at if at > self._client.now() else 0.0
+        return await self._client.begin(call.verb, call.args, at=moment, when_busy="queue")
+
+    async def _play(self, sequence: QueuedSequence, call: VerbWithArgs, run: WozRun) -> None:
+        try:
+            await self._to_its_end(sequence, run)
+            for number in range(1, sequence.count):
+                run = await self._movement(call, sequence.start + number * sequence.lasts)
+                await self._to_its_end(sequence, run)
+        except WozError as error:
+            self._complain(f"{sequence.id}: {error}")
+        finally:
+            if self._playing is sequence:
+                self._playing = None
+                self.idle.set()
+                self._tell(sequence.id, _PROGRESS, _END)
+            self.queue.remove(sequence)
+
+    async def _to_its_end(self, sequence: QueuedSequence, run: WozRun) -> None:
+        self._commands[run.id] = sequence
+        if run.id in self._early:
+            self._began(sequence)
+        try:
+            await run
+        except asyncio.CancelledError:
+            with contextlib.suppress(WozError):
+                await run.cancel()
+            raise
+        finally:
+            self._commands.pop(run.id, None)
+
+    def _began(self, sequence: QueuedSequence) -> None:
+        if self._playing is not sequence:
+            self._playing = sequence
+            self.idle.clear()
+            self._tell(sequence.id, _PROGRESS, _START)
+
+    async def _end(self, moment: float) -> None:
+        await asyncio.sleep(max(0.0, moment - self._client.now()))
+        if self._playing is not None:
+            self._tasks[self._playing].cancel()

@@ -1,0 +1,44 @@
+"""`woz bridge`: play what a planner sends on the topics of a robot's own ROS software."""
+
+from __future__ import annotations
+
+import asyncio
+from argparse import ArgumentParser, Namespace
+
+from woz_tui.bml.stomp_connection import StompError
+from woz_tui.bridge.stomp_bridge import StompBridge
+from woz_tui.bridge.topic_table import load_table
+from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.stomp_options import add_broker, broker_place
+from woz_tui.client import WozError, connect
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "--stomp", required=True, metavar="HOST[:PORT]", help="the message broker (STOMP 1.2)"
+    )
+    parser.add_argument("--session", default="", help="session code (default: the only one)")
+    parser.add_argument(
+        "--topics",
+        default="eyepi",
+        metavar="FILE",
+        help="table of topics, and what their messages stand for (default: EyePi's)",
+    )
+    add_broker(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """Serve until ctrl+c."""
+    return with_error_sentences(
+        lambda: asyncio.run(_bridge(arguments)), StompError, ValueError, WozError
+    )
+
+
+async def _bridge(arguments: Namespace) -> int:
+    table = load_table(arguments.topics)
+    place = broker_place(arguments.stomp, arguments)
+    async with connect(arguments.session, name="bridge") as client:
+        await StompBridge(client, place, table, print).run()
+    print("woz: the session has ended")
+    return 0

@@ -26,6 +26,7 @@ ROOMS = [
     "woz_tui.network",
     "woz_tui.config",
     "woz_tui.bml",
+    "woz_tui.bridge",
     "woz_tui.bus",
     "woz_tui.sensing",
     "woz_tui.motion",

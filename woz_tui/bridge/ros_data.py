@@ -2,7 +2,7 @@
 
     <data><id type="str">nod1</id><request type="float">0.5</request></data>
 
-Source: HmiRoboUtils of the repository ArticulatedSocialAgentsPlatform/UTRobotics (`xmlutils.py`,
+Source: HmiRoboUtils of the repository ArticulatedSocialAgentsPlatform/UTRobotics (`xmlutils`,
 `docs/protocol.rst`). Its readers take any name for an entry of a tuple; its writer says `e`.
 """
 

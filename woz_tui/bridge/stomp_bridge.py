@@ -1,6 +1,6 @@
 """The bridge between a broker and a robot's topics, as planners of Twente's university know it.
 
-Source of names and answers: `relay.py` and `docs/protocol.rst` of HmiRoboUtils in the repository
+Source of names and answers: `relay` and `docs/protocol.rst` of HmiRoboUtils in the repository
 ArticulatedSocialAgentsPlatform/UTRobotics. There a relay begins when it is asked for; here every
 topic of the table is relayed from the beginning, so a planner goes on when the bridge was away.
 """

@@ -48,9 +48,14 @@ TABLES: dict[str, tuple[str, ...]] = {
     "ros_latency.py": ("ROS 1", "ROS 2"),
     "five_robots.py": ("robot process", "simulated nao", "simulated furhat", "console"),
     "live_sound.py": ("heard: microphone", "spoken: standard input", "stop beside live sound"),
-    "remote_driver_latency.py": ("without TLS", "bare echo", "with TLS"),
     "voices.py": ("the player alone", "espeak-ng: prepared", "espeak-ng: typed"),
-    "client_latency.py": ("bare echo", "raw socket", "client, asyncio", "client, blocking"),
+    "round_trips.py": (
+        "a socket of one's own",
+        "client, blocking",
+        "WebSocket with TLS",
+        "Zenoh with TLS",
+        "a stop, confirmed",
+    ),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }
 

@@ -18,7 +18,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Self
 
 import psutil
 
@@ -44,6 +44,9 @@ def until(true: Callable[[], Any], what: str, timeout: float = WAIT_S) -> Any:
 class Lab:
     """Folders and processes of one test; a context manager that leaves nothing behind."""
 
+    #: What a command begins with so that it runs on another computer.
+    inside: tuple[str, ...] = ()
+
     def __init__(self) -> None:
         # Not pytest's folder: a socket's path may only have 107 bytes.
         self.folder = Path(tempfile.mkdtemp(prefix="woz-e2e-"))
@@ -58,7 +61,7 @@ class Lab:
         }
         self._closing = contextlib.ExitStack()
 
-    def __enter__(self) -> Lab:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -89,7 +92,7 @@ class Lab:
     def program(self, command: Sequence[str], **options: Any) -> FakeTerminal:
         """Any program on a terminal, in the lab's environment."""
         env: Mapping[str, str] = options.pop("env", {})
-        terminal = FakeTerminal(command, env={**self.environ, **env}, **options)
+        terminal = FakeTerminal([*self.inside, *command], env={**self.environ, **env}, **options)
         return self._closing.enter_context(terminal)
 
     def run(self, experiment: Path, *words: str, **options: Any) -> FakeTerminal:
@@ -117,7 +120,7 @@ class Lab:
     def woz(self, *words: str, **options: Any) -> subprocess.Popen[bytes]:
         """`woz` with these arguments, without a terminal."""
         process = subprocess.Popen(
-            [sys.executable, "-m", "woz_tui", *words],
+            [*self.inside, sys.executable, "-m", "woz_tui", *words],
             cwd=ROOT,
             env={**os.environ, **self.environ, **options.pop("env", {})},
             stdin=options.pop("stdin", subprocess.DEVNULL),

@@ -3,14 +3,30 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.bml.bml_block import SYNC_POINTS, Behaviour, BmlError, SyncRef, read_block
-from woz_tui.bml.bml_schedule import BehaviourTiming, BlockSchedule, schedule, speech_timing
+from woz_tui.bml.bml_block import (
+    MOST_BEHAVIOURS,
+    MOST_CONSTRAINTS,
+    SYNC_POINTS,
+    Behaviour,
+    BmlError,
+    SyncRef,
+    read_block,
+)
+from woz_tui.bml.bml_schedule import (
+    BehaviourTiming,
+    BlockSchedule,
+    schedule,
+    speech_timing,
+    typical_timing,
+)
 from woz_tui.bml.time_network import EPSILON, TimeNetwork
 
 XML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b1">{}</bml>'
@@ -99,6 +115,13 @@ def test_what_the_block_says_holds(inner: str, expected: dict[str, float]) -> No
         (NOD.format('start="x:end"'), "PARSING_FAILURE", "x:end"),
         (NOD.format('start="soon"'), "PARSING_FAILURE", "soon"),
         ('<head id="n"/>', "PARSING_FAILURE", "lexeme"),
+        (
+            '<speech id="s"><text>a'
+            + "".join(f'<sync id="m{number}"/> a' for number in range(30_000))
+            + "</text></speech>",
+            "PARSING_FAILURE",
+            "marks",
+        ),
         ("<dance/>", "BEHAVIOR_TYPE_NOT_SUPPORTED", "dance"),
         (
             '<gaze id="n" target="x" start="1" end="9"/><gaze id="o" target="y" start="1"/>',
@@ -119,10 +142,63 @@ def test_what_cannot_be_is_left_out_and_named_and_ends_a_block_that_requires_it(
         planned(f"<required>{inner}</required>{rest}")
 
 
-def test_what_hangs_on_something_left_out_is_not_played_at_a_wrong_time() -> None:
-    found = planned(NOD.format('start="x:end"') + '<head id="o" lexeme="NOD" start="n:end"/>')
+@pytest.mark.parametrize("why", ['start="x:end"', 'start="9" end="8"', 'start="b0:x:end"'])
+def test_what_hangs_on_something_left_out_is_not_played_at_a_wrong_time(why: str) -> None:
+    found = planned(NOD.format(why) + '<head id="o" lexeme="NOD" start="n:end"/>')
     assert not found.times
-    assert len(found.warnings) == 2
+    assert [warning.about for warning in found.warnings] == [("n",), ("o",)]
+
+
+@pytest.mark.parametrize(
+    ("hands", "left"),
+    [
+        (("LEFT_HAND", "RIGHT_HAND"), "ab"),
+        (("LEFT_HAND", "LEFT_HAND"), "a"),
+        (("LEFT_HAND", "BOTH_HANDS"), "a"),
+        (("", "RIGHT_HAND"), "ab"),
+        (("", "BOTH_HANDS"), "a"),
+    ],
+)
+def test_gestures_of_one_hand_do_not_overlap(hands: tuple[str, str], left: str) -> None:
+    first, second = (
+        f'<gesture id="{name}" lexeme="BEAT" mode="{hand}" start="1"/>'
+        for name, hand in zip("ab", hands, strict=True)
+    )
+    assert {each.id for each in planned(first + second).block.behaviours} == {*left}
+    if len(left) == 1:  # what is required comes before what is wished
+        found = planned(first + f"<required>{second}</required>")
+        assert {each.id for each in found.block.behaviours} == {"b"}
+        with pytest.raises(BmlError, match="same time"):
+            planned(f"<required>{first}{second}</required>")
+
+
+WAITS = [f'<wait id="w{number}" start="w{(number + 1) % 200}:end"/>' for number in range(200)]
+
+
+@pytest.mark.parametrize(
+    ("inner", "words"),
+    [
+        ('<wait id="{}"/>' * (MOST_BEHAVIOURS + 1), "behaviours"),
+        (
+            '<wait id="w"/><constraint>'
+            + '<after ref="1"><sync ref="w:end"/></after>' * (MOST_CONSTRAINTS + 1)
+            + "</constraint>",
+            "constraints",
+        ),
+        ("".join(WAITS), "depends on each other"),
+    ],
+)
+def test_a_block_that_would_take_long_is_refused(inner: str, words: str) -> None:
+    ids = itertools.count()
+    inner = re.sub(r"\{\}", lambda _: f"i{next(ids)}", inner)
+    with pytest.raises(BmlError, match=words):
+        schedule(read_block(XML.format("{}").replace("{}", inner)))
+
+
+@pytest.mark.parametrize("time", ["86401", "1e9", "9" * 400, "w:end + 1" + "0" * 400, "-1e400"])
+def test_a_time_farther_away_than_a_day_is_none(time: str) -> None:
+    found = planned('<wait id="w"/>' + NOD.format(f'start="{time}"'))
+    assert [(each.kind, each.about) for each in found.warnings] == [("PARSING_FAILURE", ("n",))]
 
 
 @pytest.mark.parametrize(
@@ -177,7 +253,7 @@ def test_a_relation_is_taken_exactly_if_it_can_hold(relations: list[Relation]) -
         network.add_moment(moment)
     for relation in relations:
         first, second, apart, exact = relation
-        add: Callable[..., list[str]] = network.same if exact else network.at_least
+        add: Callable[..., list[str] | None] = network.same if exact else network.at_least
         label = f"{len(kept)}"
         conflict = add(first, second, apart, label)
         assert bool(conflict) is not possible([*kept, relation])
@@ -239,6 +315,207 @@ def test_every_block_is_scheduled_as_it_says_or_refused(
         times = [found.times[behaviour.id, point] for point in SYNC_POINTS[behaviour.kind]]
         assert times == sorted(times)
         assert times[0] >= 0
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A sync attribute of the behaviour `owner`, or a constraint element without one."""
+
+    kind: str
+    first: str
+    second: str
+    required: bool
+    owner: str = ""
+
+    def element(self) -> str:
+        """Of one without an owner."""
+        inner = f'<{self.kind} ref="{self.first}"><sync ref="{self.second}"/></{self.kind}>'
+        return self.wrapped(f"<constraint>{inner}</constraint>")
+
+    def label(self) -> str:
+        """How a warning names one without an owner."""
+        if self.kind == "synchronize":
+            return f"{self.first} = {self.second}"
+        return f"{self.second} {self.kind} {self.first}"
+
+    def wrapped(self, inner: str) -> str:
+        return f"<required>{inner}</required>" if self.required else inner
+
+    def holds(self) -> list[tuple[Point, Point, float]]:
+        """As limits: the second is at most so long after the first."""
+        (first, one), (second, other) = _point(self.first), _point(self.second)
+        before, after = (first, second, one - other), (second, first, other - one)
+        return {"before": [before], "after": [after]}.get(self.kind, [before, after])
+
+
+Point = tuple[str, str]
+#: Behaviours that share nothing, with how long the speech takes.
+KINDS = {"a": "wait", "b": "faceFacs", "c": "faceLexeme", "s": "speech"}
+ELEMENTS = {
+    "a": '<wait id="a" {}/>',
+    "b": '<faceFacs id="b" au="1" {}/>',
+    "c": '<faceLexeme id="c" lexeme="SMILE" {}/>',
+    "s": '<speech id="s" {}><text>Hello.</text></speech>',
+}
+SPEECH_S = 2.0
+#: A block whose times are known.
+ELSEWHERE = {("z", "a", "end"): 4.0}
+
+
+def _point(text: str) -> tuple[Point, float]:
+    """The moment and the offset of `3`, `a:end-2`, `z:a:end+1`."""
+    if ":" not in text:
+        return ("", "start"), float(text)
+    sign = next((each for each in "+-" if each in text), "")
+    name, _, number = text.partition(sign) if sign else (text, "", "0")
+    offset = float(sign + number)
+    parts = tuple(name.split(":"))
+    if parts[0] == "z":
+        return ("", "start"), ELSEWHERE["z", "a", "end"] + offset
+    return (parts[0], parts[1]), offset
+
+
+def _elsewhere(ref: SyncRef) -> float | None:
+    return ELSEWHERE.get((ref.block, ref.behaviour, ref.point))
+
+
+def _possible(names: Iterable[str], wanted: Iterable[Wanted]) -> bool:
+    """Whether all that is wanted can be, with the order of each behaviour's points."""
+    ways: dict[tuple[Point, Point], float] = {}
+
+    def limit(first: Point, second: Point, seconds: float) -> None:
+        ways[first, second] = min(ways.get((first, second), float("inf")), seconds)
+
+    points: list[Point] = [("", "start")]
+    for name in names:
+        own = [(name, point) for point in SYNC_POINTS[KINDS[name]]]
+        for first, second in itertools.pairwise([("", "start"), *own]):
+            limit(second, first, 0.0)
+        if name == "s":
+            limit(("s", "start"), ("s", "end"), SPEECH_S)
+            limit(("s", "end"), ("s", "start"), -SPEECH_S)
+        points += own
+    for each in wanted:
+        for first, second, seconds in each.holds():
+            limit(first, second, seconds)
+    for through, first, second in itertools.product(points, repeat=3):
+        way = ways.get((first, through), float("inf")) + ways.get((through, second), float("inf"))
+        limit(first, second, way)
+    return all(ways.get((point, point), 0.0) > -1e-9 for point in points)
+
+
+OFFSETS = st.integers(-3, 3).map(lambda seconds: f"{seconds:+d}" if seconds else "")
+REFS = st.one_of(
+    st.integers(0, 9).map(str),
+    st.tuples(
+        st.sampled_from(
+            [f"{name}:{point}" for name, kind in KINDS.items() for point in SYNC_POINTS[kind]]
+        ),
+        OFFSETS,
+    ).map("".join),
+    st.tuples(st.just("z:a:end"), OFFSETS).map("".join),
+)
+OWNED = st.sampled_from(
+    [(name, point) for name, kind in KINDS.items() for point in SYNC_POINTS[kind]]
+)
+ATTRIBUTES = st.dictionaries(OWNED, REFS, max_size=5)
+CONSTRAINTS = st.lists(
+    st.builds(
+        Wanted,
+        st.sampled_from(["synchronize", "before", "after"]),
+        REFS,
+        REFS,
+        st.booleans(),
+    ),
+    max_size=5,
+)
+
+
+def _scheduled(
+    attributes: dict[Point, str], required: set[str], more: list[Wanted]
+) -> BlockSchedule:
+    inner = ""
+    for name, element in ELEMENTS.items():
+        own = " ".join(
+            f'{point}="{ref}"' for (who, point), ref in attributes.items() if who == name
+        )
+        text = element.format(own)
+        inner += f"<required>{text}</required>" if name in required else text
+    inner += "".join(each.element() for each in more)
+    return schedule(
+        read_block(XML.format(inner)),
+        lambda behaviour: (
+            speech_timing(behaviour, SPEECH_S)
+            if behaviour.kind == "speech"
+            else typical_timing(behaviour)
+        ),
+        _elsewhere,
+    )
+
+
+@given(attributes=ATTRIBUTES, required=st.sets(st.sampled_from("abcs")), more=CONSTRAINTS)
+def test_what_can_be_is_scheduled_and_what_cannot_is_named_with_what_it_conflicts_with(
+    attributes: dict[Point, str], required: set[str], more: list[Wanted]
+) -> None:
+    own = [
+        Wanted("synchronize", f"{name}:{point}", ref, name in required, name)
+        for (name, point), ref in attributes.items()
+    ]
+    wanted = [*own, *more]
+    try:
+        found = _scheduled(attributes, required, more)
+    except BmlError:
+        # Something required cannot be, or hangs on what cannot.
+        assert any(each.required for each in wanted)
+        assert not _possible("abcs", wanted)
+        return
+    left = {behaviour.id for behaviour in found.block.behaviours}
+    assert required <= left
+    if _possible("abcs", wanted):
+        assert not found.warnings
+        assert left == {*"abcs"}
+    else:
+        assert {warning.kind for warning in found.warnings} == {"IMPOSSIBLE_TO_SCHEDULE"}
+    out = {name for warning in found.warnings for name in warning.about}
+    assert out == {*"abcs"} - left
+    times = {("", "start"): 0.0, **found.times}
+    texts = "".join(warning.text for warning in found.warnings)
+    for each in wanted:
+        names = {each.owner, _point(each.first)[0][0], _point(each.second)[0][0]} - {""}
+        if not names <= left:
+            continue
+        fits = all(
+            times[second] - times[first] <= seconds + 1e-4
+            for first, second, seconds in each.holds()
+        )
+        # What is required holds; another constraint holds or is named.
+        assert fits or (not each.required and not each.owner and each.label() in texts)
+    for name in left:
+        spans = [times[name, point] for point in SYNC_POINTS[KINDS[name]]]
+        assert spans == sorted(spans)
+        assert spans[0] >= 0
+    assert "s" not in left or times["s", "end"] - times["s", "start"] == pytest.approx(SPEECH_S)
+
+
+@given(more=CONSTRAINTS)
+def test_as_many_constraints_hold_as_can_in_their_order_required_ones_first(
+    more: list[Wanted],
+) -> None:
+    kept: list[Wanted] = []
+    for each in sorted(more, key=lambda each: not each.required):
+        if _possible("abcs", [*kept, each]):
+            kept.append(each)
+        elif each.required:
+            with pytest.raises(BmlError, match="cannot be"):
+                _scheduled({}, set(), more)
+            return
+    found = _scheduled({}, set(), more)
+    assert len(found.block.constraints) == len(kept)
+    assert len(found.warnings) == len(more) - len(kept)
+    times = {("", "start"): 0.0, **found.times}
+    for each in kept:
+        for first, second, seconds in each.holds():
+            assert times[second] - times[first] <= seconds + 1e-4
 
 
 @pytest.mark.hypothesis

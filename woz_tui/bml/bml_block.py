@@ -15,8 +15,13 @@ from xml.etree import ElementTree as Xml
 NAMESPACE: Final = "http://www.bml-initiative.org/bml/bml-1.0"
 #: A longer block is refused, in bytes.
 LONGEST: Final = 1 << 20
-#: More behaviours than this are refused.
-MOST_BEHAVIOURS: Final = 1000
+#: More behaviours and constraints than these are refused.
+MOST_BEHAVIOURS: Final = 200
+MOST_CONSTRAINTS: Final = 2000
+#: A speech with more marks is refused.
+MOST_MARKS: Final = 500
+#: A time that is farther away is none, in seconds: a day.
+FARTHEST_S: Final = 86_400.0
 
 _STROKES = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
 _HELD = ("start", "ready", "relax", "end")
@@ -84,11 +89,11 @@ class SyncRef:
         """From `1.5`, `speech1:start`, `bml2:nod1:stroke + 0.5`. Raises `ValueError`."""
         text = text.strip()
         if _NUMBER.match(text):
-            return cls(offset=float(text))
+            return cls(offset=_seconds(text))
         offset = 0.0
         if found := _OFFSET.match(text):
             text, sign, number = found.groups()
-            offset = float(sign + number)
+            offset = _seconds(sign + number)
         words = [word.strip() for word in text.split(":")]
         if len(words) > 2 and words[-1].isdigit():  # a repetition's stroke: `nod1:stroke:2`
             words[-2:] = [f"{words[-2]}:{words[-1]}"]
@@ -99,12 +104,24 @@ class SyncRef:
             behaviour = ""
         return cls(behaviour, point, offset, "" if not other or other[0] == block else other[0])
 
+    @property
+    def own(self) -> str:
+        """The behaviour, if it is one of this block."""
+        return "" if self.block else self.behaviour
+
     def __str__(self) -> str:
         offset = f"{self.offset:+g}" if self.offset else ""
         if not self.behaviour:
             return f"{self.offset:g}" if not self.block else f"{self.block}:start{offset}"
         parts = (self.block, self.behaviour, self.point)
         return ":".join(part for part in parts if part) + offset
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not abs(seconds) <= FARTHEST_S:
+        raise ValueError(f"{text[:20]!r} is farther away than a day")
+    return seconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,8 +209,10 @@ class _BlockReader:
                 self._constraint(element, required)
             else:
                 self._behaviour(element, required)
-        if len(self._behaviours) > MOST_BEHAVIOURS:
-            raise BmlError(f"a block has at most {MOST_BEHAVIOURS} behaviours", self._id)
+            if len(self._behaviours) > MOST_BEHAVIOURS:
+                raise BmlError(f"a block has at most {MOST_BEHAVIOURS} behaviours", self._id)
+            if len(self._constraints) > MOST_CONSTRAINTS:
+                raise BmlError(f"a block has at most {MOST_CONSTRAINTS} constraints", self._id)
         self._check_references()
         return BmlBlock(
             self._id,
@@ -272,8 +291,8 @@ class _BlockReader:
         missing = [key for key in REQUIRED_ATTRIBUTES.get(kind, ()) if not element.get(key)]
         if missing:
             return BmlWarning("PARSING_FAILURE", f"{name}: {missing[0]} is missing", about)
-        if kind == "speech" and not _speech(element)[0]:
-            return BmlWarning("PARSING_FAILURE", f"{name}: there is nothing to say", about)
+        if kind == "speech" and (reason := _speech_problem(element)):
+            return BmlWarning("PARSING_FAILURE", f"{name}: {reason}", about)
         return None
 
     # -- constraints -----------------------------------------------------------------------------
@@ -351,6 +370,13 @@ def _relations(
             case _:
                 where = f"{name}: {other} after {first}"
                 yield TimeConstraint("not-later", first, other, where, "", required)
+
+
+def _speech_problem(element: Xml.Element) -> str:
+    text, marks = _speech(element)
+    if not text:
+        return "there is nothing to say"
+    return f"a speech has at most {MOST_MARKS} marks" if len(marks) > MOST_MARKS else ""
 
 
 def _speech(element: Xml.Element) -> tuple[str, dict[str, int]]:

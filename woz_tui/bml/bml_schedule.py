@@ -18,7 +18,7 @@ from woz_tui.bml.bml_block import (
     SyncRef,
     TimeConstraint,
 )
-from woz_tui.bml.time_network import EPSILON, TimeNetwork
+from woz_tui.bml.time_network import EPSILON, TimeNetwork, TimeNetworkError
 
 Moment = tuple[str, str]
 #: The block's start.
@@ -47,6 +47,10 @@ _SHARES: Mapping[str, float] = {
     **{"start": 0.0, "ready": 0.25, "strokeStart": 0.3, "stroke": 0.5, "strokeEnd": 0.7},
     **{"attackPeak": 0.25, "relax": 0.75, "end": 1.0},
 }
+#: A warning names so many of the constraints that cannot be together.
+MOST_NAMED = 5
+#: Steps of arithmetic that a block may take, about a third of a second; with more it is refused.
+MOST_STEPS = 200_000
 #: Characters that a voice says in a second.
 _CHARACTERS_S = 14.0
 
@@ -127,17 +131,30 @@ def schedule(
     """
     warnings = list(block.warnings)
     timings: dict[str, BehaviourTiming] = {}
-    left = replace(block, constraints=_resolved(block, elsewhere, warnings))
+    left, steps = _resolved(block, elsewhere, warnings), MOST_STEPS
     for behaviour in left.behaviours:
         timings[behaviour.id] = predict(behaviour)
     while True:
-        outcome = _Attempt(left, timings, elsewhere).outcome()
-        if not isinstance(outcome, _Trouble):
-            return BlockSchedule(left, outcome, timings, tuple(warnings))
-        if outcome.required:
-            raise BmlError(outcome.text, block.id)
-        warnings.append(BmlWarning("IMPOSSIBLE_TO_SCHEDULE", outcome.text, outcome.about))
-        left = _without(left, outcome, warnings)
+        attempt = _Attempt(left, timings, elsewhere, steps)
+        try:
+            times = attempt.times()
+        except TimeNetworkError:
+            raise BmlError(
+                "too much of this block depends on each other, or cannot be together: make two of"
+                " it",
+                block.id,
+            ) from None
+        if not attempt.troubles:
+            return BlockSchedule(left, times, timings, tuple(warnings))
+        steps = attempt.steps
+        for trouble in attempt.troubles:
+            if trouble.required:
+                raise BmlError(trouble.text, block.id)
+            warnings.append(BmlWarning("IMPOSSIBLE_TO_SCHEDULE", trouble.text, trouble.about))
+            if trouble.behaviour:
+                left = without_behaviour(left, trouble.behaviour, warnings)
+            else:
+                left = _without_constraint(left, trouble.constraint)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,37 +172,60 @@ class _Trouble:
 
 
 class _Attempt:
-    """One try with the behaviours that are left."""
+    """One try with the behaviours that are left.
+
+    Attributes:
+        troubles: What cannot be. Of behaviours that depend on each other only the first: the others
+            may be possible without it.
+        steps: Steps of arithmetic that are left.
+    """
 
     def __init__(
         self,
         block: BmlBlock,
         timings: Mapping[str, BehaviourTiming],
         elsewhere: Callable[[SyncRef], float | None],
+        steps: int,
     ) -> None:
+        self.troubles: list[_Trouble] = []
         self._block = block
         self._timings = timings
         self._elsewhere = elsewhere
-        self._network = TimeNetwork()
+        self._network = TimeNetwork(steps)
         self._network.same("zero", START, 0.0, "")
+        self._groups = _groups(block)
+        self._troubled: set[str] = set()
 
-    def outcome(self) -> dict[Moment, float] | _Trouble:
-        """The times, or what cannot be."""
+    @property
+    def steps(self) -> int:
+        return self._network.steps
+
+    def times(self) -> dict[Moment, float]:
+        """When everything is, if there are no `troubles`. Raises `TimeNetworkError`."""
         for behaviour in self._block.behaviours:
             self._add(behaviour)
-        for constraint in self._block.constraints:
-            trouble = self._demand(constraint)
-            if trouble is not None:
-                return trouble
+        for constraint in sorted(self._block.constraints, key=lambda each: not each.required):
+            if self._is_sound(constraint.owner, constraint.first.own, constraint.second.own):
+                self._demand(constraint)
         for behaviour in self._block.behaviours:
-            self._wish(behaviour)
+            if self._is_sound(behaviour.id):
+                self._wish(behaviour)
         earliest = self._network.earliest()
         times = {
             (behaviour.id, point): round(earliest[behaviour.id, point], 6)
             for behaviour in self._block.behaviours
             for point in behaviour.points
         }
-        return self._overlap(times) or times
+        self._overlaps(times)
+        return times
+
+    def _is_sound(self, *behaviours: str) -> bool:
+        """Whether nothing that these depend on is in trouble."""
+        return not any(self._groups[each] in self._troubled for each in behaviours if each)
+
+    def _trouble(self, trouble: _Trouble, *behaviours: str) -> None:
+        self.troubles.append(trouble)
+        self._troubled |= {self._groups[each] for each in behaviours if each}
 
     def _add(self, behaviour: Behaviour) -> None:
         timing, network = self._timings[behaviour.id], self._network
@@ -198,18 +238,22 @@ class _Attempt:
                 apart = timing.offsets[second] - timing.offsets[first]
                 network.same(a, b, apart, f"{behaviour.id} takes {timing.offsets['end']:.2f} s")
 
-    def _demand(self, constraint: TimeConstraint) -> _Trouble | None:
+    def _demand(self, constraint: TimeConstraint) -> None:
         first, second = self._moment(constraint.first), self._moment(constraint.second)
         apart = first[1] - second[1]
         relate = self._network.same if constraint.kind == "same" else self._network.at_least
         conflict = relate(first[0], second[0], apart, constraint.where)
-        if not conflict:
-            return None
+        if conflict is None:
+            return
         others = [label for label in conflict if label != constraint.where]
         text = f"{constraint.where} cannot be"
         if others:
-            text += f" together with {'; '.join(others)}"
-        return _Trouble(text, constraint.owner, constraint, constraint.required)
+            text += f" together with {'; '.join(others[:MOST_NAMED])}"
+            text += f" and {len(others) - MOST_NAMED} more" * (len(others) > MOST_NAMED)
+        self._trouble(
+            _Trouble(text, constraint.owner, constraint, constraint.required),
+            *(constraint.owner, constraint.first.own, constraint.second.own),
+        )
 
     def _moment(self, ref: SyncRef) -> tuple[Moment, float]:
         """The moment in the network that a reference counts from, and its offset."""
@@ -228,90 +272,106 @@ class _Attempt:
             return
         start, end = (behaviour.id, "start"), (behaviour.id, "end")
         wished = timing.offsets["end"]
-        least, most = network.room(start, end)
-        seconds = min(max(wished, least), most)
-        network.same(start, end, seconds, "")
+        seconds = wished
+        if network.same(start, end, seconds, "") is not None:
+            least, most = network.room(start, end)
+            seconds = min(max(wished, least), most)
+            network.same(start, end, seconds, "")
         scale = seconds / wished if wished > 0 else 0.0
         for point in behaviour.points[1:-1]:
             network.same(start, (behaviour.id, point), timing.offsets[point] * scale, "")
 
-    def _overlap(self, times: Mapping[Moment, float]) -> _Trouble | None:
-        """The first behaviour that needs what an earlier one of the list still uses."""
-        taken: list[tuple[Behaviour, str]] = []
-        for behaviour in self._block.behaviours:
+    def _overlaps(self, times: Mapping[Moment, float]) -> None:
+        """Behaviours that need what a required or an earlier one still uses."""
+        taken: dict[str, list[tuple[float, float, str, str]]] = {}
+        for behaviour in sorted(self._block.behaviours, key=lambda each: not each.required):
             channel = CHANNELS.get(behaviour.kind)
-            if channel is None:
+            if channel is None or not self._is_sound(behaviour.id):
                 continue
+            hand = ""
             if channel == "arms":
-                channel += behaviour.attributes.get("mode", "").upper().partition("_")[0]
-                channel = channel.removesuffix("UNSPECIFIED")
-            for other, its in taken:
-                if _share(channel, its) and _meet(times, behaviour.id, other.id):
-                    text = f"{behaviour.id} needs what {other.id} uses at the same time"
-                    return _Trouble(text, behaviour.id, required=behaviour.required)
-            taken.append((behaviour, channel))
-        return None
+                hand = behaviour.attributes.get("mode", "").upper().partition("_")[0]
+            begin, end = times[behaviour.id, "start"], times[behaviour.id, "end"]
+            others = taken.setdefault(channel, [])
+            for other_begin, other_end, other_hand, other in others:
+                meets = min(end, other_end) - max(begin, other_begin) > EPSILON
+                if meets and (channel != "arms" or _share(hand, other_hand)):
+                    text = f"{behaviour.id} needs what {other} uses at the same time"
+                    trouble = _Trouble(text, behaviour.id, required=behaviour.required)
+                    self._trouble(trouble, behaviour.id)
+                    break
+            else:
+                others.append((begin, end, hand, behaviour.id))
 
 
 def _share(one: str, other: str) -> bool:
-    """Whether two channels are one. Of the arms one is free for each gesture that names none."""
-    if one[:4] == other[:4] == "arms":
-        return "armsBOTH" in (one, other) or (one == other != "arms")
-    return one == other
+    """Whether two gestures need the same hand; for one that names none, one is free."""
+    return "BOTH" in (one, other) or (one == other and one in ("LEFT", "RIGHT"))
 
 
-def _meet(times: Mapping[Moment, float], one: str, other: str) -> bool:
-    begin = max(times[one, "start"], times[other, "start"])
-    return min(times[one, "end"], times[other, "end"]) - begin > EPSILON
+def _groups(block: BmlBlock) -> dict[str, str]:
+    """Which behaviours depend on each other: each with one that stands for all of its group."""
+    parent = {behaviour.id: behaviour.id for behaviour in block.behaviours}
+
+    def root(name: str) -> str:
+        while parent[name] != name:
+            parent[name] = name = parent[parent[name]]
+        return name
+
+    for constraint in block.constraints:
+        if constraint.first.own and constraint.second.own:
+            parent[root(constraint.first.own)] = root(constraint.second.own)
+    return {name: root(name) for name in parent}
 
 
 def _resolved(
     block: BmlBlock,
     elsewhere: Callable[[SyncRef], float | None],
     warnings: list[BmlWarning],
-) -> tuple[TimeConstraint, ...]:
-    """The constraints without those that refer to blocks of which nothing is known."""
-    kept = []
+) -> BmlBlock:
+    """The block without what refers to blocks of which nothing is known."""
+    unknown: list[tuple[TimeConstraint, str]] = []
     for constraint in block.constraints:
-        unknown = [
-            ref
-            for ref in (constraint.first, constraint.second)
-            if ref.block and elsewhere(ref) is None
-        ]
-        if not unknown:
-            kept.append(constraint)
-            continue
-        text = f"{constraint.where}: nothing is known of block {unknown[0].block}"
-        if constraint.required:
-            raise BmlError(text, block.id)
-        about = (constraint.owner,) if constraint.owner else ()
-        warnings.append(BmlWarning("IMPOSSIBLE_TO_SCHEDULE", text, about))
-    return tuple(kept)
-
-
-def _without(block: BmlBlock, trouble: _Trouble, warnings: list[BmlWarning]) -> BmlBlock:
-    """The block without what cannot be."""
-    if trouble.behaviour:
-        return without_behaviour(block, trouble.behaviour, warnings)
-    kept = tuple(each for each in block.constraints if each is not trouble.constraint)
-    return replace(block, constraints=kept)
+        for ref in (constraint.first, constraint.second):
+            if ref.block and elsewhere(ref) is None:
+                unknown.append((constraint, ref.block))
+    for constraint, other in unknown:
+        block = _without(block, constraint, f"nothing is known of block {other}", warnings)
+    return block
 
 
 def without_behaviour(block: BmlBlock, gone: str, warnings: list[BmlWarning]) -> BmlBlock:
-    """The block without the behaviour `gone` and the constraints that refer to it, which are added
-    to `warnings` unless they are its own. Raises `BmlError` if one of them is required.
+    """The block without the behaviour `gone`, the constraints that refer to it, and the behaviours
+    whose time that was; all but `gone` are added to `warnings`. Raises `BmlError` if one of them is
+    required.
     """
-    constraints = []
-    for constraint in block.constraints:
-        if gone not in (constraint.first.behaviour, constraint.second.behaviour):
-            constraints.append(constraint)
-            continue
-        if constraint.owner == gone:
-            continue
-        text = f"{constraint.where}: {gone} was left out"
-        if constraint.required:
-            raise BmlError(text, block.id)
-        about = (constraint.owner,) if constraint.owner else ()
-        warnings.append(BmlWarning("IMPOSSIBLE_TO_SCHEDULE", text, about))
     behaviours = tuple(each for each in block.behaviours if each.id != gone)
-    return replace(block, behaviours=behaviours, constraints=tuple(constraints))
+    left = replace(
+        block,
+        behaviours=behaviours,
+        constraints=tuple(each for each in block.constraints if each.owner != gone),
+    )
+    for constraint in left.constraints:
+        if gone in (constraint.first.own, constraint.second.own):
+            left = _without(left, constraint, f"{gone} was left out", warnings)
+    return left
+
+
+def _without(
+    block: BmlBlock, constraint: TimeConstraint, reason: str, warnings: list[BmlWarning]
+) -> BmlBlock:
+    """The block without a constraint, and without the behaviour that asks for it."""
+    if not any(each is constraint for each in block.constraints):
+        return block  # it went with its owner
+    text = f"{constraint.where}: {reason}"
+    if constraint.required:
+        raise BmlError(text, block.id)
+    owner = constraint.owner
+    warnings.append(BmlWarning("IMPOSSIBLE_TO_SCHEDULE", text, (owner,) if owner else ()))
+    if owner:
+        return without_behaviour(block, owner, warnings)
+    return _without_constraint(block, constraint)
+
+
+def _without_constraint(block: BmlBlock, gone: TimeConstraint | None) -> BmlBlock:
+    return replace(block, constraints=tuple(each for each in block.constraints if each is not gone))

@@ -2,17 +2,21 @@
 
 Constraints are added one by one; one that cannot hold with those before it is refused, with the
 ones it conflicts with. Source of the method: incremental potentials for difference logic (Cotton
-and Maler 2006).
+and Maler 2006): each moment moves at most once for each constraint that is added.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Hashable, Iterator
+import heapq
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 #: Times nearer than this are the same, in seconds.
 EPSILON = 1e-6
+
+
+class TimeNetworkError(Exception):
+    """The constraints take more steps than are allowed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,13 +30,22 @@ class _Limit:
 
 
 class TimeNetwork:
-    """Moments, the first of which is zero; all others are not before it."""
+    """Moments, the first of which is zero; all others are not before it.
 
-    def __init__(self) -> None:
+    Args:
+        most_steps: How many steps all calls together may take; with more `TimeNetworkError` is
+            raised. A constraint takes one, and one for each moment that it moves.
+    """
+
+    def __init__(self, most_steps: int = 1_000_000) -> None:
         self._numbers: dict[Hashable, int] = {}
+        #: Limits by their earlier and by their later moment.
         self._from: list[list[_Limit]] = []
+        self._to: list[list[_Limit]] = []
         #: A solution of all constraints so far, in seconds, not yet shifted to zero.
         self._times: list[float] = []
+        #: How many steps are left.
+        self.steps = most_steps
         self._number("zero")
 
     def add_moment(self, moment: Hashable) -> None:
@@ -40,14 +53,16 @@ class TimeNetwork:
         number = self._number(moment)
         self._try([_Limit(number, 0, 0.0, "")])
 
-    def same(self, first: Hashable, second: Hashable, apart: float, label: str) -> list[str]:
-        """`second` is exactly `apart` seconds behind `first`. What it conflicts with; empty: it
+    def same(self, first: Hashable, second: Hashable, apart: float, label: str) -> list[str] | None:
+        """`second` is exactly `apart` seconds behind `first`. What it conflicts with; None: it
         holds from now on.
         """
         a, b = self._number(first), self._number(second)
         return self._try([_Limit(a, b, apart, label), _Limit(b, a, -apart, label)])
 
-    def at_least(self, first: Hashable, second: Hashable, apart: float, label: str) -> list[str]:
+    def at_least(
+        self, first: Hashable, second: Hashable, apart: float, label: str
+    ) -> list[str] | None:
         """`second` is at least `apart` seconds behind `first`. As `same`."""
         a, b = self._number(first), self._number(second)
         return self._try([_Limit(b, a, -apart, label)])
@@ -55,27 +70,13 @@ class TimeNetwork:
     def room(self, first: Hashable, second: Hashable) -> tuple[float, float]:
         """Least and most seconds that `second` can be behind `first`."""
         a, b = self._number(first), self._number(second)
-        return -self._most(b, a), self._most(a, b)
+        most = self._shortest(a, b, self._from).get(b, float("inf"))
+        return -self._shortest(b, a, self._from).get(a, float("inf")), most
 
     def earliest(self) -> dict[Hashable, float]:
         """The earliest time of each moment, in seconds from zero."""
-        times = [0.0] * len(self._times)
-        into: list[list[_Limit]] = [[] for _ in times]
-        for limit in self._limits():
-            into[limit.later].append(limit)
-        waiting = deque(range(len(times)))
-        queued = [True] * len(times)
-        while waiting:
-            later = waiting.popleft()
-            queued[later] = False
-            for limit in into[later]:
-                least = times[later] - limit.seconds
-                if limit.earlier and least > times[limit.earlier] + EPSILON / 10:
-                    times[limit.earlier] = least
-                    if not queued[limit.earlier]:
-                        queued[limit.earlier] = True
-                        waiting.append(limit.earlier)
-        return {moment: times[number] for moment, number in self._numbers.items()}
+        ways = self._shortest(0, None, self._to)
+        return {moment: -ways.get(number, 0.0) for moment, number in self._numbers.items()}
 
     # -- inside --------------------------------------------------------------------------------
 
@@ -85,39 +86,55 @@ class TimeNetwork:
             number = self._numbers[moment] = len(self._times)
             self._times.append(0.0)
             self._from.append([])
+            self._to.append([])
         return number
 
-    def _limits(self) -> Iterator[_Limit]:
-        for limits in self._from:
-            yield from limits
+    def _step(self) -> None:
+        self.steps -= 1
+        if self.steps < 0:
+            raise TimeNetworkError
 
-    def _try(self, limits: list[_Limit]) -> list[str]:
-        before = self._times.copy()
+    def _try(self, limits: list[_Limit]) -> list[str] | None:
+        before: dict[int, float] = {}
         for place, limit in enumerate(limits):
+            self._step()
             self._from[limit.earlier].append(limit)
-            conflict = self._repair(limit)
+            self._to[limit.later].append(limit)
+            conflict = self._repair(limit, before)
             if conflict is not None:
                 for each in limits[: place + 1]:
                     self._from[each.earlier].remove(each)
-                self._times = before
+                    self._to[each.later].remove(each)
+                for moment, time in before.items():
+                    self._times[moment] = time
                 return conflict
-        return []
+        return None
 
-    def _repair(self, added: _Limit) -> list[str] | None:
-        """Move what is too late earlier; None if that went well, else the labels of the circle."""
+    def _repair(self, added: _Limit, before: dict[int, float]) -> list[str] | None:
+        """Move what is too late earlier, what moves farthest first; None if that went well, else
+        the labels of the circle. `before` gets the times of what moved.
+        """
         times = self._times
         because: dict[int, _Limit] = {}
-        waiting: deque[_Limit] = deque([added])
+        too_late = times[added.earlier] + added.seconds - times[added.later]
+        waiting = [(too_late, added.later, 0, added)]
+        pushed = 0
         while waiting:
-            limit = waiting.popleft()
-            latest = times[limit.earlier] + limit.seconds
-            if times[limit.later] <= latest + EPSILON:
+            move, moment, _, limit = heapq.heappop(waiting)
+            if move >= -EPSILON or moment in because:
                 continue
-            if limit.later == added.earlier:
+            self._step()
+            if moment == added.earlier:
                 return self._circle(limit, added, because)
-            times[limit.later] = latest
-            because[limit.later] = limit
-            waiting.extend(self._from[limit.later])
+            because[moment] = limit
+            before.setdefault(moment, times[moment])
+            times[moment] += move
+            for each in self._from[moment]:
+                if each.later not in because:
+                    pushed += 1
+                    move = times[moment] + each.seconds - times[each.later]
+                    if move < -EPSILON:
+                        heapq.heappush(waiting, (move, each.later, pushed, each))
         return None
 
     @staticmethod
@@ -131,19 +148,29 @@ class TimeNetwork:
             limit = because.get(limit.earlier)
         return list(dict.fromkeys(label for label in labels if label))
 
-    def _most(self, first: int, second: int) -> float:
-        """Most seconds of `second` behind `first`: the shortest way through the limits."""
-        ways = [float("inf")] * len(self._times)
-        ways[first] = 0.0
-        waiting, queued = deque([first]), {first}
+    def _shortest(
+        self, source: int, target: int | None, limits: list[list[_Limit]]
+    ) -> dict[int, float]:
+        """The shortest ways from `source` through the limits, at least as far as to `target`.
+
+        `limits` are those that lead away from a moment; by their later moment: the ways go to
+        `source`. The solution makes all of them longer than nothing, as Dijkstra's method wants it.
+        """
+        times, forward = self._times, limits is self._from
+        ways: dict[int, float] = {}
+        waiting = [(0.0, source, 0.0)]
         while waiting:
-            at = waiting.popleft()
-            queued.discard(at)
-            for limit in self._from[at]:
-                way = ways[at] + limit.seconds
-                if way < ways[limit.later] - EPSILON / 10:
-                    ways[limit.later] = way
-                    if limit.later not in queued:
-                        queued.add(limit.later)
-                        waiting.append(limit.later)
-        return ways[second]
+            length, moment, way = heapq.heappop(waiting)
+            if moment in ways:
+                continue
+            self._step()
+            ways[moment] = way
+            if moment == target:
+                break
+            for each in limits[moment]:
+                other = each.later if forward else each.earlier
+                if other not in ways:
+                    slack = times[each.earlier] + each.seconds - times[each.later]
+                    entry = (length + max(slack, 0.0), other, way + each.seconds)
+                    heapq.heappush(waiting, entry)
+        return ways

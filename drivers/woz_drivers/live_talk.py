@@ -10,12 +10,11 @@ import asyncio
 import contextlib
 import fcntl
 import os
+from array import array
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from typing import Annotated, Protocol
-
-import numpy as np
 
 from woz_drivers import child_process, command_lines
 from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
@@ -413,8 +412,8 @@ class LiveTalk:
             return
         volume = self._volume()
         if volume != 1.0:
-            samples = np.frombuffer(pcm, "<i2")
-            pcm = (samples * volume).astype("<i2").tobytes()
+            samples = memoryview(pcm).cast("h")
+            pcm = array("h", (int(sample * volume) for sample in samples)).tobytes()
         self._outlet.give(pcm)
 
     @contextlib.asynccontextmanager

@@ -55,6 +55,10 @@ class Head(Bare):
     Settings = HeadSettings
 
     @classmethod
+    def lacks(cls, settings: HeadSettings) -> Mapping[str, str]:
+        return {"repeat": "it has no mouth"}
+
+    @classmethod
     def joints(cls, settings: HeadSettings) -> Mapping[str, Range]:
         return {name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()}
 

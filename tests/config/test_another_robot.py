@@ -68,7 +68,7 @@ def test_a_robot_files_own_names_count_in_its_own_experiments_too(tmp_path: Path
     [
         ("say: Hi, play: nod", ["play"], "say", "not offered"),
         ("pose: {pan: 80}", [], "pose", "80 is out of range"),
-        ("repeat: 3", [], "repeat", "not offered"),
+        ("repeat: 3", [], "repeat", "neck: it has no mouth"),
     ],
 )
 def test_what_it_cannot_do_is_left_out_with_the_place_and_the_reason(
@@ -110,6 +110,12 @@ def test_a_mistake_of_the_file_is_an_error_all_the_same(tmp_path: Path) -> None:
     said = problems(tmp_path, text, "other", other=OTHER)
     assert "did you mean 'play'?" in said
     assert "pam" in said
+
+
+def test_what_a_driver_says_of_a_verb_that_it_lacks_is_told(tmp_path: Path) -> None:
+    alone = ROBOT.replace("    voice: {type: voice}\n", "")
+    text = panel("{label: A, repeat: {times: 2}}", head=alone)
+    assert "no driver offers it; head: it has no mouth" in problems(tmp_path, text, "")
 
 
 def test_a_type_that_needs_no_settings_is_a_robot(tmp_path: Path) -> None:

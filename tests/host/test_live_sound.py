@@ -180,20 +180,21 @@ async def test_the_log_says_who_listens_from_when_to_when_and_has_no_sound(host:
 
 
 @pytest.mark.parametrize(
-    ("kind", "fields", "words"),
+    ("kind", "fields", "words", "hint"),
     [
-        ("sound", {"driver": "robot"}, "no driver of this session has a microphone"),
-        ("talk", {}, "no driver of this session has a loudspeaker"),
+        ("sound", {"driver": "robot"}, "no driver of this session has a microphone", "no ears"),
+        ("talk", {}, "no driver of this session has a loudspeaker", "no mouth"),
     ],
 )
 async def test_a_session_without_one(
-    host: Served, kind: str, fields: dict[str, Any], words: str
+    host: Served, kind: str, fields: dict[str, Any], words: str, hint: str
 ) -> None:
     peer = await host.connect()
     await peer.hello("wizard")
     reply = await peer.ask(kind, **fields)
     assert not reply["ok"]
     assert words in reply["reason"]
+    assert hint in reply["hint"]
 
 
 async def test_another_driver_has_none(host: Served) -> None:

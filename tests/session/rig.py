@@ -66,6 +66,10 @@ class Puppet(Driver):
         )
 
     @classmethod
+    def lacks(cls, settings: Any) -> Mapping[str, str]:
+        return {"talk": "it has no mouth", "woz listen": "it has no ears"}
+
+    @classmethod
     def joints(cls, settings: Any) -> Mapping[str, Range]:
         return {"pan": Range(-90, 60, "degrees"), "wheel": Range()}
 

@@ -81,6 +81,8 @@ class Robots:
     drivers: list[DriverSpec] = field(default_factory=list)
     offers: dict[str, list[VerbOffer]] = field(default_factory=dict)
     asking: list[DriverRequests] = field(default_factory=list)
+    #: Verbs that drivers lack: why, or what to do, by driver.
+    lacking: dict[str, dict[str, str]] = field(default_factory=dict)
     #: Robot names, if there are several robots.
     names: list[str] = field(default_factory=list)
     #: Whether some driver could not be decoded, so that verbs may be missing.
@@ -88,6 +90,11 @@ class Robots:
     #: Of the robot that plays instead of the file's own: what it is called, and where to find it.
     label: str = ""
     origin: str = ""
+
+    def why_lacking(self, verb: str) -> str:
+        """What drivers say of a verb that they lack; empty: nothing."""
+        why = self.lacking.get(verb, {})
+        return "; ".join(f"{driver}: {each}" for driver, each in why.items())
 
 
 class RobotReader:
@@ -312,12 +319,15 @@ class RobotReader:
             )
             joints = driver.joints(settings)
             asks = tuple(driver.asks(settings))
+            lacks = driver.lacks(settings)
         except Exception as error:  # noqa: BLE001 - a plug-in's code
             cursor.error(f"the driver {kind!r} fails with these settings: {error!r}")
             return
         self._robots.drivers.append(spec)
         if asks:
             self._robots.asking.append(DriverRequests(name, cursor.path, cursor.place.file, asks))
+        for verb_name, why in lacks.items():
+            self._robots.lacking.setdefault(verb_name, {})[name] = why
         look = functools.partial(driver.remarks, settings)
         for verb in spec.verbs:
             kind = verb.arguments[0].kind if verb.arguments else ""

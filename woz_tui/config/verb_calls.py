@@ -269,6 +269,9 @@ class CallReader:
     ) -> None:
         if self._vocabulary.robots.incomplete:
             return  # it may belong to a driver whose own errors come first
+        if why := self._vocabulary.robots.why_lacking(name):
+            entry.error(f"no driver offers it; {why}")
+            return
         owners = [verb for verb in self._vocabulary.names if name in self._arguments_of(verb)]
         if owners:
             entry.error(f"belongs to {' or '.join(map(repr, owners[:3]))}, which is not here")
@@ -331,7 +334,7 @@ class _Substitute:
             who = " and ".join(offer.driver for offer in offers)
             self._entry.error(f"{who} of {self._another.label} both offer {name!r}")
         if not offers and not self._another.incomplete:
-            self._leave_out(name, "not offered")
+            self._leave_out(name, self._another.why_lacking(name) or "not offered")
         return offers[:1]
 
     def call(

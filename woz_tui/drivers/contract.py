@@ -418,6 +418,13 @@ class Driver(Performer):
         return ()
 
     @classmethod
+    def lacks(cls, settings: Any) -> Mapping[str, str]:
+        """Verbs that it does not have with these settings, though people may expect them of it:
+        each with why, or what to do. `woz check` says it where a file wants one.
+        """
+        return {}
+
+    @classmethod
     def joints(cls, settings: Any) -> Mapping[str, Range] | None:
         """Its joints with their ranges in degrees; None if nobody knows them beforehand.
 

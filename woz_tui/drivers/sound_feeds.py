@@ -20,6 +20,14 @@ from woz_tui.drivers.feeds import Feed
 SOUND, LISTENED = "sound", "sound.listened"
 #: Feeds of the driver that plays a voice: its sound, and whether it is played now.
 VOICE, VOICE_STATE = "voice.sound", "voice.state"
+#: Under these names `Driver.lacks` says why there is no live sound, or how to have it.
+LISTEN, TALK, END_TALK = "woz listen", "talk", "end_talk"
+TALK_UNWRITTEN = dict.fromkeys((TALK, END_TALK), "write `talk: {}` into its settings")
+NO_TALK = dict.fromkeys(
+    (TALK, END_TALK),
+    "it takes no live voice; add a driver of `type: speech` with `talk: {}`, which plays it with a"
+    " loudspeaker of this machine",
+)
 #: So much sound a feed holds; who has lost some goes on with the newest so much. In seconds.
 HELD_S, FRESH_S = 0.3, 0.04
 #: Bytes of a sample: all live sound is S16_LE, one channel.

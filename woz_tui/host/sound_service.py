@@ -14,8 +14,10 @@ from dataclasses import dataclass
 from msgspec.structs import replace
 
 from woz_tui.drivers.sound_feeds import (
+    LISTEN,
     LISTENED,
     SOUND,
+    TALK,
     VOICE,
     VOICE_STATE,
     WIDTH,
@@ -78,11 +80,17 @@ class SoundService:
         named = self._session.feeds.drivers(feed)
         return [driver for driver in self._session.drivers if driver in named]
 
-    def _driver(self, wanted: str, feed: str, what: str) -> str:
+    def _driver(self, wanted: str, feed: str, what: str, lacking: str) -> str:
         """The one that is meant. Raises `RequestError`."""
         offered = self._with(feed)
         if not offered:
-            raise RequestError(f"no driver of this session has a {what}", _PAGE)
+            lacks = {
+                name: driver.lacks(driver.settings).get(lacking, "")
+                for name, driver in self._session.drivers.items()
+                if wanted in ("", name)
+            }
+            why = "; ".join(f"{name}: {each}" for name, each in lacks.items() if each)
+            raise RequestError(f"no driver of this session has a {what}", why or _PAGE)
         if wanted and wanted not in offered:
             raise RequestError(
                 f"{wanted} has no {what}", f"drivers with a {what}: {', '.join(offered)}"
@@ -102,7 +110,7 @@ class SoundService:
             )
         if client in self._asking:
             raise RequestError("the previous piece of sound has not arrived yet")
-        driver = self._driver(request.driver, SOUND, "microphone with live sound")
+        driver = self._driver(request.driver, SOUND, "microphone with live sound", LISTEN)
         listening = self._listening.get(client)
         if listening is None or listening.driver != driver:
             self._end(client)
@@ -193,7 +201,7 @@ class SoundService:
         """Hand a voice to the loudspeaker. Raises `RequestError`."""
         if client.role not in MAY_TALK:
             raise RequestError(f"a {client.role} cannot talk through the robot")
-        driver = self._driver(request.driver, VOICE_STATE, "loudspeaker for a live voice")
+        driver = self._driver(request.driver, VOICE_STATE, "loudspeaker for a live voice", TALK)
         state = self._session.feeds.feed(driver, VOICE_STATE).latest().value
         if not isinstance(state, VoiceState):
             raise RequestError(f"{driver} takes no live voice yet", "wait until it is connected")

@@ -36,6 +36,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
 
@@ -136,6 +137,11 @@ class Furhat(Driver):
     def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
         """Speech, sounds, gestures, gaze, expression, light, listening, camera."""
         return tuple(verb for part in _PARTS for verb in part.verbs(settings))
+
+    @classmethod
+    def lacks(cls, settings: FurhatSettings) -> Mapping[str, str]:
+        """A live voice, unless the file says so."""
+        return {} if settings.talk is not None else TALK_UNWRITTEN
 
     @classmethod
     def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:

@@ -39,6 +39,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import RobotOutline
 
@@ -109,6 +110,11 @@ class NaoqiRobot(Driver):
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """Those of its parts, and of the line."""
         return (*(verb for part in cls.PARTS for verb in part.verbs(settings)), *LINE)
+
+    @classmethod
+    def lacks(cls, settings: NaoqiSettings) -> Mapping[str, str]:
+        """A live voice, unless the file says so."""
+        return {} if settings.talk is not None else TALK_UNWRITTEN
 
     @classmethod
     def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:

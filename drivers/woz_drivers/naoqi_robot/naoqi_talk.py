@@ -5,8 +5,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import AsyncIterator, Mapping
 
-import numpy as np
-
 from woz_drivers import live_talk
 from woz_drivers.live_talk import LiveTalk, SentVoice, VoiceTally
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
@@ -99,9 +97,14 @@ class TalkPart(NaoqiPart):
 
     async def _send(self, pcm: bytes) -> bool:
         self._sent = True
-        both = np.repeat(np.frombuffer(pcm, "<i2"), 2).tobytes()
+        both = bytearray(2 * len(pcm))  # the same to the left and to the right
+        both[0::4] = both[2::4] = pcm[0::2]
+        both[1::4] = both[3::4] = pcm[1::2]
         frames = len(pcm) // WIDTH
-        if await self._robot.call(_DEVICE, "sendRemoteBufferToOutput", frames, both) is False:
+        if (
+            await self._robot.call(_DEVICE, "sendRemoteBufferToOutput", frames, bytes(both))
+            is False
+        ):
             raise DriverError("the robot does not play the voice", "is its sound muted or in use?")
         return True
 

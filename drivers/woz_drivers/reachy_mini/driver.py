@@ -42,6 +42,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.drivers.sound_feeds import LISTEN, TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
 
@@ -253,6 +254,15 @@ class ReachyMini(Driver):
         moving = () if settings.follows else _moving(settings)
         talk = () if settings.talk is None else live_talk.VERBS
         return (*_SOUND, *talk, *moving, _EMOTION, _RECORDED, *_POWER)
+
+    @classmethod
+    def lacks(cls, settings: ReachyMiniSettings) -> Mapping[str, str]:
+        """A live voice, unless the file says so; its microphones are another driver's."""
+        ears = (
+            "its microphones are heard by a driver of `type: microphone` where they are connected;"
+            " docs/how-to/reachy-mini.md has the lines"
+        )
+        return {LISTEN: ears, **(TALK_UNWRITTEN if settings.talk is None else {})}
 
     @classmethod
     def sensors(cls, settings: ReachyMiniSettings) -> tuple[str, ...]:

@@ -43,6 +43,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.sound_feeds import NO_TALK
 from woz_tui.protocol.messages import Json
 
 #: What a topic says must begin so soon after it was asked for, in seconds.
@@ -111,6 +112,11 @@ class Ros(Driver):
     def verbs(cls, settings: RosSettings) -> tuple[Verb, ...]:
         """What the file declares, and what follows from it: nudge, poses."""
         return offered(settings.verbs, settings.drive)
+
+    @classmethod
+    def lacks(cls, settings: Any) -> Mapping[str, str]:
+        """A live voice."""
+        return NO_TALK
 
     @classmethod
     def sensors(cls, settings: RosSettings) -> tuple[str, ...]:

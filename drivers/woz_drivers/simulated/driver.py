@@ -43,6 +43,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.sound_feeds import NO_TALK
 from woz_tui.protocol.messages import Json
 from woz_tui.system.tasks import end_tasks
 
@@ -160,6 +161,11 @@ class SimulatedRobot(Driver):
     def verbs(cls, settings: _settings.SimulatedSettings) -> tuple[Verb, ...]:
         """The common verbs, as far as the joints go, and `fault`."""
         return verbs.offered(settings)
+
+    @classmethod
+    def lacks(cls, settings: Any) -> Mapping[str, str]:
+        """A live voice."""
+        return NO_TALK
 
     @classmethod
     def sensors(cls, settings: _settings.SimulatedSettings) -> tuple[str, ...]:

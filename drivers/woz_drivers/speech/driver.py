@@ -44,6 +44,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json
 from woz_tui.system.tasks import end_tasks
 
@@ -116,6 +117,11 @@ class Speech(Driver):
             if written.args.get(name) is not None:
                 what = f"this voice has no {name}: its command lacks {{{name}}}"
                 yield Finding("warning", name, what)
+
+    @classmethod
+    def lacks(cls, settings: Any) -> Mapping[str, str]:
+        """A live voice, unless the file says so."""
+        return {} if settings.talk is not None else TALK_UNWRITTEN
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:

@@ -174,7 +174,7 @@ class Camera(PassiveDriver):
         for sensor in SENSORS:
             self.context.sensor(sensor, "ok")
         self._publish(now_us, (x, y, size))
-        self._offer.look_at(data, now_us)
+        self._offer.look_at(data)
         if self._frames is not None:
             self._frames.add(data, now_us)
 

@@ -9,12 +9,9 @@ import numpy as np
 
 from woz_drivers.camera import raw_pictures
 from woz_drivers.camera.picture_source import PictureSource
+from woz_drivers.live_pictures import LivePictures
 from woz_tui.drivers.contract import DriverContext
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 
-#: Of the pictures that are wanted a second so many times as many are offered: who asks at any
-#: moment gets one that is young.
-_AHEAD = 2.0
 #: A frame's line is this share of the picture's width.
 _LINE = 0.006
 
@@ -39,19 +36,13 @@ class PictureFeed:
 
     def __init__(self, settings: PictureSource, context: DriverContext) -> None:
         self._settings = settings
-        self._pictures = context.feed(PICTURE)
-        self._watched = context.feed(WATCHED)
-        self._offered_us: int | None = None
+        self._live = LivePictures(context)
 
-    def look_at(self, data: bytes, now_us: int, marks: Sequence[PictureMark] = ()) -> None:
+    def look_at(self, data: bytes, marks: Sequence[PictureMark] = ()) -> None:
         """Offer the raw picture `data`, if it is time for one."""
-        wish = self._watched.latest().value
-        if not isinstance(wish, CameraWatched) or wish.until_us <= now_us:
+        wish = self._live.due()
+        if wish is None:
             return
-        last = self._offered_us
-        if last is not None and now_us - last < 1_000_000 / (_AHEAD * wish.rate):
-            return
-        self._offered_us = now_us
         settings = self._settings
         picture = settings.layout.for_people(data, wish.width)
         turned = picture[:: -1 if settings.flip else 1, :: -1 if settings.mirror else 1]
@@ -59,7 +50,7 @@ class PictureFeed:
         drawn = np.array(turned) if marks else np.ascontiguousarray(turned)
         for mark in marks:
             draw(mark, drawn)
-        self._pictures.put(Picture(now_us, width, height, drawn.tobytes()))
+        self._live.offer(width, height, drawn.tobytes())
 
 
 def draw(mark: PictureMark, picture: raw_pictures.Picture) -> None:

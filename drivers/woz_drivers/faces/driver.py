@@ -189,7 +189,7 @@ class Faces(PassiveDriver):
         self._camera_trouble = None
         self._waiting = (data, now_us)
         self._ask()
-        self._offer.look_at(data, now_us, [self._mark(track) for track in self._there])
+        self._offer.look_at(data, [self._mark(track) for track in self._there])
 
     def _camera_lost(self, trouble: DriverError) -> None:
         self._camera_trouble = trouble

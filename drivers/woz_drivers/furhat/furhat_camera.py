@@ -10,25 +10,21 @@ import asyncio
 import base64
 import binascii
 import io
-import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-from woz_drivers import picture_files
 from woz_drivers.background import Background
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import CameraData
 from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.live_pictures import LivePictures, kept_picture
 from woz_tui.drivers.contract import DriverContext, DriverError, Job, Verb
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
+from woz_tui.protocol.camera_pictures import CameraWatched
 from woz_tui.protocol.messages import Json
 
-#: How often it is looked whether somebody watches, and the pause after a trouble, in seconds.
-_LOOK_S, _TROUBLED_S = 0.1, 2.0
 _NO_DECODER = DriverError(
-    "the camera's pictures cannot be shown: the package pillow is missing",
+    "the package pillow is missing, which decodes them",
     "pip install 'woz-tui[furhat]'",
 )
 
@@ -38,10 +34,8 @@ class FurhatCamera(FurhatPart):
 
     def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
         super().__init__(link, settings, context)
-        self._pictures = context.feed(PICTURE)
-        self._watched = context.feed(WATCHED)
+        self._live = LivePictures(context)
         self._watching = Background("the camera", context)
-        self._trouble = ""
 
     @classmethod
     def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
@@ -51,22 +45,13 @@ class FurhatCamera(FurhatPart):
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Take a picture and keep it; returns `file` and `t` of the moment when it came."""
         jpeg = await self._take()
-        t_us, moment = self._context.clock.now_us(), self._context.clock.wall()
-        folder = self._place()
-        name = f"picture-{picture_files.stamp(moment)}"
-        path = await asyncio.to_thread(picture_files.keep, folder, name, ".jpg", jpeg)
-        shown = Path(self._settings.pictures or folder.name) / path.name
-        return {"file": str(shown), "t": self._context.t(t_us)}
-
-    def _place(self) -> Path:
-        """Where pictures go now."""
-        if not self._settings.pictures:
-            return self._context.media
-        return self._context.folder / Path(self._settings.pictures).expanduser()
+        t = self._context.t(self._context.clock.now_us())
+        file = await kept_picture(self._context, self._settings.pictures, ".jpg", lambda: jpeg)
+        return {"file": file, "t": t}
 
     async def connected(self) -> None:
         """Look whether somebody watches."""
-        self._watching.start(self._watch())
+        self._watching.start(self._live.serve(self._show))
 
     def lost(self) -> None:
         """No more pictures."""
@@ -87,35 +72,8 @@ class FurhatCamera(FurhatPart):
             raise DriverError("the camera gives no picture", "look at the robot's web interface")
         return jpeg
 
-    async def _watch(self) -> None:
-        loop = asyncio.get_running_loop()
-        while True:
-            begun = loop.time()
-            request = self._request()
-            if request is None:
-                await asyncio.sleep(_LOOK_S)
-                continue
-            try:
-                jpeg = await self._take()
-                t_us = self._context.clock.now_us()
-                width, height, rgb = await asyncio.to_thread(decoded, jpeg)
-                self._pictures.put(Picture(t_us, width, height, rgb))
-                self._trouble = ""
-            except DriverError as error:
-                if error.what != self._trouble:
-                    self._trouble = error.what
-                    self._context.notice("warning", error.what, error.remedy)
-                await asyncio.sleep(_TROUBLED_S)
-                continue
-            await asyncio.sleep(max(0.0, begun + 1 / request.rate - loop.time()))
-
-    def _request(self) -> CameraWatched | None:
-        """What is wanted now, by those who watch."""
-        request = self._watched.latest().value
-        if not isinstance(request, CameraWatched):
-            return None
-        over = request.until_us <= self._context.clock.now_us()
-        return None if over or not (math.isfinite(request.rate) and request.rate > 0) else request
+    async def _show(self, _: CameraWatched) -> None:
+        self._live.offer(*await asyncio.to_thread(decoded, await self._take()))
 
 
 def decoded(jpeg: bytes) -> tuple[int, int, bytes]:

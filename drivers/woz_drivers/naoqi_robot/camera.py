@@ -7,26 +7,23 @@ import contextlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
-from pathlib import Path
 from typing import Any
 
 from woz_drivers import picture_files
-from woz_drivers.background import Background, apart
-from woz_drivers.naoqi_robot import camera_files
+from woz_drivers.background import Background
+from woz_drivers.live_pictures import LivePictures, kept_picture
 from woz_drivers.naoqi_robot.memory import item, number, within
 from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, binary
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_tui.drivers.contract import (
-    DeviceLostError,
     DriverContext,
     DriverError,
     Job,
     RejectedError,
     Verb,
 )
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
+from woz_tui.protocol.camera_pictures import CameraWatched
 from woz_tui.protocol.messages import Json
 
 #: What ALVideoDevice knows us by; it adds a number of its own to each.
@@ -52,14 +49,12 @@ class CameraPart(NaoqiPart):
     def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = settings.pictures
-        self._pictures = context.feed(PICTURE)
-        self._watched = context.feed(WATCHED)
+        self._live = LivePictures(context)
         self._watching = Background("the camera", context)
         #: What the live pictures are subscribed under, and with which resolution and rate.
         self._subscribed: tuple[str, tuple[int, int]] | None = None
         #: When the last of them came, in the loop's time.
         self._last_picture_s = 0.0
-        self._trouble = ""
 
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
@@ -75,17 +70,19 @@ class CameraPart(NaoqiPart):
         """
         if job.verb != "picture":
             raise RejectedError(f"the camera cannot {job.verb}")
-        taken, t_us, moment = await self._capture()
-        picture = Picture(t_us, taken.width, taken.height, taken.rgb)
-        folder = self._place()
-        name = f"picture-{picture_files.stamp(moment)}"
-        path = await apart(lambda: camera_files.keep(folder, name, picture))
-        self._pictures.put(picture)
+        taken = await self._capture()
+        t = self._context.t(self._context.clock.now_us())
+        self._live.offer(taken.width, taken.height, taken.rgb)
+
+        def png() -> bytes:
+            return picture_files.png(taken.width, taken.height, taken.rgb)
+
+        file = await kept_picture(self._context, self._folder, ".png", png)
         return {
-            "file": str(Path(self._folder or folder.name) / path.name),
+            "file": file,
             "width": taken.width,
             "height": taken.height,
-            "t": self._context.t(t_us),
+            "t": t,
             "robot_time": taken.robot_s,
         }
 
@@ -96,7 +93,7 @@ class CameraPart(NaoqiPart):
         for left in (VIEW, SINGLE):
             with contextlib.suppress(DriverError):  # none was left, or it has no such method
                 await self._robot.call("ALVideoDevice", "unsubscribeAllInstances", left)
-        self._watching.start(self._watch())
+        self._watching.start(self._live.serve(self._show, self._unsubscribe))
 
     def lost(self) -> None:
         """No more pictures; who looks at the last one sees how old it is."""
@@ -111,34 +108,6 @@ class CameraPart(NaoqiPart):
 
     # -- while somebody watches ----------------------------------------------------------------
 
-    async def _watch(self) -> None:
-        loop = asyncio.get_running_loop()
-        while True:
-            request = self._request()
-            begun = loop.time()
-            if request is None:
-                await self._unsubscribe()
-                await asyncio.sleep(_LOOK_S)
-                continue
-            try:
-                await self._show(request)
-            except DriverError as error:
-                self._report(error)
-                await self._unsubscribe()
-                await asyncio.sleep(_TROUBLED_S)
-                continue
-            await asyncio.sleep(max(0.0, begun + 1 / request.rate - loop.time()))
-
-    def _request(self) -> CameraWatched | None:
-        """What is wanted now, by those who watch."""
-        request = self._watched.latest().value
-        if (
-            not isinstance(request, CameraWatched)
-            or request.until_us <= self._context.clock.now_us()
-        ):
-            return None
-        return request if request.rate > 0 and math.isfinite(request.rate) else None
-
     async def _show(self, request: CameraWatched) -> None:
         size, rate = resolution(request.width), max(1, min(math.ceil(request.rate), _FASTEST))
         loop = asyncio.get_running_loop()
@@ -150,17 +119,10 @@ class CameraPart(NaoqiPart):
             await self._robot.call("ALVideoDevice", "getImageRemote", self._subscribed[0])
         )
         if isinstance(received, CameraFrame):
-            now_us = self._context.clock.now_us()
-            self._pictures.put(Picture(now_us, received.width, received.height, received.rgb))
-            self._last_picture_s, self._trouble = loop.time(), ""
+            self._live.offer(received.width, received.height, received.rgb)
+            self._last_picture_s = loop.time()
         elif loop.time() - self._last_picture_s >= _PATIENCE_S:
             raise DriverError(received, _NO_PICTURE)
-
-    def _report(self, error: DriverError) -> None:
-        """Report once why there are no pictures; the connection reports a lost robot."""
-        if not isinstance(error, DeviceLostError) and self._trouble != error.what:
-            self._trouble = error.what
-            self._context.notice("warning", f"no camera picture: {error.what}", error.remedy)
 
     def _words(self, name: str, size: int, rate: int) -> tuple[Any, ...]:
         """How the camera is subscribed to."""
@@ -185,12 +147,12 @@ class CameraPart(NaoqiPart):
 
     # -- a single one --------------------------------------------------------------------------
 
-    async def _capture(self) -> tuple[CameraFrame, int, datetime]:
-        """A picture of 640 x 480 with the moment it came, of the clock and of the day."""
+    async def _capture(self) -> CameraFrame:
+        """A picture of 640 x 480."""
         subscription = ""
         try:
             subscription = await self._subscribe(SINGLE, VGA, _SINGLE_RATE)
-            received = await self._first(subscription)
+            return await self._first(subscription)
         finally:
             words = (
                 ("unsubscribe", subscription)
@@ -198,7 +160,6 @@ class CameraPart(NaoqiPart):
                 else ("unsubscribeAllInstances", SINGLE)
             )
             self._clean_up.start(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
-        return received, self._context.clock.now_us(), self._context.clock.wall()
 
     async def _first(self, subscription: str) -> CameraFrame:
         loop = asyncio.get_running_loop()
@@ -212,12 +173,6 @@ class CameraPart(NaoqiPart):
             if loop.time() >= until:
                 raise DriverError(received, _NO_PICTURE)
             await asyncio.sleep(_LOOK_S)
-
-    def _place(self) -> Path:
-        """Where pictures go now."""
-        if not self._folder:
-            return self._context.media
-        return self._context.folder / Path(self._folder).expanduser()
 
 
 # -- as ALVideoDevice gives them -------------------------------------------------------------------

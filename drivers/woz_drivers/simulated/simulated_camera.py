@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from woz_drivers.live_pictures import LivePictures
 from woz_tui.drivers.contract import DriverContext
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 
 #: Pixels of a picture, and degrees that it shows from left to right.
 WIDTH, HEIGHT, VIEW = 96, 72, 60.0
@@ -39,23 +39,12 @@ class SimulatedCamera:
     """Gives pictures while somebody watches, as a camera does."""
 
     def __init__(self, context: DriverContext) -> None:
-        self._pictures = context.feed(PICTURE)
-        self._watched = context.feed(WATCHED)
-        self._clock = context.clock
-        self._published_us: int | None = None
+        self._live = LivePictures(context)
 
     def show(self, person: DrawnPerson | None) -> None:
         """Give a picture, if one is wanted now."""
-        now = self._clock.now_us()
-        wish = self._watched.latest().value
-        if not isinstance(wish, CameraWatched) or wish.until_us <= now:
-            return
-        if self._published_us is not None and now - self._published_us < 1_000_000 / (
-            2 * wish.rate
-        ):
-            return
-        self._published_us = now
-        self._pictures.put(Picture(now, WIDTH, HEIGHT, scene_picture(person)))
+        if self._live.due() is not None:
+            self._live.offer(WIDTH, HEIGHT, scene_picture(person))
 
 
 def scene_picture(person: DrawnPerson | None) -> bytes:

@@ -12,13 +12,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
-from woz_drivers.naoqi_robot.camera_files import keep
+from woz_drivers import picture_files
 from woz_drivers.picture_files import png, stamp
 
 from woz_tui.drivers.contract import DriverError
-from woz_tui.protocol.camera_pictures import Picture
 
-DOT = Picture(0, 1, 1, b"\1\2\3")
+DOT = b"of a picture"
+
+
+def keep(folder: Path, name: str, content: bytes) -> Path:
+    return picture_files.keep(folder, name, ".png", content)
 
 
 @given(st.integers(1, 9), st.integers(1, 9), st.randoms(use_true_random=False))

@@ -32,7 +32,7 @@ from pathlib import Path
 from benchmarks.figures import Spread, machine, table, verdict
 from benchmarks.tested_robots import ROBOTS, SimulatorProcess, TestedRobot
 from tests.fakes.dropping_proxy import DroppingProxy, dropping_proxy
-from woz_tui.config.robots import load_robot
+from woz_tui.config.loading import load_robot
 from woz_tui.drivers.contract import Driver, DriverError, Health
 from woz_tui.drivers.plugins import installed
 from woz_tui.testing import PlainJob, RecordingContext

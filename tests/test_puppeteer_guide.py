@@ -10,8 +10,7 @@ import pytest
 import yaml
 
 from woz_tui.cli import main
-from woz_tui.config.loading import load
-from woz_tui.config.robots import load_robot
+from woz_tui.config.loading import load, load_robot
 from woz_tui.drivers import plugins
 
 ROOT = Path(__file__).parents[1]

@@ -170,6 +170,11 @@ FIELDS: dict[str, tuple[str, str]] = {
     "skipped_commands": ("", "how many commands were not sent again"),
     "social_distance": ("m", "social distance"),
     "software": ("", "name and version of the program"),
+    "begin": ("µs", "moment, on the `t` axis, at which it begins"),
+    "behaviours": ("", "each with `id`, `sort`, what the robot `does`, and its `points` (µs)"),
+    "block": ("", "id of the block"),
+    "problem": ("", "what is not played: its `sort`, `about` which behaviour, `text`"),
+    "problems": ("", "each as `problem`; absent: none"),
     "sort": ("", "what kind of cue or mark it is: see the line's description"),
     "source": (
         "",

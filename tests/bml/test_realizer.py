@@ -16,8 +16,8 @@ from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
 from woz_tui.bml.bml_block import Behaviour
 from woz_tui.bml.realizer import BmlRealizer, Feedback
 from woz_tui.client import connect
+from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.description import ArgumentDescription, VerbDescription
 from woz_tui.testing import until
 
 PATIENCE_S = 40.0
@@ -122,7 +122,7 @@ async def test_a_stop_ends_the_block_and_the_next_is_refused(planner: Planner) -
     planner.host.session.stop("key")
     async with asyncio.timeout(PATIENCE_S):
         await planner.realizer.until_over("b1")
-    assert ("IMPOSSIBLE_TO_SCHEDULE", "b1:s") in planner.warnings()
+    assert planner.warnings() == [("IMPOSSIBLE_TO_SCHEDULE", "b1")]
     assert "b1:s:end" not in planner.progress()
     before = planner.verbs()
     await planner.play("b2", SAY)
@@ -131,8 +131,9 @@ async def test_a_stop_ends_the_block_and_the_next_is_refused(planner: Planner) -
 
 async def test_two_blocks_of_one_name_and_what_is_none_are_refused(planner: Planner) -> None:
     await planner.realizer.perform(XML.format("b1", "", '<wait id="w" end="99"/>'))
-    assert await planner.realizer.perform(XML.format("b1", "", "")) == ""
-    assert await planner.realizer.perform("<bml") == ""
+    await planner.realizer.perform(XML.format("b1", "", ""))
+    await planner.realizer.perform("<bml")
+    await until(lambda: len(planner.warnings()) == 2, PATIENCE_S)
     assert [about for _, about in planner.warnings()] == ["b1", "bml"]
     await planner.realizer.cut("b1")
     await until(lambda: "b1:end" in planner.progress(), PATIENCE_S)
@@ -149,14 +150,11 @@ def test_feedback_is_xml_whatever_the_names_are() -> None:
 
 
 def _robot() -> BehaviourCalls:
-    def verb(name: str, **choices: list[str]) -> VerbDescription:
+    def verb(name: str, **choices: list[str]) -> tuple[str, Verb]:
         arguments = [
-            ArgumentDescription(name=each, kind="text", type="string", choices=words)
-            for each, words in choices.items()
+            Argument(each, "text", choices=tuple(words)) for each, words in choices.items()
         ]
-        return VerbDescription(
-            name=name, driver="robot", lane=name, limit_s=60, arguments=arguments
-        )
+        return "robot", Verb(name, "", tuple(arguments), lane=name)
 
     return BehaviourCalls(
         [

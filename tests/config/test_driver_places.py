@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 
 from woz_tui.config.experiment import DriverPlace, ExperimentError
-from woz_tui.config.loading import load
+from woz_tui.config.loading import load, load_robot
 from woz_tui.config.reload_changes import compare
-from woz_tui.config.robots import load_robot
 from woz_tui.drivers.plugins import installed
 
 

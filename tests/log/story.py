@@ -234,6 +234,20 @@ def _afternoon() -> list[m.AnyMessage]:
         m.AddressedChanged(driver="eye", face=2, chosen="hand"),
         m.ListenerJoined(console="k3", driver="head"),
         m.ListenerLeft(console="k3", driver="head", duration_us=5_200_000, lost_us=80_000),
+        m.BlockPlanned(
+            command="c00001",
+            driver="bml",
+            block="bml1",
+            begin=61_000_000,
+            duration_us=2_500_000,
+            behaviours=[m.PlannedBehaviour(id="n1", sort="head", points={"start": 0})],
+        ),
+        m.BlockTrouble(
+            command="c00001",
+            driver="bml",
+            block="bml1",
+            problem=m.BlockProblem(sort="NO_SUCH_TARGET", text="where is moon?", about="g1"),
+        ),
         *COURSE,
         m.ConsoleLost(console="k1", role="wizard", why="left"),
     ]

@@ -280,6 +280,27 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.AddressedChanged(driver="eye", face=2, chosen="hand"),
     m.ListenerJoined(console="con3", driver="ears"),
     m.ListenerLeft(console="con3", driver="ears", duration_us=12_300_000, lost_us=40_000),
+    m.BlockPlanned(
+        command="c00019",
+        driver="bml",
+        block="bml1",
+        begin=80_000_000,
+        duration_us=2_500_000,
+        behaviours=[
+            m.PlannedBehaviour(
+                id="n1", sort="head", does="play nod", points={"start": 0, "end": 1_200_000}
+            )
+        ],
+        problems=[m.BlockProblem(sort="NO_SUCH_TARGET", text="where is moon?", about="g1")],
+        tells=("condition",),
+    ),
+    m.BlockTrouble(
+        command="c00019",
+        driver="bml",
+        block="bml1",
+        problem=m.BlockProblem(sort="IMPOSSIBLE_TO_SCHEDULE", text="head: no answer", about="n1"),
+    ),
+    m.CommandMark(command="c00019", driver="bml", sort="sync", text="n1:start"),
 )
 
 _PANELS = [

@@ -162,6 +162,12 @@ class Behaviour:
             return ("start", *sorted(self.marks, key=lambda mark: self.marks[mark]), "end")
         return SYNC_POINTS[self.kind]
 
+    @property
+    def repetitions(self) -> int:
+        """How often a movement is made, 1 to 20."""
+        text = self.attributes.get("repetition", "1")
+        return min(20, max(1, int(text))) if text.isascii() and text.isdigit() else 1
+
 
 @dataclass(frozen=True, slots=True)
 class BmlBlock:

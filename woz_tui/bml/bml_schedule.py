@@ -71,8 +71,7 @@ def typical_timing(behaviour: Behaviour) -> BehaviourTiming:
     if behaviour.kind == "speech":
         return speech_timing(behaviour, len(behaviour.text) / _CHARACTERS_S)
     seconds = TYPICAL_S[behaviour.kind]
-    if behaviour.kind == "head":
-        seconds *= _repetitions(behaviour)
+    seconds *= behaviour.repetitions
     return BehaviourTiming({point: _SHARES[point] * seconds for point in behaviour.points})
 
 
@@ -81,11 +80,6 @@ def speech_timing(behaviour: Behaviour, seconds: float) -> BehaviourTiming:
     length = max(1, len(behaviour.text))
     marks = {mark: seconds * at / length for mark, at in behaviour.marks.items()}
     return BehaviourTiming({"start": 0.0, **marks, "end": seconds}, rigid=True)
-
-
-def _repetitions(behaviour: Behaviour) -> int:
-    text = behaviour.attributes.get("repetition", "1")
-    return min(20, max(1, int(text))) if text.isascii() and text.isdigit() else 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,39 +1,25 @@
-"""Plays blocks of BML in a session, as a program that is connected to it, and tells how it goes."""
+"""A planner's side of a session: blocks go in, BML's feedback comes out.
+
+The robot process plays them (`session.bml_player`); this follows its messages.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from xml.sax.saxutils import quoteattr
 
-from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError, VerbCall
-from woz_tui.bml.bml_block import (
-    NAMESPACE,
-    Behaviour,
-    BmlBlock,
-    BmlError,
-    BmlWarning,
-    SyncRef,
-    read_block,
-)
-from woz_tui.bml.bml_schedule import (
-    BehaviourTiming,
-    BlockSchedule,
-    Moment,
-    schedule,
-    speech_timing,
-    typical_timing,
-    without_behaviour,
-)
+from woz_tui.bml.bml_block import NAMESPACE, BmlError, read_block
 from woz_tui.client import WozClient, WozError, WozRefusedError
-from woz_tui.protocol.description import PredictedCommand
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.messages import BlockPlanned
 from woz_tui.system.tasks import end_tasks
 
-#: From the plan to the beginning, in seconds: so that all requests are there in time.
-LEAD_S = 0.15
-#: Blocks that were played and whose times others may refer to.
-REMEMBERED = 100
+#: The verb that plays a block.
+VERB = "bml"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,260 +44,175 @@ def _escaped(text: str) -> str:
 
 
 @dataclass(eq=False, slots=True)
-class _Played:
-    """A block on its way: when it began (session time in seconds), its task, what it plays."""
+class _Requested:
+    """A block that the session has taken. `plan`: once it is in time."""
 
-    block: BmlBlock
-    begin: float = 0.0
-    plan: BlockSchedule | None = None
-    task: asyncio.Task[None] | None = None
+    block: str
+    command: str
+    plan: BlockPlanned | None = None
     over: asyncio.Event = field(default_factory=asyncio.Event)
 
 
 class BmlRealizer:
-    """Plays one block after the other, or several together, as their composition says.
+    """Hands blocks to a session, as a program that is connected to it, and tells how they go.
 
     Args:
         client: The session.
         tell: Gets each feedback.
-        calls: What the behaviours stand for; None: the usual, with what the session describes.
     """
 
-    def __init__(
-        self,
-        client: WozClient,
-        tell: Callable[[Feedback], None],
-        calls: BehaviourCalls | None = None,
-    ) -> None:
+    def __init__(self, client: WozClient, tell: Callable[[Feedback], None]) -> None:
         self._client = client
         self._tell = tell
-        self._calls = calls or BehaviourCalls(client.description.verbs)
-        self._blocks: dict[str, _Played] = {}
+        #: By command; of each id the latest.
+        self._requested: dict[str, _Requested] = {}
+        self._latest: dict[str, _Requested] = {}
+        #: Requests whose reply is still on its way, and what came of commands meanwhile.
+        self._asking = 0
+        self._early: list[m.Ack] = []
+        self._stream = client.messages(m.Ack)
+        self._task = asyncio.create_task(self._follow(), name="bml feedback")
 
     # -- for the planner -------------------------------------------------------------------------
 
     async def perform(self, text: str) -> str:
-        """Plan a block and begin it when its composition says so; returns its id, or nothing if
-        it was refused (the feedback says why).
+        """Hand a block over; returns its id, or nothing if the session did not take it. What is
+        wrong with the block itself comes as feedback.
         """
+        name = _id_of(text)
+        self._asking += 1
         try:
-            block = read_block(text)
-            if self._going(block.id):
-                raise BmlError(f"block {block.id} is still under way", block.id)
-            plan = await self.plan(block)
-        except BmlError as error:
-            self._warn(error.block or "bml", BmlWarning("PARSING_FAILURE", str(error)))
+            run = await self._client.begin(VERB, _args(text))
+        except WozRefusedError as error:
+            self._warn(name, "PARSING_FAILURE", str(error))
             return ""
-        for warning in plan.warnings:
-            self._warn(":".join((block.id, *warning.about[:1])), warning)
-        played = _Played(block, plan=plan)
-        waits = await self._make_room(block)
-        self._blocks[block.id] = played
-        while len(self._blocks) > REMEMBERED:
-            self._blocks.pop(next(iter(self._blocks)))
-        played.task = asyncio.create_task(self._play(played, plan, waits), name=f"block {block.id}")
-        return block.id
+        finally:
+            self._asking -= 1
+        requested = _Requested(name, run.id)
+        self._requested[run.id] = requested
+        before = self._latest.get(name)
+        if before is None or before.over.is_set():  # else the session refuses this one
+            self._latest[name] = requested
+        early = [each for each in self._early if each.command == run.id]
+        if not self._asking:
+            self._early.clear()
+        for message in early:
+            self._take(requested, message)
+        return name
 
-    async def plan(self, block: BmlBlock) -> BlockSchedule:
-        """When everything would happen, by what the robot foretells. Raises `BmlError`."""
-        warnings, playable = list(block.warnings), block
-        timings: dict[str, BehaviourTiming] = {}
-        for behaviour in block.behaviours:
-            try:
-                timings[behaviour.id] = await self._timing(behaviour)
-            except UnplayableError as error:
-                if behaviour.required:
-                    raise BmlError(f"{behaviour.id}: {error}", block.id) from error
-                warnings.append(BmlWarning(error.kind, f"{behaviour.id}: {error}", (behaviour.id,)))
-                playable = without_behaviour(playable, behaviour.id, warnings)
-        block = replace(playable, warnings=tuple(warnings))
-        return schedule(block, lambda behaviour: timings[behaviour.id], self._elsewhere)
+    async def predict(self, text: str) -> BlockPlanned:
+        """What a block would do if it began now. Raises `WozRefusedError`."""
+        block = (await self._client.predict(VERB, _args(text))).block
+        assert block is not None  # of this verb the session says it
+        return block
 
     async def until_over(self, block: str) -> None:
         """Return when a block has ended; at once if there is none of this id."""
-        played = self._blocks.get(block)
-        if played is not None:
-            await played.over.wait()
+        if (requested := self._latest.get(block)) is not None:
+            await requested.over.wait()
 
     async def cut(self, block: str) -> None:
         """End a block now; what it plays is cut short."""
-        played = self._blocks.get(block)
-        if played is not None and played.task is not None:
-            await end_tasks(played.task)
-            self._end(played)  # its task may not have begun
+        requested = self._latest.get(block)
+        if requested is not None and not requested.over.is_set():
+            with contextlib.suppress(WozRefusedError):  # it is over
+                await self._client.request(r.AskCancel(run=requested.command))
+            await requested.over.wait()
 
     async def close(self) -> None:
-        """End all blocks."""
-        for block in [*self._blocks]:
-            await self.cut(block)
-
-    # -- planning --------------------------------------------------------------------------------
-
-    async def _timing(self, behaviour: Behaviour) -> BehaviourTiming:
-        """What the robot foretells, or what is usual. Raises `UnplayableError`."""
-        usual = typical_timing(behaviour)
-        calls = self._calls.calls(behaviour)
-        if not calls:
-            return usual
+        """End all blocks; nothing is told any more."""
         try:
-            foretold = await self._client.predict(calls[0].verb, calls[0].args)
-        except WozRefusedError as error:
-            raise UnplayableError("IMPOSSIBLE_TO_SCHEDULE", str(error)) from error
-        command = foretold.commands[0] if foretold.commands else None
-        if command is None or command.duration_us is None or len(calls) > 1:
-            return usual
-        seconds = command.duration_us / 1e6
-        if behaviour.kind == "speech":
-            return _with_words(behaviour, speech_timing(behaviour, seconds), command)
-        scale = seconds / usual.offsets["end"] if usual.offsets["end"] else 1.0
-        offsets = {point: at * scale for point, at in usual.offsets.items()}
-        for mark in command.marks or ():
-            if mark.sort == "stroke" and "stroke" in offsets:
-                offsets = _with_stroke(offsets, mark.at_us / 1e6)
-        return BehaviourTiming(offsets)
-
-    def _elsewhere(self, ref: SyncRef) -> float | None:
-        played = self._blocks.get(ref.block)
-        if played is None or played.plan is None or not played.begin:
-            return None
-        moment: Moment = (ref.behaviour, ref.point)
-        time = played.plan.times.get(moment)
-        return None if time is None else played.begin + time - self._client.now() - LEAD_S
-
-    def _going(self, block: str) -> bool:
-        played = self._blocks.get(block)
-        return played is not None and not played.over.is_set()
-
-    async def _make_room(self, block: BmlBlock) -> list[_Played]:
-        """What has to end before the block begins; a block that replaces ends it."""
-        going = [played for name, played in self._blocks.items() if self._going(name)]
-        match block.composition:
-            case "MERGE":
-                return []
-            case "APPEND":
-                return going
-            case "REPLACE":
-                for played in going:
-                    await self.cut(played.block.id)
-                return []
-        return [played for played in going if played.block.id in block.after]
-
-    # -- playing ---------------------------------------------------------------------------------
-
-    async def _play(self, played: _Played, plan: BlockSchedule, waits: list[_Played]) -> None:
-        name, client = played.block.id, self._client
-        try:
-            for other in waits:
-                await other.over.wait()
-            played.begin = client.now() + LEAD_S
-            self._foretell(played, plan)
-            await self._until(played.begin)
-            self._tell(_progress("block", f"{name}:start", client.now()))
-            async with asyncio.TaskGroup() as group:
-                for behaviour in plan.block.behaviours:
-                    group.create_task(self._behave(played, plan, behaviour))
+            for requested in [*self._requested.values()]:
+                with contextlib.suppress(WozError):
+                    await self._client.request(r.AskCancel(run=requested.command))
         finally:
-            self._end(played)
+            await end_tasks(self._task)
 
-    def _end(self, played: _Played) -> None:
-        if not played.over.is_set():
-            played.over.set()
-            self._tell(_progress("block", f"{played.block.id}:end", self._client.now()))
+    # -- what the session says -------------------------------------------------------------------
 
-    async def _behave(self, played: _Played, plan: BlockSchedule, behaviour: Behaviour) -> None:
-        """All of one behaviour; what goes wrong ends it alone, and the planner is told."""
-        times = plan.points(behaviour.id)
-        points = asyncio.create_task(self._pass_points(played, behaviour.id, times))
-        try:
-            async with asyncio.TaskGroup() as group:
-                for call in self._calls.calls(behaviour):
-                    usual = plan.timings[behaviour.id].offsets[call.until]
-                    usual -= plan.timings[behaviour.id].offsets[call.point]
-                    group.create_task(self._call(played, call, times, usual))
-            await points
-        except* WozError as errors:
-            points.cancel()
-            text = "; ".join(str(error) for error in errors.exceptions)
-            self._warn(
-                f"{played.block.id}:{behaviour.id}",
-                BmlWarning("IMPOSSIBLE_TO_SCHEDULE", text, (behaviour.id,)),
-            )
-        finally:
-            await end_tasks(points)
+    async def _follow(self) -> None:
+        with contextlib.suppress(WozError):
+            async for message in self._stream:
+                requested = self._requested.get(message.command)
+                if requested is not None:
+                    self._take(requested, message)
+                elif self._asking and message.driver == VERB:
+                    self._early.append(message)
+        for requested in self._latest.values():  # the session is gone
+            requested.over.set()
 
-    async def _call(
-        self, played: _Played, call: VerbCall, times: Mapping[str, float], usual: float
-    ) -> None:
-        begin, seconds = times[call.point], times[call.until] - times[call.point]
-        stretched = self._calls.stretched(call, seconds, usual) if call.verb != "say" else call
-        await self._until(played.begin + begin - LEAD_S)
-        at = max(played.begin + begin, self._client.now() + LEAD_S / 10)
-        await self._client.perform(stretched.verb, stretched.args, at=at)
+    def _take(self, requested: _Requested, message: m.Ack) -> None:
+        match message:
+            case m.BlockPlanned():
+                requested.plan = message
+                for problem in message.problems:
+                    about = ":".join(filter(None, (message.block, problem.about)))
+                    self._warn(about, problem.sort, problem.text)
+                self._tell(_prediction(message))
+            case m.BlockTrouble(problem=problem):
+                self._warn(f"{message.block}:{problem.about}", problem.sort, problem.text)
+            case m.CommandMark(sort="sync", text=""):
+                self._tell(_progress("block", f"{requested.block}:start", message.t))
+            case m.CommandMark(sort="sync", text=point):
+                ident = f"{requested.block}:{point}"
+                self._tell(_progress("syncPoint", ident, message.t, _time(requested.plan, point)))
+            case m.End():
+                self._end(requested, message)
 
-    async def _pass_points(self, played: _Played, name: str, times: Mapping[str, float]) -> None:
-        for point, time in sorted(times.items(), key=lambda each: each[1]):
-            await self._until(played.begin + time)
-            ident = f"{played.block.id}:{name}:{point}"
-            self._tell(_progress("syncPoint", ident, self._client.now(), time))
+    def _end(self, requested: _Requested, end: m.End) -> None:
+        del self._requested[requested.command]
+        if requested.plan is None:
+            self._warn(requested.block, "PARSING_FAILURE", end.reason or "it was not begun")
+        else:
+            if not isinstance(end, m.Done):
+                self._warn(requested.block, "IMPOSSIBLE_TO_SCHEDULE", end.reason)
+            self._tell(_progress("block", f"{requested.block}:end", end.t))
+        requested.over.set()
 
-    async def _until(self, moment: float) -> None:
-        await asyncio.sleep(max(0.0, moment - self._client.now()))
-
-    # -- feedback --------------------------------------------------------------------------------
-
-    def _foretell(self, played: _Played, plan: BlockSchedule) -> None:
-        begin = played.begin
-        block = Feedback(
-            "bml",
-            {
-                "id": played.block.id,
-                "globalStart": f"{begin:.3f}",
-                "globalEnd": f"{begin + plan.seconds:.3f}",
-            },
-        )
-        behaviours = tuple(
-            Feedback(
-                behaviour.kind,
-                {
-                    "id": f"{played.block.id}:{behaviour.id}",
-                    **{point: f"{at:.3f}" for point, at in plan.points(behaviour.id).items()},
-                },
-            )
-            for behaviour in plan.block.behaviours
-        )
-        self._tell(Feedback("predictionFeedback", {}, inner=(block, *behaviours)))
-
-    def _warn(self, about: str, warning: BmlWarning) -> None:
-        self._tell(Feedback("warningFeedback", {"id": about, "type": warning.kind}, warning.text))
+    def _warn(self, about: str, sort: str, text: str) -> None:
+        self._tell(Feedback("warningFeedback", {"id": about, "type": sort}, text))
 
 
-def _progress(what: str, ident: str, now: float, time: float | None = None) -> Feedback:
+def _args(text: str) -> dict[str, m.Json]:
+    """The block as an argument, in which braces would stand for variables."""
+    return {"block": text.replace("{", "{{").replace("}", "}}")}
+
+
+def _id_of(text: str) -> str:
+    try:
+        return read_block(text).id
+    except BmlError as error:
+        return error.block or "bml"
+
+
+def _time(plan: BlockPlanned | None, point: str) -> float | None:
+    """When a sync point is planned, in seconds from the beginning of its block."""
+    name, _, point = point.partition(":")
+    for behaviour in plan.behaviours if plan is not None else ():
+        if behaviour.id == name and point in behaviour.points:
+            return behaviour.points[point] / 1e6
+    return None
+
+
+def _progress(what: str, ident: str, now_us: int, time: float | None = None) -> Feedback:
     """How far a block or a behaviour is; `time` counts from the block's start, in seconds."""
     own = {} if time is None else {"time": f"{time:.3f}"}
-    return Feedback(f"{what}Progress", {"id": ident, **own, "globalTime": f"{now:.3f}"})
+    return Feedback(f"{what}Progress", {"id": ident, **own, "globalTime": f"{now_us / 1e6:.3f}"})
 
 
-def _with_words(
-    behaviour: Behaviour, timing: BehaviourTiming, command: PredictedCommand
-) -> BehaviourTiming:
-    """Marks where the word behind them begins, if the voice foretells its words."""
-    words = [mark.at_us / 1e6 for mark in command.marks or () if mark.sort == "word"]
-    offsets = dict(timing.offsets)
-    for mark, at in behaviour.marks.items():
-        before = len(behaviour.text[:at].split())
-        if before < len(words):
-            offsets[mark] = words[before]
-    return BehaviourTiming(offsets, rigid=True)
-
-
-def _with_stroke(offsets: Mapping[str, float], stroke: float) -> dict[str, float]:
-    """The same with its stroke there; the phases before and after keep their shares."""
-    usual, end = offsets["stroke"], offsets["end"]
-    if not 0 < usual < end or not 0 < stroke < end:
-        return dict(offsets)
-    return {
-        point: at * stroke / usual
-        if at <= usual
-        else end - (end - at) * (end - stroke) / (end - usual)
-        for point, at in offsets.items()
-    }
+def _prediction(plan: BlockPlanned) -> Feedback:
+    begin, end = plan.begin / 1e6, (plan.begin + plan.duration_us) / 1e6
+    block = Feedback(
+        "bml", {"id": plan.block, "globalStart": f"{begin:.3f}", "globalEnd": f"{end:.3f}"}
+    )
+    behaviours = tuple(
+        Feedback(
+            each.sort,
+            {
+                "id": f"{plan.block}:{each.id}",
+                **{point: f"{at / 1e6:.3f}" for point, at in each.points.items()},
+            },
+        )
+        for each in plan.behaviours
+    )
+    return Feedback("predictionFeedback", {}, inner=(block, *behaviours))

@@ -36,6 +36,8 @@ from woz_tui.system.tasks import TaskSet
 
 #: Commands that may wait in one lane.
 CAPACITY = 16
+#: Commands of a verb that do not wait for each other, at the most; further ones wait.
+MOST_TOGETHER = 64
 #: How long drivers have to confirm a stop, in seconds.
 STOP_WAIT_S = 0.5
 
@@ -158,11 +160,21 @@ class Bus:
 
     def _lane(self, driver: str, verb: Verb) -> Lane:
         name = f"{verb.lane}~{verb.name}" if verb.stream else verb.lane
+        if verb.together:
+            name = self._idle_lane(driver, name)
         lane = self._lanes.get((driver, name))
         if lane is None:
             lane = Lane(name, driver, self._drivers[driver], self._hub, self._capacity)
             self._lanes[driver, name] = lane
         return lane
+
+    def _idle_lane(self, driver: str, name: str) -> str:
+        """The first of a verb's lanes that is free; where all are busy, the last one."""
+        for number in range(1, MOST_TOGETHER):
+            lane = self._lanes.get((driver, f"{name}~{number}"))
+            if lane is None or not lane.busy:
+                return f"{name}~{number}"
+        return f"{name}~{MOST_TOGETHER}"
 
     def cancel(self, run: str, reason: str) -> bool:
         """End every command of the run `run`, or the command of that id; says whether any was."""

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import sys
 from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from rich.table import Table
 
+from woz_tui.bml.behaviour_calls import BehaviourCalls
+from woz_tui.bml.block_plan import plan
 from woz_tui.bml.bml_block import BmlBlock, BmlError, read_block
-from woz_tui.bml.bml_schedule import BlockSchedule, schedule
 from woz_tui.bml.realizer import BmlRealizer, Feedback
 from woz_tui.bml.stomp_connection import StompError
 from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
@@ -19,12 +21,25 @@ from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
+from woz_tui.config.bml_section import robot_calls
+from woz_tui.config.bundled_files import is_path, robot_files
+from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.loading import load_robot_file
 from woz_tui.console.text_console import TextConsole
+from woz_tui.drivers import plugins
+from woz_tui.protocol.messages import BlockPlanned, PlannedBehaviour
 from woz_tui.system import files
 
 _port = number(1, 0xFFFF, whole=True)
 #: The widest picture, in columns.
-_WIDTH = 40
+_WIDTH = 100
+#: How points are drawn: where the meaning of a movement or of a face is. The words of a speech at
+#: its marks are crosses.
+_MARKS = {"stroke": "◆", "attackPeak": "◆"}
+#: Points that have a column of their own, or say little beside the stroke.
+_PHASES, _HELD = ("start", "end", "strokeStart", "strokeEnd"), ("ready", "relax")
+#: Seconds from one number of the axis to the next.
+_STEPS_S = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 3600.0)
 
 
 def add(parser: ArgumentParser) -> None:
@@ -34,8 +49,13 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--dry-run",
         action="store_true",
-        help="print when everything would happen, and play nothing; without a session by usual"
-        " durations",
+        help="print when everything would happen and what the robot does for it, and play nothing;"
+        " without a session by usual durations",
+    )
+    parser.add_argument(
+        "--robot",
+        default="simulated",
+        help="with --dry-run: a robot file, or the name of a robot (default: simulated)",
     )
     parser.add_argument(
         "--feedback", action="store_true", help="print the feedback as XML, one element a line"
@@ -77,7 +97,7 @@ def run(arguments: Namespace) -> int:
     work = _bml if arguments.files else _planner
     return with_error_sentences(
         lambda: asyncio.run(work(arguments)),
-        *(BmlError, PlannerPortError, StompError, ValueError, WozError),
+        *(BmlError, ExperimentError, PlannerPortError, StompError, ValueError, WozError),
     )
 
 
@@ -96,20 +116,25 @@ async def _planner(arguments: Namespace) -> int:
 async def _bml(arguments: Namespace) -> int:
     texts = [_read(path) for path in arguments.files]
     if arguments.dry_run and not arguments.session:
+        calls_of = _calls_of(arguments.robot)
         for path, text in zip(arguments.files, texts, strict=True):
-            _print(path, schedule(_block(path, text)))
+            block = _block(path, text)
+            made = plan(block, calls_of(block.character)).message()
+            _print(path, made, f"on {arguments.robot}, by usual durations")
         return 0
     async with connect(arguments.session, name="bml") as client:
         told = _Told(xml=arguments.feedback)
         realizer = BmlRealizer(client, told.tell)
         if arguments.dry_run:
             for path, text in zip(arguments.files, texts, strict=True):
-                _print(path, await realizer.plan(_block(path, text)))
+                _block(path, text)
+                made = await realizer.predict(text.decode("utf-8", "replace"))
+                _print(path, made, "on the robot of the session")
             return 0
         try:
-            blocks = [await realizer.perform(text.decode("utf-8", "replace")) for text in texts]
-            for block in filter(None, blocks):
-                await realizer.until_over(block)
+            names = [await realizer.perform(text.decode("utf-8", "replace")) for text in texts]
+            for name in filter(None, names):
+                await realizer.until_over(name)
         finally:
             await realizer.close()
     return 1 if told.warned else 0
@@ -146,21 +171,62 @@ class _Told:
             print(f"{at['globalTime']:>10} s  {at['id']}", flush=True)
 
 
-def _print(path: Path, plan: BlockSchedule) -> None:
-    """The timetable of a block: a row for each behaviour, with a picture of when it is."""
+def _calls_of(robot: str) -> Callable[[str], BehaviourCalls]:
+    """What behaviours stand for on a robot: its file, its name, or a driver's type."""
+    catalogue = plugins.installed()
+    folder = Path.cwd()
+    file = Path(robot) if is_path(robot) else robot_files(folder).get(robot)
+    if file is None:
+        known = ", ".join(robot_files(folder))
+        raise ValueError(f"there is no robot {robot!r}; robots are {known}, or name a robot file")
+    read = load_robot_file(file, catalogue)
+    return lambda character: robot_calls(
+        read.drivers, read.bml, catalogue, file.absolute().parent, character
+    )
+
+
+def _print(path: Path, plan: BlockPlanned, robot: str) -> None:
+    """The timetable of a block: a table, a picture, and what is left out."""
     console = TextConsole()
-    width = max(10, min(_WIDTH, console.width - 66))
-    console.print(f"{path}: block {plan.block.id}, {plan.seconds:.2f} s", soft_wrap=True)
-    table = Table("behaviour", "", "from", "to", "points between", "", box=None, pad_edge=False)
-    scale = width / plan.seconds if plan.seconds else 0.0
-    for behaviour in sorted(plan.block.behaviours, key=lambda each: plan.times[each.id, "start"]):
-        points = plan.points(behaviour.id)
-        begin, end = points["start"], points["end"]
-        between = " ".join(
-            f"{name} {at:.2f}" for name, at in points.items() if name not in ("start", "end")
-        )
-        bar = " " * round(begin * scale) + "━" * max(1, round((end - begin) * scale))
-        table.add_row(behaviour.id, behaviour.kind, f"{begin:.2f}", f"{end:.2f}", between, bar)
-    console.print(table)
-    for warning in plan.warnings:
-        console.print(f"left out: {warning.text}", soft_wrap=True)
+    seconds = plan.duration_us / 1e6
+    console.print(f"{path}: block {plan.block}, {seconds:.2f} s {robot}", soft_wrap=True)
+    rows = sorted(plan.behaviours, key=lambda each: each.points["start"])
+    if rows:
+        table = Table("behaviour", "", "what the robot does", "from", "to", "between", box=None)
+        table.pad_edge = False
+        for row in rows:
+            between = " ".join(
+                f"{name} {at / 1e6:.2f}"
+                for name, at in row.points.items()
+                if name not in _PHASES and (name not in _HELD or "stroke" not in row.points)
+            )
+            first, last = (f"{row.points[name] / 1e6:.2f}" for name in ("start", "end"))
+            table.add_row(row.id, row.sort, row.does or "nothing", first, last, between)
+        console.print(table)
+        console.print()
+        for line in _picture(rows, plan.duration_us, console.width):
+            console.print(line, soft_wrap=True)
+    for problem in plan.problems:
+        console.print(f"left out: {problem.text} ({problem.sort})", soft_wrap=True)
+
+
+def _picture(rows: Sequence[PlannedBehaviour], whole_us: int, width: int) -> Iterator[str]:
+    """A line for each behaviour: when it is, with its points; below it an axis in seconds."""
+    margin = min(16, max(len(row.id) for row in rows)) + 2
+    room = max(10, min(_WIDTH, width - margin - 1))
+
+    def column(at_us: int) -> int:
+        return round(at_us * (room - 1) / whole_us) if whole_us else 0
+
+    for row in rows:
+        first, last = column(row.points["start"]), column(row.points["end"])
+        line = [" "] * first + ["━"] * (last - first + 1)
+        for name, at in row.points.items():
+            if name not in ("start", "end"):
+                line[column(at)] = _MARKS.get(name, "╋" if row.sort == "speech" else "━")
+        yield f"{row.id[: margin - 2]:{margin}}{''.join(line)}"
+    step = next((each for each in _STEPS_S if whole_us / 1e6 / each * 6 <= room), _STEPS_S[-1])
+    axis = ""
+    for count in range(int(whole_us / 1e6 / step) + 1):
+        axis = f"{axis:{column(round(count * step * 1e6))}}{count * step:g}"
+    yield f"{'s':{margin}}{axis}"

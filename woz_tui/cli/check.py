@@ -30,8 +30,8 @@ from woz_tui.config.experiment import (
     TextVariants,
     Wait,
 )
-from woz_tui.config.loading import load
-from woz_tui.config.robots import is_robot_file, load_robot
+from woz_tui.config.loading import load, load_robot
+from woz_tui.config.robots import is_robot_file
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import engagement_verbs, session_verbs
 from woz_tui.console.text_console import TextConsole

@@ -199,7 +199,7 @@ def _load(path: Path, robot: str, loaded: list[_Devices]) -> list[Finding]:
 
 def _load_robot(path: Path, robot: str, loaded: list[_Devices]) -> list[Finding]:
     """`_load` for a robot file, which no other robot can play."""
-    from woz_tui.config.robots import load_robot  # noqa: PLC0415 - not without a file
+    from woz_tui.config.loading import load_robot  # noqa: PLC0415 - not without a file
 
     if robot:
         text = "this is a robot file, and --robot is for experiments"

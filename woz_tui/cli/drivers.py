@@ -13,7 +13,7 @@ from pathlib import Path
 
 from woz_tui.cli.argument_types import listen_address
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.config.robots import load_robot
+from woz_tui.config.loading import load_robot
 from woz_tui.drivers import plugins
 from woz_tui.network.certificates import AccessError, AccessFile
 from woz_tui.network.driver_line import LineError, connect

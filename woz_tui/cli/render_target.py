@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from woz_tui.config.experiment import Action, DriverSpec, Experiment, ParallelCalls
-from woz_tui.config.loading import load
+from woz_tui.config.loading import load, load_robot
 from woz_tui.config.problems import hint, listed
-from woz_tui.config.robots import is_robot_file, load_robot
+from woz_tui.config.robots import is_robot_file
 from woz_tui.drivers.contract import Argument, Driver, RejectedError
 from woz_tui.log.log_files import files_of
 from woz_tui.motion.body_shape import BodyShape, FaceShape

@@ -19,8 +19,8 @@ from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.bundled_files import robot_files
 from woz_tui.config.experiment import DriverSpec, ExperimentError
 from woz_tui.config.json_schema import sample_settings
+from woz_tui.config.loading import load_robot
 from woz_tui.config.problems import hint
-from woz_tui.config.robots import load_robot
 from woz_tui.config.settings_table import settings_rows
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins

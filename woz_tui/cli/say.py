@@ -14,8 +14,8 @@ from woz_tui.bus.hub import Hub
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_robot
 from woz_tui.config.annotated_decoder import settings_from_texts
-from woz_tui.config.loading import load
-from woz_tui.config.robots import is_robot_file, load_robot
+from woz_tui.config.loading import load, load_robot
+from woz_tui.config.robots import is_robot_file
 from woz_tui.drivers import plugins
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Driver, DriverError, Scope, Verb

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+from woz_tui.bml.behaviour_calls import BmlTable
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.study import Study
 from woz_tui.drivers.contract import Verb
@@ -364,6 +365,10 @@ class Experiment:
     sensors: tuple[str, ...] = ()
     #: Of the arrow keys.
     steps: ArrowKeySteps = field(default_factory=ArrowKeySteps)
+    #: What behaviours of BML stand for, by robot (empty: the only one).
+    bml: Mapping[str, BmlTable] = field(default_factory=dict)
+    #: Blocks of BML that actions play: file as they write it -> what it holds.
+    blocks: Mapping[str, str] = field(default_factory=dict)
     #: What wizards may use, by name of the profile.
     profiles: Mapping[str, Profile] = field(default_factory=dict)
     #: How the robot tells whether somebody is with it; None: it does not.

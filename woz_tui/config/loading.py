@@ -10,17 +10,19 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from woz_tui.bml.behaviour_calls import BmlTable
 from woz_tui.config import cross_checks, participant_pattern, utterance_template, woz4u
 from woz_tui.config.actions import PanelReader, StepReader, panel_titles
 from woz_tui.config.annotated_decoder import read_partly
+from woz_tui.config.bml_section import BlockChecker, read_tables, robot_calls
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import read_variables
 from woz_tui.config.cross_checks import check_asks
 from woz_tui.config.engagement_section import EngagementReader, check_engagement
-from woz_tui.config.experiment import Action, Experiment
+from woz_tui.config.experiment import Action, DriverSpec, Experiment
 from woz_tui.config.experiment_file import TOP_LEVEL, ExperimentFile
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.languages import Language
@@ -30,7 +32,14 @@ from woz_tui.config.profiles import ProfileTargets, read_profiles
 from woz_tui.config.repairs import SAY, RepairReader
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import check_shown, published_names
-from woz_tui.config.session_verbs import ENGAGEMENT, SESSION, engagement_verbs, session_verbs
+from woz_tui.config.session_verbs import (
+    BML,
+    BML_VERB,
+    ENGAGEMENT,
+    SESSION,
+    engagement_verbs,
+    session_verbs,
+)
 from woz_tui.config.study_sections import StudyReferences, read_study
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import (
@@ -40,6 +49,14 @@ from woz_tui.config.yaml_cursor import (
 )
 from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.contract import Driver, Verb
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFile:
+    """A robot file by itself: its drivers, and what behaviours of BML stand for."""
+
+    drivers: tuple[DriverSpec, ...]
+    bml: Mapping[str, BmlTable]
 
 
 def load(
@@ -80,6 +97,28 @@ def load(
     return experiment
 
 
+def load_robot_file(path: Path, catalogue: Mapping[str, type[Driver]]) -> RobotFile:
+    """What a robot file has, with drivers named as the file names them.
+
+    Raises `ExperimentError` with every problem of the file, sorted by place, and nothing else.
+    """
+    report = ProblemReport()
+    source = source_of(path, report)
+    root = None if source is None else document(source, report, "a mapping with drivers")
+    report.raise_errors()
+    assert source is not None  # `raise_errors` has raised otherwise
+    assert root is not None
+    robots = RobotReader(catalogue, path.parent, report, [source]).read_file(root)
+    tables = read_tables(robots, path.absolute().parent)
+    report.raise_errors()
+    return RobotFile(tuple(robots.drivers), tables)
+
+
+def load_robot(path: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[DriverSpec, ...]:
+    """The drivers of a robot file; raises as `load_robot_file`."""
+    return load_robot_file(path, catalogue).drivers
+
+
 class _ExperimentDecoder:
     def __init__(
         self,
@@ -112,9 +151,19 @@ class _ExperimentDecoder:
         language = Language(table.get("language"), self._path.absolute().parent, self._sources)
         words = language.questionnaire()
         panels_cursor = table.get("panels")
+        folder = self._path.absolute().parent
+        tables = read_tables(playing, folder)
+        checker = BlockChecker(
+            lambda character: robot_calls(
+                playing.drivers, tables, self._catalogue, folder, character
+            ),
+            self._opened,
+            complete=not playing.incomplete,
+        )
+        own = _own(session_verbs(conditions, panel_titles(panels_cursor)), section)
         vocabulary = Vocabulary(
             robots,
-            _own(session_verbs(conditions, panel_titles(panels_cursor)), section),
+            own | {BML: VerbOffer(BML, BML_VERB, look=checker.remarks)},
             dict.fromkeys((*filled, *variables.names)),
             CommandChecker.of(self._path.absolute().parent, variables, conditions),
             conditions,
@@ -143,6 +192,8 @@ class _ExperimentDecoder:
             drivers=tuple(playing.drivers),
             panels=read,
             robot=playing.origin,
+            bml=tables,
+            blocks=checker.blocks,
             script=file.script,
             phases=read_phases(table.get("phases"), [panel.title for panel in read], actions),
             participant_pattern=_pattern(file.participants.pattern, table.get("participants")),
@@ -174,6 +225,11 @@ class _ExperimentDecoder:
         cross_checks.check_across(experiment, table, panels.drafts, self._report)
         cross_checks.check_covers(experiment, known.verbs if known.complete else None, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
+
+    def _opened(self, source: SourceFile) -> None:
+        """A file that belongs to the experiment."""
+        if all(known.path != source.path for known in self._sources):
+            self._sources.append(source)
 
     def _robots(self) -> RobotReader:
         return RobotReader(self._catalogue, self._path.parent, self._report, self._sources)

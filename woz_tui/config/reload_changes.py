@@ -70,6 +70,8 @@ def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
 #: What has names: its entries by them.
 _COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
     "variable": lambda read: {**read.variables, **read.by_condition},
+    "block of BML": lambda read: read.blocks,
+    "BML table of": lambda read: {name or "the robot": it for name, it in read.bml.items()},
     "repair": lambda read: {action.label: _essences(action) for action in read.repairs},
     "profile": lambda read: read.profiles,
     "questionnaire": lambda read: {each.name: each for each in read.study.questionnaires},

@@ -18,14 +18,13 @@ from woz_tui.config.bundled_files import is_path, robot_files
 from woz_tui.config.experiment import DriverPlace, DriverSpec
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, join, quoted
-from woz_tui.config.session_verbs import PERFORMERS, SESSION
+from woz_tui.config.session_verbs import BML, PERFORMERS, SESSION
 from woz_tui.config.yaml_cursor import (
     Cursor,
     document,
     missing,
     named_source,
     read_text,
-    source_of,
 )
 from woz_tui.config.yaml_nodes import MappingNode, Node, parse_yaml
 from woz_tui.drivers.contract import Ask, Driver, Finding, Verb, Written
@@ -42,7 +41,7 @@ NAMED = {"moves": "move", "joints": "joints"}
 #: What an entry of a driver says beside its type and settings: the computer of its hardware.
 AT = "at"
 #: What a robot file may say.
-ROBOT_FIELDS = ("name", *NAMED, "drivers")
+ROBOT_FIELDS = ("name", *NAMED, BML, "drivers")
 
 RemarkFunction = Callable[[Written], Iterable[Finding]]
 
@@ -74,6 +73,15 @@ class DriverRequests:
     asks: tuple[tuple[str, Ask], ...]
 
 
+@dataclass(frozen=True, slots=True)
+class BmlSection:
+    """What a robot file says of BML; `cursor`: None if nothing. `moves`: its names of moves."""
+
+    robot: str
+    cursor: Cursor | None
+    moves: Mapping[str, str]
+
+
 @dataclass(slots=True)
 class Robots:
     """Everything the robots of an experiment bring along."""
@@ -85,6 +93,7 @@ class Robots:
     lacking: dict[str, dict[str, str]] = field(default_factory=dict)
     #: Robot names, if there are several robots.
     names: list[str] = field(default_factory=list)
+    bml_sections: list[BmlSection] = field(default_factory=list)
     #: Whether some driver could not be decoded, so that verbs may be missing.
     incomplete: bool = False
     #: Of the robot that plays instead of the file's own: what it is called, and where to find it.
@@ -232,6 +241,8 @@ class RobotReader:
         self._names = {
             kind: _names_in(table[field]) if field in table else {} for field, kind in NAMED.items()
         }
+        moves = self._names["move"]
+        self._robots.bml_sections.append(BmlSection(prefix.rstrip("."), table.get(BML), moves))
         drivers = missing(table, "drivers", cursor, "drivers: {head: {type: ...}}")
         before = len(self._robots.drivers)
         entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
@@ -364,7 +375,9 @@ def _place(cursor: Cursor) -> DriverPlace | None:
 
 def _named(cursor: Cursor, name: str) -> bool:
     if name in PERFORMERS:
-        itself = "the session itself" if name == SESSION else "the engagement model"
+        itself = {SESSION: "the session itself", BML: "who plays BML"}.get(
+            name, "the engagement model"
+        )
         cursor.error(f"{name!r} is already the name of {itself}; choose another name")
         return False
     if not _NAME.fullmatch(name):
@@ -389,19 +402,3 @@ def is_robot_file(path: Path) -> bool:
     return (
         isinstance(node, MappingNode) and "drivers" in node.entries and "panels" not in node.entries
     )
-
-
-def load_robot(path: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[DriverSpec, ...]:
-    """The drivers of a robot file, named as the file names them.
-
-    Raises `ExperimentError` with every problem of the file, sorted by place, and nothing else.
-    """
-    report = ProblemReport()
-    source = source_of(path, report)
-    root = None if source is None else document(source, report, "a mapping with drivers")
-    report.raise_errors()
-    assert source is not None  # `raise_errors` has raised otherwise
-    assert root is not None
-    robots = RobotReader(catalogue, path.parent, report, [source]).read_file(root)
-    report.raise_errors()
-    return tuple(robots.drivers)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from woz_tui.bml.bml_block import LONGEST
 from woz_tui.config.engagement import (
     CONDITION,
     FILTERS,
@@ -23,14 +24,30 @@ from woz_tui.drivers.fields import Range
 SESSION = "session"
 #: The name under which calls of the engagement model's verbs are addressed.
 ENGAGEMENT = "engagement"
+#: The name under which calls that play blocks of behaviour are addressed, and their verb.
+BML = "bml"
 #: Who carries out verbs beside the drivers: no driver may have such a name.
-PERFORMERS = (SESSION, ENGAGEMENT)
+PERFORMERS = (SESSION, ENGAGEMENT, BML)
 
 #: A pause between steps, in seconds; it is no call.
 WAIT = Verb(
     "wait",
     "wait before the next step",
     (Argument("seconds", "seconds", "how long", required=True, range=Range(0.0, 3600.0, "s")),),
+)
+
+
+#: Plays a block of the Behaviour Markup Language.
+BML_VERB = Verb(
+    BML,
+    "play a block of the Behaviour Markup Language",
+    (
+        Argument("file", "file", "a file with a block, relative to the experiment's folder"),
+        Argument("block", "text", "the block itself", range=Range(0, LONGEST, "characters")),
+    ),
+    lane=BML,
+    limit_s=3600.0,
+    together=True,
 )
 
 

@@ -69,8 +69,9 @@ def _value(path: str, argument: Argument, value: Json) -> Json:
 def _text(path: str, argument: Argument, value: Json) -> str:
     if not isinstance(value, str):
         raise ArgumentError(f"{path} must be text, not {type(value).__name__}")
-    if len(value) > MAX_TEXT:
-        raise ArgumentError(f"{path} is {len(value)} characters long; at most {MAX_TEXT}")
+    longest = MAX_TEXT if argument.range is None else argument.range.high or MAX_TEXT
+    if len(value) > longest:
+        raise ArgumentError(f"{path} is {len(value)} characters long; at most {longest:.0f}")
     if "\0" in value:
         raise ArgumentError(f"{path} contains a NUL character")
     if argument.choices and value not in argument.choices:

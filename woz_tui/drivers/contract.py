@@ -87,7 +87,8 @@ class Verb:
     lane without anybody noticing.
     `waits`: it may be queued; else it is refused while its lane is busy. `arrives`: it moves
     something to a goal, and the log says when that is there (`motion.arrived`): when `perform`
-    returns, unless the driver says that it goes on (`Job.goes_on`).
+    returns, unless the driver says that it goes on (`Job.goes_on`). `together`: its commands do not
+    wait for each other.
     """
 
     name: str
@@ -100,6 +101,7 @@ class Verb:
     brief: bool = False
     waits: bool = True
     arrives: bool = False
+    together: bool = False
 
 
 class Job(Protocol):

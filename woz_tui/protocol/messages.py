@@ -22,6 +22,9 @@ from woz_tui.protocol.action_messages import (
     ActionsFilled,
     ActionStopped,
     ActionSuperseded,
+    BlockPlanned,
+    BlockProblem,
+    BlockTrouble,
     Command,
     CommandMark,
     Dispatched,
@@ -31,6 +34,7 @@ from woz_tui.protocol.action_messages import (
     FilledCall,
     MotionArrived,
     MotionInterrupted,
+    PlannedBehaviour,
     Progress,
     Refused,
     StopConfirmed,
@@ -80,6 +84,9 @@ __all__ = [
     "ActionStopped",
     "ActionSuperseded",
     "ActionsFilled",
+    "BlockPlanned",
+    "BlockProblem",
+    "BlockTrouble",
     "BreakEnded",
     "BreakStarted",
     "Command",
@@ -98,6 +105,7 @@ __all__ = [
     "MotionArrived",
     "MotionInterrupted",
     "PerceptionChanged",
+    "PlannedBehaviour",
     "PreflightChecked",
     "Progress",
     "QuestionnaireAnswered",
@@ -678,6 +686,8 @@ AnyMessage = (
     | MotionArrived
     | MotionInterrupted
     | CommandMark
+    | BlockPlanned
+    | BlockTrouble
     | StopPressed
     | StopConfirmed
     | StopReleased

@@ -12,7 +12,7 @@ import msgspec
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
-from woz_tui.config.session_verbs import ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.sensing.engagement_stream import SPEECH
@@ -264,6 +264,30 @@ class ActionRunner:
             self._supersede(command.command, call.verb, origin, [call])
         return command
 
+    def send_part(
+        self,
+        whole: m.Command,
+        call: Call,
+        when_busy: str,
+        refusal: CommandRefusal | None,
+        on_end: Callable[[m.End], None],
+    ) -> str:
+        """Send one command as a part of what the command `whole` plays; its id."""
+        origin = RequestOrigin(whole.source, whole.key, whole.console)
+        run = whole.run or whole.command
+        command = msgspec.structs.replace(
+            self._command(call, origin, run=run, when_busy=when_busy),
+            action=whole.action,
+            panel=whole.panel,
+            tells=whole.tells,
+            unfilled=dict.fromkeys(call.args, "...") if whole.tells else {},
+        )
+        if refusal is not None:
+            self._bus.refuse(command, refusal.code, refusal.reason, on_end)
+        else:
+            self._bus.submit(command, on_end)
+        return command.command
+
     def _holds(
         self,
         run: str,
@@ -485,7 +509,7 @@ class ActionRunner:
         for run in list(self._runs.values()):
             present = run.steps[max(run.at, 0)] if run.steps else ()
             calls = [*(present if isinstance(present, tuple) else ()), *run.still_to_come]
-            if any(call.verb in SPEECH for call in calls):
+            if any(call.verb in SPEECH or call.driver == BML for call in calls):
                 self.cancel(run.id, reason)
 
     def end_after_step(self, run_id: str, end: str | m.ActionEnd) -> None:

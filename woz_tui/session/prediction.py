@@ -42,16 +42,17 @@ async def predicted(
         ends: list[float | None] = []
         for call in step:
             verb = verb_of(call.driver, call.verb)
-            forecast = Forecast() if kept(call) else await _forecast(call, verb, drivers)
-            commands.append(_command(call, begins, forecast))
-            over = _later(over, _sum(begins, forecast.seconds))
+            foretold = Forecast() if kept(call) else await forecast(call, verb, drivers)
+            commands.append(_command(call, begins, foretold))
+            over = _later(over, _sum(begins, foretold.seconds))
             goes_on = verb is not None and verb.stream and not call.until
-            ends.append(begins if goes_on else _sum(begins, forecast.seconds))
+            ends.append(begins if goes_on else _sum(begins, foretold.seconds))
         begins = None if None in ends else max(end for end in (*ends, begins) if end is not None)
     return Prediction(duration_us=_us(_later(over, begins)), commands=commands)
 
 
-async def _forecast(call: Call, verb: Verb | None, drivers: Mapping[str, Driver]) -> Forecast:
+async def forecast(call: Call, verb: Verb | None, drivers: Mapping[str, Driver]) -> Forecast:
+    """How one call would go. Raises `RequestError` if it would be refused."""
     driver = drivers.get(call.driver)
     if driver is None or verb is None:  # the session or its model: done at once
         return Forecast(0.0, ())

@@ -9,14 +9,15 @@ from collections.abc import Callable, Mapping
 
 from woz_tui.config.experiment import Action, Experiment, Profile
 from woz_tui.config.profiles import CONTROL
+from woz_tui.config.session_verbs import BML
 from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.session.action_runner import CommandRefusal
 from woz_tui.session.participant_identity import RequestError
 
-#: Verbs that count in every profile.
-_ALWAYS = frozenset({"mark", "note"})
+#: Verbs that count in every profile. What a block consists of is looked at verb by verb.
+_ALWAYS = frozenset({"mark", "note", BML})
 
 
 class ProfileLimits:

@@ -20,6 +20,7 @@ _UNLISTED = (
     | m.MotionArrived
     | m.MotionInterrupted
     | m.CommandMark
+    | m.BlockPlanned
 )
 
 

@@ -61,6 +61,8 @@ _TEXTS: tuple[tuple[type[m.RestrictedMessage], tuple[str, ...]], ...] = (
     (m.Notice, ("text", "remedy")),
     (m.RestrictedMessage, ("text",)),
 )
+#: What says how a command goes: nothing of it is shown where its words tell something.
+_OF_COMMANDS = m.Progress | m.CommandMark | m.BlockPlanned | m.BlockTrouble
 #: What the ear finds out.
 _HEARD = ("transcript", "loudness", "presence", "identity")
 #: What a participant's terminal gets of the stream.
@@ -274,7 +276,7 @@ class Redactor:
             return message
         if isinstance(message, m.Command):
             return replace(message, args={**message.args, **message.unfilled})
-        if isinstance(message, m.Progress | m.CommandMark) or (
+        if isinstance(message, _OF_COMMANDS) or (
             isinstance(message, m.Notice) and message.level == "info"
         ):
             return None

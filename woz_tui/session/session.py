@@ -18,8 +18,15 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call, Experiment, Phase
 from woz_tui.config.keys.keymap import actions_on
+from woz_tui.config.session_verbs import BML, BML_VERB
 from woz_tui.drivers.argument_check import ArgumentError, checked
-from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
+from woz_tui.drivers.contract import (
+    Ask,
+    Driver,
+    HandInput,
+    Performer,
+    RejectedError,
+)
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
@@ -32,6 +39,7 @@ from woz_tui.session.action_runner import (
     RequestOrigin,
 )
 from woz_tui.session.action_texts import ActionTexts, no_value, utterances
+from woz_tui.session.bml_player import BmlPlayer
 from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_manager import DriverManager, make_drivers
 from woz_tui.session.engagement_control import EngagementController
@@ -146,10 +154,21 @@ class Session:
             on_request=self._driver_request,
             media=lambda: media_folder(self.recorder.path),
         )
+        self.blocks = BmlPlayer(
+            self.hub,
+            self.state,
+            self.drivers,
+            read=lambda: self.experiment,
+            catalogue=self.catalogue,
+            refusal=lambda verb, args, origin: (
+                self._no_verb(verb, args) or self.parts.no_verb(verb, origin)
+            ),
+        )
         self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}
         performers: dict[str, Performer] = {
             **self.drivers,
             ENGAGEMENT: self.engagement,
+            BML: self.blocks,
             SESSION: SessionPerformer(
                 {
                     "mark": lambda args, tells: self.mark(
@@ -168,9 +187,10 @@ class Session:
             {
                 **{spec.name: spec.verbs for spec in self.experiment.drivers},
                 SESSION: VERBS,
+                BML: (BML_VERB,),
                 ENGAGEMENT: self.engagement.offered,
             },
-            motionless=frozenset({SESSION, ENGAGEMENT}),
+            motionless=frozenset(PERFORMERS),
             unstopped=frozenset({ENGAGEMENT}),
         )
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)
@@ -187,6 +207,7 @@ class Session:
         )
         self.hub.listen(self.repairs.on_message)
         robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
+        self.blocks.bus, self.blocks.runner = self.bus, self.runner
         #: The last command of each control of a panel, by driver and control.
         self._held: dict[tuple[str, str], str] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
@@ -397,6 +418,9 @@ class Session:
     async def predict_verb(self, call: Call, kept: Kept) -> Prediction:
         """How one verb, filled in, would go if it were sent now. Raises `RequestError`."""
         call = replace(call, driver=self._driver_for(call.verb, call.driver))
+        if call.driver == BML:
+            block = await self.blocks.predict(call.args)
+            return Prediction(duration_us=block.duration_us, commands=[], block=block)
         return await predicted([(call,)], self.bus.verb, self.drivers, kept)
 
     def describe(self) -> m.Json:
@@ -623,7 +647,8 @@ class Session:
             raise RequestError(error.what, error.remedy) from error
 
     def lose_hands(self, client: str) -> None:
-        """The connection `client` has ended: what it held is let go."""
+        """The connection `client` has ended: what it held is let go, its blocks end."""
+        self.blocks.lose(client)
         for driver in self.drivers.values():
             driver.lose_hand(client)
 

@@ -340,6 +340,13 @@ class SessionState:
         self.commands[message.command] = replace(command, progress=message)
         return ()
 
+    def _planned(self, message: m.BlockPlanned) -> Iterable[Episode]:
+        command = self.commands.get(message.command)
+        if command is None:
+            return self._stray(message)
+        self.commands[message.command] = replace(command, planned=message)
+        return ()
+
     def _command_ended(self, message: m.End) -> Iterable[Episode]:
         command = self.commands.pop(message.command, None)
         if command is None:
@@ -656,6 +663,7 @@ CASES: dict[type[m.Message], _Case] = {
     m.Command: S._command,
     m.Dispatched: S._dispatched,
     m.Progress: S._progress,
+    m.BlockPlanned: S._planned,
     m.Mistake: S._mistake,
     m.StopPressed: S._pressed,
     m.StopConfirmed: S._confirmed,
@@ -708,7 +716,9 @@ CASES: dict[type[m.Message], _Case] = {
     **dict.fromkeys(
         (m.DriverConnecting, m.DriverConnected, m.DriverLost, m.DriverFaulted), S._driver
     ),
-    **dict.fromkeys((m.MotionArrived, m.MotionInterrupted, m.CommandMark), S._stray),
+    **dict.fromkeys(
+        (m.MotionArrived, m.MotionInterrupted, m.CommandMark, m.BlockTrouble), S._stray
+    ),
     # Moments, and nothing but moments.
     **dict.fromkeys((m.Marker, m.Note, m.Notice, m.VisitorChanged), S._moment),
     **dict.fromkeys((m.ActionScheduled, m.RerunSent, m.RerunSkipped), S._moment),

@@ -1,0 +1,210 @@
+"""The section `bml` of a robot file, and what can be said of a block before it is played."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from woz_tui.bml.behaviour_calls import WORD_VERBS, BehaviourCalls, BmlTable, TableCall
+from woz_tui.bml.block_plan import plan
+from woz_tui.bml.bml_block import BmlError, read_block
+from woz_tui.config.command_remarks import CommandChecker
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
+from woz_tui.config.robots import BmlSection, Robots
+from woz_tui.config.verb_calls import CallReader, Vocabulary
+from woz_tui.config.yaml_cursor import Cursor, read_number
+from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
+from woz_tui.drivers.contract import UNKNOWN, Driver, Finding, Verb, Written
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+
+#: Where things are, beside what behaviours stand for.
+TARGETS = "targets"
+#: What the section may say.
+FIELDS = (*WORD_VERBS, TARGETS)
+#: What each of its tables has on its left, for people.
+KEYS: Mapping[str, str] = {
+    "gesture": "lexeme of a gesture",
+    "head": "lexeme of a head movement",
+    "pointing": "left, middle, right, or a target",
+    "faceLexeme": "lexeme of a face; NEUTRAL is shown when a face ends",
+    "faceFacs": "action unit of FACS, such as 12",
+    "posture": "stance, such as SITTING, or lexeme of a pose",
+    "locomotion": "a place",
+    TARGETS: "name of something to look at and to point to: its yaw (left) and pitch (down)",
+}
+
+_ANGLE = Range(-180, 180, "degrees")
+
+
+def read_tables(robots: Robots, folder: Path) -> dict[str, BmlTable]:
+    """What each robot's file says, by the robot's name; mistakes are reported."""
+    return {section.robot: _table(section, robots, folder) for section in robots.bml_sections}
+
+
+def _table(section: BmlSection, robots: Robots, folder: Path) -> BmlTable:
+    table = BmlTable(moves=section.moves)
+    if section.cursor is None:
+        return table
+    prefix = f"{section.robot}." if section.robot else ""
+    own = {
+        verb: [offer for offer in offers if offer.driver.startswith(prefix)]
+        for verb, offers in robots.offers.items()
+    }
+    here = Robots(
+        robots.drivers,
+        {verb: offers for verb, offers in own.items() if offers},
+        incomplete=robots.incomplete,
+    )
+    reader = CallReader(Vocabulary(here, {}, (), CommandChecker(folder, {"": {}})))
+    calls: dict[str, dict[str, tuple[TableCall, ...]]] = {}
+    targets: dict[str, tuple[float, float]] = {}
+    entries = section.cursor.fields(FIELDS, "bml has", "a mapping such as {head: {NOD: nod}}")
+    for kind, entry in (entries or {}).items():
+        rows = entry.table("a mapping such as {NOD: nod}") or {}
+        for name, row in rows.items():
+            if kind != TARGETS:
+                calls.setdefault(kind, {})[name] = _calls(row, kind, here, reader)
+            elif (place := _angles(row)) is not None:
+                targets[name] = place
+    return replace(table, calls=calls, targets=targets)
+
+
+def _calls(row: Cursor, kind: str, robots: Robots, reader: CallReader) -> tuple[TableCall, ...]:
+    """What an entry stands for: a word for the verb that is usual, or verbs as in an action."""
+    node = row.node
+    if isinstance(node, ScalarNode):
+        verb = _verb_of(node.text, kind, robots)
+        if not verb:
+            if not robots.incomplete:
+                verbs = " or ".join(WORD_VERBS[kind])
+                row.error(f"this robot has no {verbs}; name another verb, such as {{eyes: green}}")
+            return ()
+        row = replace(row, node=MappingNode(node.place, {verb: node}, {verb: node}))
+    table = row.table("a word, or a verb such as {play: nod}")
+    step = None if table is None else reader.read(row, table, table.pop("on", None), ("on",))
+    calls = step.calls if step is not None else ()
+    return tuple(TableCall(call.verb, call.args, call.driver) for call in calls)
+
+
+def _verb_of(word: str, kind: str, robots: Robots) -> str:
+    """The first of the usual verbs that has this choice, or else that the robot has."""
+    there = [verb for verb in WORD_VERBS[kind] if verb in robots.offers]
+    fitting = (
+        verb
+        for verb in there
+        for offer in robots.offers[verb]
+        if offer.verb.arguments and word in offer.verb.arguments[0].choices
+    )
+    return next(fitting, there[0] if there else "")
+
+
+def _angles(row: Cursor) -> tuple[float, float] | None:
+    """`[60, -5]`."""
+    entries = row.list("yaw and pitch in degrees, such as [60, -5]")
+    if entries is None:
+        return None
+    if len(entries) != 2:
+        row.error("expected yaw and pitch in degrees, such as [60, -5]")
+        return None
+    yaw, pitch = (read_number(entry, _ANGLE) for entry in entries)
+    return None if yaw is None or pitch is None else (yaw, pitch)
+
+
+# -- on a robot ----------------------------------------------------------------------------------
+
+
+def robot_calls(
+    specs: Iterable[DriverSpec],
+    tables: Mapping[str, BmlTable],
+    catalogue: Mapping[str, type[Driver]],
+    folder: Path,
+    character: str = "",
+    *,
+    offered: Callable[[DriverSpec], Iterable[Verb]] = lambda spec: spec.verbs,
+) -> BehaviourCalls:
+    """What behaviours stand for on the robot `character`, or on the only one.
+
+    Raises `BmlError` if it is not clear which one is meant.
+    """
+    by_robot: dict[str, list[DriverSpec]] = {}
+    for spec in specs:
+        by_robot.setdefault(spec.name.rpartition(".")[0], []).append(spec)
+    if len(by_robot) > 1 and character not in by_robot:
+        raise BmlError(
+            f"it names no robot; write character= into <bml>: {' or '.join(map(repr, by_robot))}"
+        )
+    robot = character if character in by_robot else next(iter(by_robot), "")
+    own = {spec.name: spec for spec in by_robot.get(robot, ())}
+
+    def accepts(driver: str, verb: str, args: Mapping[str, Json]) -> bool:
+        spec = own[driver]
+        remarks = catalogue[spec.type].remarks(spec.settings, Written(verb, args, folder))
+        return not any(finding.level in ("warning", "error") for finding in remarks)
+
+    verbs = [(name, verb) for name, spec in own.items() for verb in offered(spec)]
+    return BehaviourCalls(verbs, tables.get(robot), accepts)
+
+
+class BlockChecker:
+    """Looks at the blocks that actions name, when the file is read.
+
+    Args:
+        calls_of: What behaviours stand for on the robot that a block names; raises `BmlError`.
+        opened: Takes each file that was read.
+        complete: Whether the robot's drivers are known.
+    """
+
+    def __init__(
+        self,
+        calls_of: Callable[[str], BehaviourCalls],
+        opened: Callable[[SourceFile], None],
+        *,
+        complete: bool = True,
+    ) -> None:
+        self._complete = complete
+        self._calls_of = calls_of
+        self._opened = opened
+        #: What the files hold, by their paths as actions write them.
+        self.blocks: dict[str, str] = {}
+
+    def remarks(self, written: Written) -> Iterable[Finding]:
+        """What is wrong with the block of a command (see `Driver.remarks`)."""
+        file, text = written.args.get("file"), written.args.get("block")
+        if (file is None) == (text is None):
+            yield Finding("error", "", "needs either a file with a block, or a block itself")
+            return
+        where = ""
+        if isinstance(file, str) and UNKNOWN not in file:
+            where = f"{file}: "
+            try:
+                text = self._read(file, written.folder)
+            except SourceFileError as error:
+                place = f" (line {error.line})" if error.line > 1 else ""
+                yield Finding("error", "file", f"{where}{error.message}{place}")
+        if isinstance(text, str) and UNKNOWN not in text:
+            for level, why in self._problems(text):
+                yield Finding(level, "file" if where else "block", f"{where}{why}")
+
+    def _read(self, file: str, folder: Path) -> str | None:
+        """None: there is no such file, which is said elsewhere."""
+        if file not in self.blocks:
+            path = folder / Path(file).expanduser()
+            if not path.exists():
+                return None
+            source = read_source(path, str(path))
+            self._opened(source)
+            self.blocks[file] = source.text
+        return self.blocks[file]
+
+    def _problems(self, text: str) -> Iterable[tuple[str, str]]:
+        try:
+            block = read_block(text)
+            if not self._complete:
+                return []
+            made = plan(block, self._calls_of(block.character))
+        except BmlError as error:
+            return [("error", str(error))]
+        return [("warning", f"{each.text} ({each.kind})") for each in made.schedule.warnings]

@@ -1,0 +1,393 @@
+"""Plays blocks of BML: those on keys of the experiment file, and those of planners.
+
+A block is a command, `bml`, and what it consists of are commands, too: recorded, stopped, cut short
+and refused like all others. A planner is a guest: the wizard's hand takes from its block what both
+need.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+
+from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError, VerbCall
+from woz_tui.bml.block_plan import BlockPlan, first_calls, plan, problem_of
+from woz_tui.bml.bml_block import (
+    LONGEST,
+    Behaviour,
+    BmlBlock,
+    BmlError,
+    BmlWarning,
+    SyncRef,
+    read_block,
+)
+from woz_tui.bus.bus import Bus
+from woz_tui.bus.hub import Hub
+from woz_tui.config.bml_section import robot_calls
+from woz_tui.config.experiment import Call, Experiment
+from woz_tui.config.session_verbs import BML, PERFORMERS
+from woz_tui.drivers.contract import Driver, Forecast, Job, RejectedError, Scope
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.protocol.messages import Json
+from woz_tui.session.action_runner import ActionRunner, CommandRefusal, RequestOrigin
+from woz_tui.session.participant_identity import RequestError
+from woz_tui.session.prediction import forecast
+from woz_tui.system import files
+from woz_tui.timeline.session_state import SessionState
+
+#: Whose blocks are a guest's.
+GUEST = "program"
+#: From the plan to the beginning, in seconds: so that nothing of it begins late.
+LEAD_S = 0.05
+#: Blocks that were played and whose times others may refer to.
+REMEMBERED = 100
+
+
+class _BehaviourError(Exception):
+    """A behaviour did not go as planned; the text says why."""
+
+
+@dataclass(eq=False, slots=True)
+class _Played:
+    """A block on its way. `begin`: in seconds on the axis of `t`; 0: not yet known."""
+
+    request: m.Command
+    block: BmlBlock
+    plan: BlockPlan | None = None
+    begin: float = 0.0
+    over: asyncio.Event = field(default_factory=asyncio.Event)
+    #: What goes on or is still to come, by behaviour; those of them that have begun; the lanes that
+    #: something of it has used.
+    tasks: dict[str, asyncio.Task[None]] = field(default_factory=dict)
+    begun: set[str] = field(default_factory=set)
+    lanes: set[tuple[str, str]] = field(default_factory=set)
+    #: Why a behaviour is taken from it.
+    taken: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def is_guest(self) -> bool:
+        """Whether a planner asked for it."""
+        return self.request.source == GUEST and not self.request.run
+
+
+class BmlPlayer:
+    """The performer of the verb `bml`.
+
+    Args:
+        hub: Where everything is published.
+        state: What goes on.
+        drivers: By name; they foretell how long something takes.
+        read: The experiment as it is now.
+        catalogue: Driver classes by type.
+        refusal: Why a guest may not send a verb at the moment; None: it may.
+    """
+
+    #: What a block consists of goes through these; set once they are there.
+    bus: Bus
+    runner: ActionRunner
+
+    def __init__(
+        self,
+        hub: Hub,
+        state: SessionState,
+        drivers: Mapping[str, Driver],
+        *,
+        read: Callable[[], Experiment],
+        catalogue: Mapping[str, type[Driver]],
+        refusal: Callable[[str, Mapping[str, Json], RequestOrigin], CommandRefusal | None],
+    ) -> None:
+        self._hub = hub
+        self._state = state
+        self._drivers = drivers
+        self._read = read
+        self._catalogue = catalogue
+        self._refusal = refusal
+        #: By who asked for it and its id; the latest last.
+        self._blocks: dict[tuple[str, str], _Played] = {}
+        hub.listen(self._on_message)
+
+    # -- as a performer ----------------------------------------------------------------------------
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Play a block, to its end."""
+        request = self._state.commands[job.command].request
+        block = self._block(job.args)
+        played = _Played(request, block)
+        before = self._admit(played)
+        try:
+            for other in before:
+                await other.over.wait()
+            played.plan = await self._plan(block)
+            for other in self._waits_for(played):
+                await other.over.wait()
+            await self._play(played, job)
+        finally:
+            played.over.set()
+        return {"block": block.id}
+
+    async def stop(self, scope: Scope) -> None:
+        """What a block consists of are commands that are stopped by themselves."""
+
+    async def predict(self, args: Mapping[str, Json]) -> m.BlockPlanned:
+        """What a block would do if it began now. Raises `RequestError`."""
+        try:
+            return (await self._plan(self._block(args))).message()
+        except RejectedError as error:
+            raise RequestError(error.what, error.remedy) from error
+
+    def lose(self, console: str) -> None:
+        """The connection of a guest has ended: its blocks do."""
+        for played in [*self._blocks.values()]:
+            if played.is_guest and played.request.console == console:
+                self._cut(played, "the program that asked for it has gone")
+
+    # -- what is played, and when ------------------------------------------------------------------
+
+    def _block(self, args: Mapping[str, Json]) -> BmlBlock:
+        file, text = args.get("file"), args.get("block")
+        if (file is None) == (text is None):
+            raise RejectedError("name either a file with a block, or the block itself")
+        try:
+            data = self._text_of(str(file)) if text is None else str(text).encode()
+            return read_block(data)
+        except OSError as error:
+            raise RejectedError(f"{file}: {error.strerror or error}") from error
+        except BmlError as error:
+            raise RejectedError(f"{file}: {error}" if text is None else str(error)) from error
+
+    def _admit(self, played: _Played) -> list[_Played]:
+        """Take a block in; what of the same name has to end before it."""
+        request, block = played.request, played.block
+        key = (request.console if played.is_guest else "", block.id)
+        same = [old for old in (self._blocks.pop(key, None),) if old and not old.over.is_set()]
+        if same and (played.is_guest or request.when_busy == "refuse"):
+            self._blocks[key] = same[0]
+            raise RejectedError(f"block {block.id} is still under way")
+        ending = same if request.when_busy == "replace" else []
+        if block.composition == "REPLACE":  # a guest does not reach the wizard's
+            going = (other for other in self._blocks.values() if not other.over.is_set())
+            ending = [other for other in going if other.is_guest or not played.is_guest]
+        for other in ending:
+            self._cut(other, f"replaced by block {block.id}")
+        self._blocks[key] = played
+        while len(self._blocks) > REMEMBERED:
+            self._blocks.pop(next(iter(self._blocks)))
+        return same
+
+    def _waits_for(self, played: _Played) -> list[_Played]:
+        """What has to end before a block begins; blocks that came later do not count."""
+        older = []
+        for other in self._blocks.values():
+            if other is played:
+                break
+            if not other.over.is_set():
+                older.append(other)
+        match played.block.composition:
+            case "APPEND":
+                return older
+            case "APPEND-AFTER":
+                return [other for other in older if other.block.id in played.block.after]
+        return []
+
+    def _cut(self, played: _Played, reason: str) -> None:
+        self.runner.cancel(played.request.run or played.request.command, reason)
+
+    async def _plan(self, block: BmlBlock) -> BlockPlan:
+        try:
+            calls = self._calls_of(block.character)
+            forecasts: dict[str, Forecast | UnplayableError] = {}
+            for name, call in first_calls(block, calls).items():
+                try:
+                    forecasts[name] = await forecast(
+                        Call(call.verb, call.args, call.driver),
+                        self.bus.verb(call.driver, call.verb),
+                        self._drivers,
+                    )
+                except RequestError as error:
+                    forecasts[name] = UnplayableError(str(error), "IMPOSSIBLE_TO_SCHEDULE")
+            return plan(block, calls, forecasts, self._elsewhere)
+        except BmlError as error:
+            raise RejectedError(str(error)) from error
+
+    def _elsewhere(self, ref: SyncRef) -> float | None:
+        """When a sync point of another block is, in seconds from the beginning of one that is
+        planned now; None: nobody knows.
+        """
+        for (_, name), played in reversed(self._blocks.items()):
+            if name == ref.block and played.plan is not None and played.begin:
+                time = played.plan.schedule.times.get((ref.behaviour, ref.point))
+                return None if time is None else played.begin + time - self._now() - LEAD_S
+        return None
+
+    def _calls_of(self, character: str) -> BehaviourCalls:
+        """What behaviours stand for on the robot that a block names. Raises `BmlError`."""
+        experiment = self._read()
+        return robot_calls(
+            experiment.drivers,
+            experiment.bml,
+            self._catalogue,
+            experiment.path.parent,
+            character,
+            offered=lambda spec: self.bus.verbs[spec.name].values(),
+        )
+
+    def _text_of(self, file: str) -> bytes:
+        """What a file with a block holds, as it was read with the experiment if it was. Raises
+        `OSError`.
+        """
+        experiment = self._read()
+        if (text := experiment.blocks.get(file)) is not None:
+            return text.encode()
+        with files.open_regular(experiment.path.parent / Path(file).expanduser()) as opened:
+            return opened.read(LONGEST + 1)
+
+    # -- playing -----------------------------------------------------------------------------------
+
+    async def _play(self, played: _Played, job: Job) -> None:
+        assert played.plan is not None
+        made = played.plan.schedule
+        played.begin = self._now() + LEAD_S
+        begin_us = round(played.begin * 1e6)
+        request = played.request
+        planned = played.plan.message(request.command, BML, begin_us)
+        self._hub.publish(_telling(planned, request))
+        job.expects(made.seconds + LEAD_S)
+        await self._until(played.begin)
+        job.mark("sync")
+        calls = self._calls_of(played.block.character)
+        async with asyncio.TaskGroup() as group:
+            for behaviour in made.block.behaviours:
+                played.tasks[behaviour.id] = group.create_task(
+                    self._behave(played, behaviour, calls, job)
+                )
+
+    async def _behave(
+        self, played: _Played, behaviour: Behaviour, calls: BehaviourCalls, job: Job
+    ) -> None:
+        """All of one behaviour; what goes wrong ends it alone, and is published."""
+        assert played.plan is not None
+        times = played.plan.schedule.points(behaviour.id)
+        name = behaviour.id
+        try:
+            try:
+                async with asyncio.TaskGroup() as group:
+                    group.create_task(self._pass_points(played, name, times, job))
+                    for call in played.plan.calls[name]:
+                        group.create_task(self._call(played, name, call, calls, times))
+            except* _BehaviourError as errors:
+                self._trouble(played, name, "; ".join(map(str, errors.exceptions)))
+        except asyncio.CancelledError:
+            if name not in played.taken:
+                raise
+            self._trouble(played, name, played.taken[name])
+        finally:
+            del played.tasks[name]
+
+    async def _call(
+        self,
+        played: _Played,
+        name: str,
+        call: VerbCall,
+        calls: BehaviourCalls,
+        times: Mapping[str, float],
+    ) -> None:
+        assert played.plan is not None
+        begin, seconds = call.span(times)
+        _, usual = call.span(played.plan.schedule.timings[name].offsets)
+        stretched = calls.stretched(call, seconds, usual)
+        await self._until(played.begin + begin)
+        request, lane = played.request, calls.lane(call)
+        # What has the lane of its own block before it waits for that, and does not cut it off.
+        when_busy = "queue" if lane in played.lanes else request.when_busy
+        played.lanes.add(lane)
+        played.begun.add(name)
+        part = Call(stretched.verb, stretched.args, stretched.driver)
+        refusal = None
+        if played.is_guest:
+            origin = RequestOrigin(request.source, request.key, request.console)
+            refusal = self._refusal(part.verb, part.args, origin)
+        ended: asyncio.Future[m.End] = asyncio.get_running_loop().create_future()
+
+        def end(message: m.End) -> None:
+            if not ended.done():
+                ended.set_result(message)
+
+        runner = self.runner
+        command = runner.send_part(request, part, when_busy, refusal, end)
+        try:
+            over = await ended
+        except asyncio.CancelledError:
+            runner.cancel(command, f"block {played.block.id} was ended")
+            raise
+        if not isinstance(over, m.Done):
+            raise _BehaviourError(f"{over.driver}: {over.reason}".strip(": "))
+
+    async def _pass_points(
+        self, played: _Played, name: str, times: Mapping[str, float], job: Job
+    ) -> None:
+        for point, time in sorted(times.items(), key=lambda each: each[1]):
+            await self._until(played.begin + time)
+            job.mark("sync", f"{name}:{point}")
+
+    def _trouble(self, played: _Played, name: str, reason: str) -> None:
+        problem = problem_of(BmlWarning("IMPOSSIBLE_TO_SCHEDULE", reason, (name,)))
+        request = played.request
+        self._hub.publish(
+            _telling(
+                m.BlockTrouble(
+                    command=request.command, driver=BML, block=played.block.id, problem=problem
+                ),
+                request,
+            )
+        )
+
+    # -- the wizard's hand -------------------------------------------------------------------------
+
+    def _on_message(self, message: m.AnyMessage) -> None:
+        """What the wizard does now comes before what a block still has to do in the same lane, and
+        before what a guest's block does there.
+        """
+        if not isinstance(message, m.Command) or message.driver in PERFORMERS:
+            return
+        if message.source not in HANDS or message.source == GUEST:
+            return
+        run = message.run or message.command
+        for played in self._blocks.values():
+            if played.over.is_set() or played.plan is None:
+                continue
+            if run != (played.request.run or played.request.command):
+                self._give_way(played, message)
+
+    def _give_way(self, played: _Played, message: m.Command) -> None:
+        assert played.plan is not None
+        calls = self._calls_of(played.block.character)
+        verb = self.bus.verb(message.driver, message.verb)
+        lane = (message.driver, "" if verb is None else verb.lane)
+        for name, task in played.tasks.items():
+            if name in played.begun and not played.is_guest:
+                continue
+            if lane in map(calls.lane, played.plan.calls[name]):
+                played.taken[name] = f'replaced by "{message.action or message.verb}"'
+                task.cancel()
+
+    # -- time --------------------------------------------------------------------------------------
+
+    def _now(self) -> float:
+        return self._hub.now() / 1e6
+
+    async def _until(self, moment: float) -> None:
+        await asyncio.sleep(max(0.0, moment - self._now()))
+
+
+M = TypeVar("M", m.BlockPlanned, m.BlockTrouble)
+
+
+def _telling(message: M, request: m.Command) -> M:
+    """The message, kept from whom the block itself is kept."""
+    return msgspec.structs.replace(message, tells=request.tells)

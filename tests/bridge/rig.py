@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +17,9 @@ from tests.host.rig import Served, served
 from woz_tui.bml.stomp_connection import StompPlace
 from woz_tui.bridge.ros_data import RosValue, read_data, write_data
 from woz_tui.bridge.stomp_bridge import StompBridge
-from woz_tui.bridge.topic_table import load_table
+from woz_tui.bridge.topic_table import TopicTable, load_table
 from woz_tui.client import connect
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol import messages as m
@@ -29,6 +31,12 @@ PREFIX = "/topic/ramsocialrobot_"
 GENERAL, PREDICTION = "ram.asap.feedback.general", "ram.asap.feedback.prediction"
 SEQUENCE = "ram.animation.hmmm.sequence"
 CATALOGUE: Mapping[str, type[Driver]] = {"body": SteppedBody, "simulated": SimulatedRobot}
+
+
+@functools.cache
+def eyepi() -> tuple[Experiment, TopicTable]:
+    """The robot and its topics, read once for all tests."""
+    return load(EXPERIMENT, CATALOGUE), load_table("eyepi")
 
 
 @dataclass
@@ -87,7 +95,7 @@ class Planner:
 @contextlib.asynccontextmanager
 async def bridged(tmp_path: Path) -> AsyncIterator[Planner]:
     """The robot and its planner, until the block ends."""
-    made = load(EXPERIMENT, CATALOGUE)
+    made, table = eyepi()
     async with (
         StompBroker() as broker,
         served(tmp_path, made=made, catalogue=CATALOGUE) as host,
@@ -95,7 +103,7 @@ async def bridged(tmp_path: Path) -> AsyncIterator[Planner]:
     ):
         planner = Planner(broker, host)
         place = StompPlace("127.0.0.1", broker.port)
-        bridge = StompBridge(client, place, load_table("eyepi"), planner.sentences.append)
+        bridge = StompBridge(client, place, table, planner.sentences.append)
         running = asyncio.create_task(bridge.run())
         try:
             await planner.until(lambda: broker.subscribed)

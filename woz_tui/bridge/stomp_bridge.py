@@ -7,7 +7,6 @@ topic of the table is relayed from the beginning, so a planner goes on when the 
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable, Iterator, Mapping
 from xml.etree import ElementTree as Xml
 
@@ -25,6 +24,7 @@ from woz_tui.bridge.ros_data import (
 from woz_tui.bridge.topic_player import TopicPlayer
 from woz_tui.bridge.topic_table import TopicTable
 from woz_tui.client import WozClient
+from woz_tui.system.tasks import until_first_ends
 
 _PREFIX = "/topic/"
 _CONFIG, _STATUS = "bridge_config", "bridge_status"
@@ -142,20 +142,9 @@ class StompBridge:
         """Serve until the session ends. Raises `StompRefusedError` when the broker does not let us
         in, `WozConnectionError` when the session is lost.
         """
-        playing = asyncio.create_task(self._player.run(), name="bridge player")
-        relaying = asyncio.create_task(
-            stay_connected(self._place, self._serve, self._tell_person), name="bridge relay"
+        await until_first_ends(
+            self._player.run(), stay_connected(self._place, self._serve, self._tell_person)
         )
-        both = (playing, relaying)
-        try:
-            await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in both:
-                task.cancel()
-            await asyncio.gather(*both, return_exceptions=True)
-        for task in both:
-            if not task.cancelled() and (error := task.exception()) is not None:
-                raise error
 
     async def _serve(self, connection: StompConnection) -> None:
         self._connection = connection

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -27,6 +28,7 @@ from woz_tui.bridge.topic_table import (
 from woz_tui.client import WozClient, WozError, WozRefusedError, WozSupersededError
 from woz_tui.client.woz_client import WozRun
 from woz_tui.protocol import messages as m
+from woz_tui.system.tasks import TaskSet, end_tasks
 
 #: `type`, `message` and `reason` of feedback (`feedbackConstants.hpp` of the robot's own software).
 _FEEDBACK, _PROGRESS = 1, 2
@@ -40,6 +42,8 @@ NEAR = 0.02
 GAZE_EVERY_S = 0.1
 #: Commands that began before their request was answered.
 _EARLY = 64
+#: Requests to end a sequence that wait for their moment.
+_MOST_ENDINGS = 64
 
 Answer = Callable[[str, Mapping[str, RosValue]], None]
 
@@ -75,8 +79,7 @@ class TopicPlayer:
         try:
             await self._sequences.follow()
         finally:
-            looking.cancel()
-            await asyncio.gather(looking, return_exceptions=True)
+            await end_tasks(looking)
             await self._sequences.close()
 
     async def take(self, topic: str, message: Mapping[str, RosValue]) -> None:
@@ -103,8 +106,8 @@ class TopicPlayer:
     async def _take_sequence(self, entry: TakenTopic, read: Mapping[str, Any]) -> None:
         call = sequence_verb(entry, read)
         if call is None:
-            self._acknowledge(read, None)
-            self._sequences.end_at(self._client.now() + max(0.0, read["request"]))
+            taken = self._sequences.end_at(self._client.now() + max(0.0, read["request"]))
+            self._acknowledge(read, None if taken else NackReason.FLUENCY)
             return
         try:
             lasts, stroke = await self._foreseen(call)
@@ -175,7 +178,7 @@ class _States:
         self._last: dict[tuple[str, int], Mapping[str, Any] | None] = {}
         #: When what was refused may be tried again, in seconds of the session.
         self._again: dict[tuple[str, int], float] = {}
-        self._ends: set[asyncio.Task[None]] = set()
+        self._ends = TaskSet("bridge state")
 
     async def play(self, topic: str, entry: TakenTopic, read: Mapping[str, RosValue]) -> bool:
         """Call what differs from before; says whether nothing was refused."""
@@ -187,36 +190,33 @@ class _States:
             elif entry.acknowledges or call.args != self._last.get(
                 place, entry.plays[at].before or None
             ):
-                if now < self._again.get(place, 0.0):
+                if now < self._again.get(place, 0.0) and not entry.acknowledges:
                     taken = False
                     continue
                 try:
                     run = await self._client.begin(call.verb, call.args)
                 except WozRefusedError as error:
-                    self._complain(f"{topic}: {error}")
-                    self._again[place], taken = now + RETRY_S, False
+                    self._fail(place, error)
+                    taken = False
                     continue
                 self._last[place] = call.args
-                _watch(run, topic, self._ends, self._complain)
+                self._ends.start(_watched(run, functools.partial(self._fail, place)))
         return taken
 
+    def _fail(self, place: tuple[str, int], error: WozError) -> None:
+        """Complain, and try it again in a while, if it is still wanted then."""
+        self._complain(f"{place[0]}: {error}")
+        self._last[place], self._again[place] = None, self._client.now() + RETRY_S
 
-def _watch(
-    run: WozRun, topic: str, tasks: set[asyncio.Task[None]], complain: Callable[[str], None]
-) -> None:
-    """Complain if it goes wrong later; something newer in its place is what states are for."""
 
-    async def look() -> None:
-        try:
-            await run
-        except WozSupersededError:
-            pass
-        except WozError as error:
-            complain(f"{topic}: {error}")
-
-    task = asyncio.create_task(look())
-    tasks.add(task)
-    task.add_done_callback(tasks.discard)
+async def _watched(run: WozRun, on_failure: Callable[[WozError], None]) -> None:
+    """Say if it goes wrong later; something newer in its place is what states are for."""
+    try:
+        await run
+    except WozSupersededError:
+        pass
+    except WozError as error:
+        on_failure(error)
 
 
 class _Gaze:
@@ -237,7 +237,7 @@ class _Gaze:
         self._place = MIDDLE
         self._heard = asyncio.Event()
         self._told = 0.0
-        self._ends: set[asyncio.Task[None]] = set()
+        self._ends = TaskSet("bridge gaze")
 
     def put(self, program: str, places: list[SalientPlace]) -> None:
         """All that is salient to a program at this moment."""
@@ -272,7 +272,7 @@ class _Gaze:
             self._complain(f"saliency: {error}")
             await asyncio.sleep(RETRY_S)
             return
-        _watch(run, "saliency", self._ends, self._complain)
+        self._ends.start(_watched(run, lambda error: self._complain(f"saliency: {error}")))
         self._place = place
         self._told = self._client.now()
         self._tell(place)
@@ -284,7 +284,7 @@ class _Sequences:
     def __init__(
         self,
         client: WozClient,
-        tell: Callable[[str, int, int], None],
+        tell: Callable[..., None],
         complain: Callable[[str], None],
     ) -> None:
         self._client = client
@@ -295,7 +295,8 @@ class _Sequences:
         self.idle = asyncio.Event()
         self.idle.set()
         self._tasks: dict[QueuedSequence, asyncio.Task[None]] = {}
-        self._endings: set[asyncio.Task[None]] = set()
+        self._endings = TaskSet("bridge end")
+        self._moments: list[float] = []
         #: The sequence of each command that was asked for.
         self._commands: dict[str, QueuedSequence] = {}
         self._early: deque[str] = deque(maxlen=_EARLY)
@@ -315,11 +316,13 @@ class _Sequences:
         self._tasks[sequence] = task
         task.add_done_callback(lambda task: self._tasks.pop(sequence, None))
 
-    def end_at(self, moment: float) -> None:
-        """Cut short what is played at this moment."""
-        task = asyncio.create_task(self._end(moment), name="bridge end")
-        self._endings.add(task)
-        task.add_done_callback(self._endings.discard)
+    def end_at(self, moment: float) -> bool:
+        """Cut short what is played at this moment; says whether there is room for one more."""
+        if len(self._moments) >= _MOST_ENDINGS:
+            return False
+        self._moments.append(moment)
+        self._endings.start(self._end(moment))
+        return True
 
     async def follow(self) -> None:
         """Tell of beginnings and strokes until the session ends."""
@@ -335,10 +338,8 @@ class _Sequences:
 
     async def close(self) -> None:
         """Begin nothing any more; what is played is cut short."""
-        tasks = (*self._tasks.values(), *self._endings)
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await self._endings.close()
+        await end_tasks(*self._tasks.values())
 
     async def _movement(self, call: VerbWithArgs, at: float) -> WozRun:
         """Ask for a movement at its time, or at once if that is over."""
@@ -353,6 +354,8 @@ class _Sequences:
                 await self._to_its_end(sequence, run)
         except WozError as error:
             self._complain(f"{sequence.id}: {error}")
+            if self._playing is not sequence:
+                self._tell(sequence.id, _FEEDBACK, _NACK, NackReason.FLUENCY)
         finally:
             if self._playing is sequence:
                 self._playing = None
@@ -380,6 +383,9 @@ class _Sequences:
             self._tell(sequence.id, _PROGRESS, _START)
 
     async def _end(self, moment: float) -> None:
-        await asyncio.sleep(max(0.0, moment - self._client.now()))
+        try:
+            await asyncio.sleep(max(0.0, moment - self._client.now()))
+        finally:
+            self._moments.remove(moment)
         if self._playing is not None:
             self._tasks[self._playing].cancel()

@@ -104,13 +104,18 @@ def holders(port: str) -> list[str]:
     target = str(Path(port).resolve())
     found = []
     for process in Path("/proc").glob("[0-9]*"):
-        try:
-            if any(str(link.readlink()) == target for link in (process / "fd").iterdir()):
+        with contextlib.suppress(OSError):
+            if any(_leads_to(link, target) for link in (process / "fd").iterdir()):
                 name = (process / "comm").read_text("utf-8", "replace").strip()
                 found.append(f"{name} ({process.name})")
-        except OSError:
-            continue
     return found
+
+
+def _leads_to(link: Path, target: str) -> bool:
+    """False, too, for what the program has closed meanwhile."""
+    with contextlib.suppress(OSError):
+        return str(link.readlink()) == target
+    return False
 
 
 def reason_of(error: Exception) -> str:

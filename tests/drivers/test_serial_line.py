@@ -7,6 +7,7 @@ import errno
 import fcntl
 import os
 import termios
+import threading
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import serial
 from woz_drivers.serial_line import (
     SerialLine,
     explain_port_error,
+    holders,
     present_ports,
     reason_of,
 )
@@ -100,6 +102,27 @@ async def test_an_occupied_port_is_named_and_taken_when_it_is_free(
     with pytest.raises(serial.SerialException):
         serial.Serial(str(tmp_path / "port"), exclusive=True)
     sensor.unplug()
+
+
+def test_who_holds_a_port_is_named_whatever_else_it_opens_and_closes(tmp_path: Path) -> None:
+    with (tmp_path / "port").open("w") as file:  # behind all that comes and goes
+        held = fcntl.fcntl(file, fcntl.F_DUPFD, 200)
+    done = threading.Event()
+
+    def busy() -> None:
+        while not done.is_set():
+            for number in [os.open(os.devnull, os.O_RDONLY) for _ in range(50)]:
+                os.close(number)
+
+    worker = threading.Thread(target=busy)
+    worker.start()
+    try:
+        for _ in range(20):
+            assert any(f"({os.getpid()})" in one for one in holders(str(tmp_path / "port")))
+    finally:
+        done.set()
+        worker.join()
+        os.close(held)
 
 
 async def test_a_file_is_no_port(watched: Watched, tmp_path: Path) -> None:

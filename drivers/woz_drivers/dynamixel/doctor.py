@@ -215,7 +215,7 @@ def _watchdog_doubts(
 def _elsewhere(settings: ServoSettings, missing: list[int]) -> Iterator[Finding]:
     """Missing servos may have been left at another speed: ask for them there."""
     for baud in USUAL_BAUDS:
-        if baud == settings.baud:
+        if baud == settings.baud or not missing:
             continue
         port = ServoPort(settings.port, baud, settings.reply_timeout or AMPLE_MS)
         other = ServoWire(port, settings.protocol)
@@ -226,6 +226,7 @@ def _elsewhere(settings: ServoSettings, missing: list[int]) -> Iterator[Finding]
             continue  # the adapter cannot do this speed
         finally:
             other.close()
+        missing = [servo for servo in missing if servo not in there]
         if there:
             yield Finding(
                 "warning",

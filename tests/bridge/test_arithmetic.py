@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.bridge.saliency import MIDDLE, SILENCE_S, SaliencyMap, SalientPlace
+from woz_tui.bridge.saliency import SILENCE_S, SaliencyMap
 from woz_tui.bridge.sequence_queue import (
     SOONEST_S,
     NackReason,
@@ -17,6 +17,7 @@ from woz_tui.bridge.sequence_queue import (
     SequenceQueue,
     SequenceRequest,
 )
+from woz_tui.config.topic_table import MIDDLE, SalientPlace
 
 GAZE, SHIFT = SalientPlace(0.5, 0.5, 10000), SalientPlace(-0.5, 0.0, 1000)
 

@@ -9,7 +9,7 @@ from xml.etree import ElementTree as Xml
 import pytest
 
 from tests.bridge.rig import GENERAL, PATIENCE_S, PREDICTION, SEQUENCE, bridged
-from woz_tui.bridge.ros_data import RosValue
+from woz_tui.bml.ros_data import RosValue
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
 
@@ -209,11 +209,26 @@ async def test_what_a_mode_refuses_is_tried_again_and_a_wizards_hand_stays(tmp_p
         await asyncio.wait_for(tried(), PATIENCE_S)
         asked = len(it.commands("joints"))
         session.send("joints", {"joints": {"pitch": -40.0}}, "", WIZARD)
-        for _ in range(5):
-            it.send("ram.animation.desired.joint", joints)
-        it.ask("p", NOD, kind=4)
+        await it.until(lambda: len(it.commands("joints")) == asked + 1)
+        it.ask("q", NOD, kind=4)  # when it is answered, the bridge has heard of the wizard
         await it.until(lambda: bool(it.heard(PREDICTION)))
+        for angle in (0.5, 0.1, 0.2):
+            it.send("ram.animation.desired.joint", {"position": (angle, 0.6, 0.45)})
+        it.ask("p", NOD, kind=4)
+        await it.until(lambda: len(it.heard(PREDICTION)) == 2)
         assert len(it.commands("joints")) == asked + 1
+
+
+async def test_a_sequence_gives_way_to_the_wizards_hand(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.ask("dance", DANCE)
+        await it.until(lambda: START in it.general("dance"))
+        it.host.session.send("play", {"move": "nod"}, "", WIZARD)
+        await it.over("dance")
+        done = await it.host.published(lambda line: isinstance(line, m.Done))
+        assert isinstance(done, m.Done)
+        assert [line.source for line in it.commands() if line.command == done.command] == ["key"]
+        assert any("replaced" in text for text in it.texts("bridge_status"))
 
 
 async def test_the_bridge_itself_is_asked(tmp_path: Path) -> None:

@@ -6,25 +6,11 @@ Source: the node ram_hmmm of ArticulatedSocialAgentsPlatform/UTRobotics.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from woz_tui.config.topic_table import MIDDLE, SalientPlace
 
 #: A program that says nothing for so long is gone, and its places with it, in seconds.
 SILENCE_S = 5.0
-
-
-@dataclass(frozen=True, slots=True)
-class SalientPlace:
-    """A place in the camera's picture, from -1 (left, top) to 1 (right, bottom); it is looked at if
-    its weight is the highest. Planners use weights up to 10000.
-    """
-
-    x: float = 0.0
-    y: float = 0.0
-    weight: float = 0.0
-
-
-#: Looked at when nothing is salient.
-MIDDLE = SalientPlace()
 
 
 class SaliencyMap:

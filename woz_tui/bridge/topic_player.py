@@ -9,8 +9,8 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from woz_tui.bridge.ros_data import RosDataError, RosValue, typed
-from woz_tui.bridge.saliency import MIDDLE, SILENCE_S, SaliencyMap, SalientPlace
+from woz_tui.bml.ros_data import RosDataError, RosValue, typed
+from woz_tui.bridge.saliency import SILENCE_S, SaliencyMap
 from woz_tui.bridge.sequence_queue import (
     NackReason,
     QueuedSequence,
@@ -18,16 +18,19 @@ from woz_tui.bridge.sequence_queue import (
     SequenceQueue,
     SequenceRequest,
 )
-from woz_tui.bridge.topic_table import (
+from woz_tui.client import WozClient, WozError, WozRefusedError, WozSupersededError
+from woz_tui.client.woz_client import WozRun
+from woz_tui.config.topic_table import (
+    MIDDLE,
+    SalientPlace,
     TakenTopic,
     TopicTable,
     VerbWithArgs,
     salient_places,
     sequence_verb,
 )
-from woz_tui.client import WozClient, WozError, WozRefusedError, WozSupersededError
-from woz_tui.client.woz_client import WozRun
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import HANDS
 from woz_tui.system.tasks import TaskSet, end_tasks
 
 #: `type`, `message` and `reason` of feedback (`feedbackConstants.hpp` of the robot's own software).
@@ -38,6 +41,8 @@ _START, _STROKE, _END = 1, 2, 3
 RETRY_S = 1.0
 #: A place that is nearer than this to the last one is the same; of -1 to 1.
 NEAR = 0.02
+#: What the wizard's hand has moved is the wizard's for so long, in seconds.
+HAND_S = 3.0
 #: The planner is told where the robot looks at most so often, in seconds.
 GAZE_EVERY_S = 0.1
 #: Commands that began before their request was answered.
@@ -69,9 +74,10 @@ class TopicPlayer:
         self._table = table
         self._answer = answer
         self._complain = complain
-        self._states = _States(client, complain)
-        self._sequences = _Sequences(client, self._general, complain)
-        self._gaze = _Gaze(client, table, self._tell_gaze, complain)
+        self._hands = _Hands(client)
+        self._states = _States(client, self._hands, complain)
+        self._sequences = _Sequences(client, self._hands, self._general, complain)
+        self._gaze = _Gaze(client, self._hands, table, self._tell_gaze, complain)
 
     async def run(self) -> None:
         """Follow the session until it ends or this is cancelled. Raises `WozConnectionError`."""
@@ -168,11 +174,41 @@ class TopicPlayer:
                 self._answer(topic, fields)
 
 
+class _Hands:
+    """Which lanes the wizard has used lately: there a planner waits."""
+
+    def __init__(self, client: WozClient) -> None:
+        self._client = client
+        verbs = reversed(client.description.verbs)
+        self._lanes = {(verb.driver, verb.name): verb.lane for verb in client.description.verbs}
+        #: Driver and lane of each verb, of the first driver that offers it.
+        self._own = {verb.name: (verb.driver, verb.lane) for verb in verbs}
+        self._used: dict[tuple[str, str], float] = {}
+
+    def note(self, message: m.Command) -> tuple[str, str] | None:
+        """Driver and lane of a command, if it is the wizard's."""
+        if message.source not in HANDS or message.source == "program":
+            return None
+        lane = (message.driver, self._lanes.get((message.driver, message.verb), ""))
+        self._used[lane] = self._client.now()
+        return lane
+
+    def lane(self, verb: str) -> tuple[str, str]:
+        """Driver and lane of a planner's verb."""
+        return self._own.get(verb, ("", ""))
+
+    def wait(self, verb: str) -> float:
+        """For how many seconds a planner leaves this verb to the wizard."""
+        used = self._used.get(self.lane(verb))
+        return 0.0 if used is None else max(0.0, used + HAND_S - self._client.now())
+
+
 class _States:
     """Messages that say again and again how things shall be: what changes is played."""
 
-    def __init__(self, client: WozClient, complain: Callable[[str], None]) -> None:
+    def __init__(self, client: WozClient, hands: _Hands, complain: Callable[[str], None]) -> None:
         self._client = client
+        self._hands = hands
         self._complain = complain
         #: Arguments as they were last, by topic and place in its list.
         self._last: dict[tuple[str, int], Mapping[str, Any] | None] = {}
@@ -190,7 +226,8 @@ class _States:
             elif entry.acknowledges or call.args != self._last.get(
                 place, entry.plays[at].before or None
             ):
-                if now < self._again.get(place, 0.0) and not entry.acknowledges:
+                early = now < self._again.get(place, 0.0) and not entry.acknowledges
+                if early or self._hands.wait(call.verb):
                     taken = False
                     continue
                 try:
@@ -225,11 +262,13 @@ class _Gaze:
     def __init__(
         self,
         client: WozClient,
+        hands: _Hands,
         table: TopicTable,
         tell: Callable[[SalientPlace], None],
         complain: Callable[[str], None],
     ) -> None:
         self._client = client
+        self._hands = hands
         self._table = table
         self._tell = tell
         self._complain = complain
@@ -266,6 +305,10 @@ class _Gaze:
         call = self._table.look(place.x, place.y)
         if call is None:
             return
+        if left := self._hands.wait(call.verb):
+            await asyncio.sleep(left)
+            self._heard.set()
+            return
         try:
             run = await self._client.begin(call.verb, call.args)
         except WozRefusedError as error:
@@ -284,10 +327,12 @@ class _Sequences:
     def __init__(
         self,
         client: WozClient,
+        hands: _Hands,
         tell: Callable[..., None],
         complain: Callable[[str], None],
     ) -> None:
         self._client = client
+        self._hands = hands
         self._tell = tell
         self._complain = complain
         self.queue = SequenceQueue()
@@ -295,6 +340,7 @@ class _Sequences:
         self.idle = asyncio.Event()
         self.idle.set()
         self._tasks: dict[QueuedSequence, asyncio.Task[None]] = {}
+        self._verbs: dict[QueuedSequence, str] = {}
         self._endings = TaskSet("bridge end")
         self._moments: list[float] = []
         #: The sequence of each command that was asked for.
@@ -313,8 +359,12 @@ class _Sequences:
     def follow_up(self, sequence: QueuedSequence, call: VerbWithArgs, first: WozRun) -> None:
         """Tell of it, and ask for the others."""
         task = asyncio.create_task(self._play(sequence, call, first), name="bridge sequence")
-        self._tasks[sequence] = task
-        task.add_done_callback(lambda task: self._tasks.pop(sequence, None))
+        self._tasks[sequence], self._verbs[sequence] = task, call.verb
+
+        def ended(task: asyncio.Task[None]) -> None:
+            del self._tasks[sequence], self._verbs[sequence]
+
+        task.add_done_callback(ended)
 
     def end_at(self, moment: float) -> bool:
         """Cut short what is played at this moment; says whether there is room for one more."""
@@ -325,16 +375,26 @@ class _Sequences:
         return True
 
     async def follow(self) -> None:
-        """Tell of beginnings and strokes until the session ends."""
-        async for message in self._client.messages(m.Dispatched, m.CommandMark):
-            sequence = self._commands.get(message.command)
+        """Tell of beginnings and strokes until the session ends, and give way to the wizard."""
+        async for message in self._client.messages(m.Command, m.Dispatched, m.CommandMark):
             match message:
-                case m.Dispatched() if sequence is None:
-                    self._early.append(message.command)
-                case m.Dispatched() if sequence is not None:
-                    self._began(sequence)
-                case m.CommandMark(sort="stroke") if sequence is not None:
-                    self._tell(sequence.id, _PROGRESS, _STROKE)
+                case m.Command():
+                    self._give_way(self._hands.note(message), message)
+                case m.Dispatched(command=command):
+                    if (sequence := self._commands.get(command)) is not None:
+                        self._began(sequence)
+                    else:
+                        self._early.append(command)
+                case m.CommandMark(sort="stroke", command=command):
+                    if (sequence := self._commands.get(command)) is not None:
+                        self._tell(sequence.id, _PROGRESS, _STROKE)
+
+    def _give_way(self, lane: tuple[str, str] | None, message: m.Command) -> None:
+        """End what is played where the wizard asks for something else."""
+        playing = self._playing
+        if playing is not None and lane == self._hands.lane(self._verbs[playing]):
+            self._complain(f'{playing.id}: replaced by "{message.action or message.verb}"')
+            self._tasks[playing].cancel()
 
     async def close(self) -> None:
         """Begin nothing any more; what is played is cut short."""

@@ -19,8 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from woz_tui.bridge.ros_data import EMPTY, RosDataError, RosType, RosValue, typed
-from woz_tui.bridge.saliency import MIDDLE, SalientPlace
+from woz_tui.bml.ros_data import EMPTY, RosDataError, RosType, RosValue, typed
 from woz_tui.config.annotated_decoder import read_section
 from woz_tui.config.bundled_files import bundled_file, is_path
 from woz_tui.config.experiment import ExperimentError
@@ -44,6 +43,21 @@ _ANSWERS: Mapping[str, Mapping[str, RosType]] = {
     "prediction": {"id": "str", "duration": "float", "stroke": "float"},
     "gaze": {"x": "float", "y": "float"},
 }
+
+
+@dataclass(frozen=True, slots=True)
+class SalientPlace:
+    """A place in the camera's picture, from -1 (left, top) to 1 (right, bottom); it is looked at if
+    its weight is the highest. Planners use weights up to 10000.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    weight: float = 0.0
+
+
+#: Looked at when nothing is salient.
+MIDDLE = SalientPlace()
 
 
 @dataclass(frozen=True, slots=True)

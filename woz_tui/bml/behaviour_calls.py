@@ -10,8 +10,10 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 from woz_tui.bml.bml_block import Behaviour, WarningKind
+from woz_tui.bml.ros_data import RosDataError, RosValue, read_data
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.protocol.envelope import Json
 
@@ -144,16 +146,38 @@ class TableCall:
 
 
 @dataclass(frozen=True, slots=True)
+class VerbWithArgs:
+    """What is called."""
+
+    verb: str
+    args: Mapping[str, Json]
+
+
+class RobotTopics(Protocol):
+    """What messages on the topics of a robot's own software stand for (`config.topic_table`)."""
+
+    def calls(self, topic: str, message: Mapping[str, RosValue]) -> list[VerbWithArgs]:
+        """The verbs of a single message. Raises `RosDataError`."""
+
+    def look(self, x: float, y: float, *, eyes: bool = False) -> VerbWithArgs | None:
+        """The verb that looks at a place of the camera's picture, each from -1 (left, top) to 1;
+        `eyes`: with these alone.
+        """
+
+
+@dataclass(frozen=True, slots=True)
 class BmlTable:
     """The section `bml` of a robot file.
 
     `calls`: behaviour -> lexeme, action unit, stance or place -> what is done for it. `targets`:
-    name -> yaw and pitch in degrees. `moves`: the robot file's own names of moves.
+    name -> yaw and pitch in degrees. `moves`: the robot file's own names of moves. `topics`: what
+    EyePi's extension of BML refers to; None: the robot has none.
     """
 
     calls: Mapping[str, Mapping[str, tuple[TableCall, ...]]] = field(default_factory=dict)
     targets: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     moves: Mapping[str, str] = field(default_factory=dict)
+    topics: RobotTopics | None = None
 
 
 #: Whether a driver finds nothing wrong with a verb and its arguments, as far as can be said.
@@ -195,10 +219,9 @@ class BehaviourCalls:
             case "pointing":
                 return self._pointing(attributes)
             case "gaze":
-                there, ahead = self._place(attributes), (0.0, 0.0)
                 return [
-                    replace(self._gaze(there), until="ready"),
-                    replace(self._gaze(ahead), point="relax"),
+                    replace(self._gaze(self._place(attributes)), until="ready"),
+                    replace(self._gaze((0.0, 0.0)), point="relax"),
                 ]
             case "gazeShift" | "headDirectionShift":
                 return [self._gaze(self._place(attributes))]
@@ -208,6 +231,16 @@ class BehaviourCalls:
                 return self._posture(behaviour)
             case "locomotion":
                 return self._locomotion(attributes["target"])
+            case "eyePiGaze":
+                ahead = {"influence": attributes.get("influence", "")}
+                return [
+                    replace(self._look(attributes), until="ready"),
+                    replace(self._look(ahead), point="relax"),
+                ]
+            case "EyePiGazeShift":
+                return [self._look(attributes)]
+            case "directRosMessage":
+                return self._message(attributes["topic"], behaviour.text)
         raise UnplayableError(f"no verb plays <{behaviour.kind}> here")
 
     def stretched(self, call: VerbCall, seconds: float, usual: float) -> VerbCall:
@@ -384,10 +417,47 @@ class BehaviourCalls:
             yaw, pitch = self._targets[target.strip().lower()]
         else:
             raise UnplayableError(f"nobody knows where {target!r} is", "NO_SUCH_TARGET")
-        direction = attributes.get("offsetDirection", "").upper()
-        angle = _number(attributes.get("offsetAngle"), 0.0)
-        turn = _DIRECTIONS.get(direction, (0.0, 0.0))
-        return yaw + turn[0] * angle, pitch + turn[1] * angle
+        turn = _offset(attributes)
+        return yaw + turn[0], pitch + turn[1]
+
+    # -- EyePi's extension -------------------------------------------------------------------------
+
+    def _look(self, attributes: Mapping[str, str]) -> VerbCall:
+        """A look at a place of the camera's picture, by the robot's table of topics."""
+        x, y = (_number(attributes.get(name), 0.0) for name in ("x", "y"))
+        eyes = attributes.get("influence", "").upper() == "EYES"
+        found = self._topics().look(x, y, eyes=eyes)
+        if found is None:
+            raise UnplayableError("the robot's table of topics says nothing of saliency")
+        call = self._call(found.verb, found.args)
+        turned = {"yaw": _offset(attributes)[0], "pitch": _offset(attributes)[1]}
+        args = {
+            name: value + turned[name]
+            if name in turned and isinstance(value, int | float)
+            else value
+            for name, value in call.args.items()
+        }
+        return replace(call, args=args)
+
+    def _message(self, topic: str, text: str) -> list[VerbCall]:
+        """What a message stands for, by the same table."""
+        try:
+            found = self._topics().calls(topic, read_data(text))
+        except RosDataError as error:
+            raise UnplayableError(str(error), "PARSING_FAILURE") from error
+        return [self._call(each.verb, each.args) for each in found]
+
+    def _topics(self) -> RobotTopics:
+        if self._table.topics is None:
+            raise UnplayableError("the robot file names no table of topics (bml: {topics: FILE})")
+        return self._table.topics
+
+
+def _offset(attributes: Mapping[str, str]) -> tuple[float, float]:
+    """How far from its target a gaze is to be: yaw and pitch, in degrees."""
+    angle = _number(attributes.get("offsetAngle"), 0.0)
+    turn = _DIRECTIONS.get(attributes.get("offsetDirection", "").upper(), (0.0, 0.0))
+    return turn[0] * angle, turn[1] * angle
 
 
 def _face_parts(behaviour: Behaviour) -> list[tuple[str, Mapping[str, str]]]:

@@ -33,13 +33,18 @@ SYNC_POINTS: Final[Mapping[str, tuple[str, ...]]] = {
     **dict.fromkeys(("gaze", "posture", "locomotion"), _HELD),
     **dict.fromkeys(("faceLexeme", "faceFacs", "face", "faceShift"), _FACE),
     **dict.fromkeys(("speech", "gazeShift", "postureShift", "wait"), _PLAIN),
+    **{"eyePiGaze": _HELD, "EyePiGazeShift": _PLAIN, "directRosMessage": _PLAIN},
 }
+#: The namespace of EyePi's extension, and what is of it.
+EYEPI: Final = "http://hmi.ewi.utwente.nl/eyepiengine"
+EYEPI_BEHAVIOURS: Final = frozenset({"eyePiGaze", "EyePiGazeShift", "directRosMessage"})
 #: Attributes without which a behaviour says nothing.
 REQUIRED_ATTRIBUTES: Final[Mapping[str, tuple[str, ...]]] = {
     **dict.fromkeys(("gesture", "head", "faceLexeme"), ("lexeme",)),
     **dict.fromkeys(("pointing", "headDirectionShift", "gaze", "gazeShift"), ("target",)),
     "locomotion": ("target",),
     "faceFacs": ("au",),
+    "directRosMessage": ("topic",),
 }
 #: What a warning is about, as feedback calls it.
 WarningKind = Literal[
@@ -144,7 +149,8 @@ class Behaviour:
     """One behaviour. `attributes` without id and sync points.
 
     Of a speech `text` is what is said, and `marks` are its sync points: name -> how many characters
-    are said before it. `inner` are the elements inside others (a pose of a shift), by name.
+    are said before it; of a message of ROS it is the message as XML. `inner` are the elements
+    inside others (a pose of a shift), by name.
     """
 
     kind: str
@@ -261,6 +267,8 @@ class _BlockReader:
             return
         attributes = {key: value for key, value in element.attrib.items() if key != "id"}
         text, marks = _speech(element) if kind == "speech" else ("", {})
+        if kind == "directRosMessage":
+            text = "".join(Xml.tostring(each, "unicode") for each in element)
         inner = {_name(each): dict(each.attrib) for each in element if kind != "speech"}
         behaviour = Behaviour(kind, name, attributes, text, marks, inner, required)
         try:
@@ -415,4 +423,5 @@ def _pieces(text: Xml.Element) -> Iterator[tuple[str, str]]:
 def _name(element: Xml.Element) -> str:
     """Its name; with the namespace where that is another's."""
     namespace, _, name = str(element.tag).rpartition("}")
-    return name if namespace in ("", f"{{{NAMESPACE}") else f"{namespace[1:]}:{name}"
+    own = namespace == f"{{{EYEPI}" and name in EYEPI_BEHAVIOURS
+    return name if own or namespace in ("", f"{{{NAMESPACE}") else f"{namespace[1:]}:{name}"

@@ -26,7 +26,7 @@ START: Moment = ("", "start")
 #: What a body can do only once at a time, by kind; a gesture or a pointing has one for each hand.
 CHANNELS: Mapping[str, str] = {
     "speech": "voice",
-    **dict.fromkeys(("gaze", "gazeShift"), "gaze"),
+    **dict.fromkeys(("gaze", "gazeShift", "eyePiGaze", "EyePiGazeShift"), "gaze"),
     **dict.fromkeys(("head", "headDirectionShift"), "head"),
     **dict.fromkeys(("gesture", "pointing"), "arms"),
     **dict.fromkeys(("posture", "postureShift"), "posture"),
@@ -37,7 +37,8 @@ CHANNELS: Mapping[str, str] = {
 TYPICAL_S: Mapping[str, float] = {
     **dict.fromkeys(("gesture", "pointing"), 1.6),
     **dict.fromkeys(("head", "headDirectionShift"), 1.2),
-    **dict.fromkeys(("gaze", "gazeShift"), 1.0),
+    **dict.fromkeys(("gaze", "gazeShift", "eyePiGaze", "EyePiGazeShift"), 1.0),
+    "directRosMessage": 1.0,
     **dict.fromkeys(("faceLexeme", "faceFacs", "face", "faceShift"), 1.5),
     **dict.fromkeys(("posture", "postureShift"), 2.0),
     "locomotion": 4.0,

@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from woz_tui.bml.behaviour_calls import VerbWithArgs
 from woz_tui.bml.ros_data import RosDataError, RosValue, typed
 from woz_tui.bridge.saliency import SILENCE_S, SaliencyMap
 from woz_tui.bridge.sequence_queue import (
@@ -25,7 +26,6 @@ from woz_tui.config.topic_table import (
     SalientPlace,
     TakenTopic,
     TopicTable,
-    VerbWithArgs,
     salient_places,
     sequence_verb,
 )

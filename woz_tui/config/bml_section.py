@@ -13,6 +13,7 @@ from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.robots import BmlSection, Robots
+from woz_tui.config.topic_table import named_table
 from woz_tui.config.verb_calls import CallReader, Vocabulary
 from woz_tui.config.yaml_cursor import Cursor, read_number
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
@@ -22,8 +23,10 @@ from woz_tui.protocol.messages import Json
 
 #: Where things are, beside what behaviours stand for.
 TARGETS = "targets"
+#: The table of the topics to which EyePi's extension of BML refers.
+TOPICS = "topics"
 #: What the section may say.
-FIELDS = (*WORD_VERBS, TARGETS)
+FIELDS = (*WORD_VERBS, TARGETS, TOPICS)
 #: What each of its tables has on its left, for people.
 KEYS: Mapping[str, str] = {
     "gesture": "lexeme of a gesture",
@@ -63,6 +66,9 @@ def _table(section: BmlSection, robots: Robots, folder: Path) -> BmlTable:
     targets: dict[str, tuple[float, float]] = {}
     entries = section.cursor.fields(FIELDS, "bml has", "a mapping such as {head: {NOD: nod}}")
     for kind, entry in (entries or {}).items():
+        if kind == TOPICS:
+            table = replace(table, topics=named_table(entry))
+            continue
         rows = entry.table("a mapping such as {NOD: nod}") or {}
         for name, row in rows.items():
             if kind != TARGETS:

@@ -19,12 +19,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+from woz_tui.bml.behaviour_calls import VerbWithArgs
 from woz_tui.bml.ros_data import EMPTY, RosDataError, RosType, RosValue, typed
 from woz_tui.config.annotated_decoder import read_section
 from woz_tui.config.bundled_files import bundled_file, is_path
 from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport, join, nearest_word
-from woz_tui.config.yaml_cursor import document, source_of
+from woz_tui.config.yaml_cursor import Cursor, document, named_source, read_text, source_of
 from woz_tui.drivers.fields import Doc, NotBlank, Pattern, Section
 from woz_tui.protocol.envelope import Json
 
@@ -135,14 +137,6 @@ class TopicVerb(Section):
 
 
 @dataclass(frozen=True, slots=True)
-class VerbWithArgs:
-    """What is called."""
-
-    verb: str
-    args: Mapping[str, Json]
-
-
-@dataclass(frozen=True, slots=True)
 class TakenTopic(Section):
     """A topic on which a planner speaks."""
 
@@ -155,6 +149,9 @@ class TakenTopic(Section):
     acknowledges: Annotated[bool, Doc("whether each message is answered with an ack")] = False
     looks: Annotated[
         TopicVerb | None, Doc("for saliency: the verb that looks at the chosen place, x and y")
+    ] = None
+    eyes: Annotated[
+        TopicVerb | None, Doc("for saliency: the verb that looks there with the eyes alone")
     ] = None
     sequences: Annotated[
         dict[str, TopicVerb], Doc("for requests of sequences: the verb of each number")
@@ -239,9 +236,12 @@ class TopicTable(Section):
             calls.append(sequence_verb(entry, read))
         return [call for call in calls if call is not None]
 
-    def look(self, x: float, y: float) -> VerbWithArgs | None:
-        """The verb that looks at a place of the camera's picture, each from -1 to 1."""
-        looks = next((entry.looks for entry in self.takes.values() if entry.looks), None)
+    def look(self, x: float, y: float, *, eyes: bool = False) -> VerbWithArgs | None:
+        """The verb that looks at a place of the camera's picture, each from -1 (left, top) to 1;
+        `eyes`: with these alone, where the table has a verb for that.
+        """
+        entry = next((entry for entry in self.takes.values() if entry.looks), None)
+        looks = None if entry is None else (entry.eyes if eyes else None) or entry.looks
         return None if looks is None else looks.of({"x": x, "y": y})
 
 
@@ -271,16 +271,35 @@ def load_table(name: str) -> TopicTable:
     """The table of a file, or of one that comes with woz-tui, by its name. Raises
     `ExperimentError` with all that is wrong.
     """
-    path = Path(name)
-    if not is_path(name):
-        path = bundled_file(f"{FOLDER}/{name}.yaml") or path
     report = ProblemReport()
-    source = source_of(path, report)
-    root = document(source, report, "a table of topics, such as takes: ...") if source else None
-    table = read_section(root, TopicTable)
+    source = source_of(_path(name), report)
+    table = None if source is None else _read(source, report)
     if report.errors or table is None:
         raise ExperimentError(report.errors)
     return table
+
+
+def named_table(cursor: Cursor) -> TopicTable | None:
+    """The table that a robot file names, or None after saying what is wrong."""
+    text = read_text(cursor, "a file with a table of topics, or the name of one (eyepi)")
+    if text is None:
+        return None
+    base = Path(cursor.place.file).absolute().parent
+    source = named_source(cursor, str(_path(text)), base, lambda: "")
+    if source is None:
+        return None
+    cursor.report.included.append(source)
+    return _read(source, cursor.report)
+
+
+def _path(name: str) -> Path:
+    """The file that is meant; a name without a file stands for itself."""
+    return (None if is_path(name) else bundled_file(f"{FOLDER}/{name}.yaml")) or Path(name)
+
+
+def _read(source: SourceFile, report: ProblemReport) -> TopicTable | None:
+    root = document(source, report, "a table of topics, such as takes: ...")
+    return read_section(root, TopicTable)
 
 
 def _is_type(kind: object) -> bool:

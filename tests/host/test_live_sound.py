@@ -219,7 +219,7 @@ async def test_a_voice_reaches_the_loudspeaker(host: Served, role: str) -> None:
     peer = await host.connect()
     await peer.hello(role)
     reply = await peer.ask("talk")
-    assert reply["data"] == {"driver": "robot", "rate": RATE, "on": True}
+    assert reply["data"] == {"driver": "robot", "rate": RATE, "on": True, "late_s": 0}
     assert reader.take() is None
     assert (await peer.ask("talk", **voice(lost_s=0.5, age_us=40_000)))["ok"]
     taken = reader.take()

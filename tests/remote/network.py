@@ -94,7 +94,7 @@ class Machines:
     authority: Authority
     cable: Cable
     folder: Path
-    clock: BootClock
+    clock: RealClock
 
     @property
     def address(self) -> str:
@@ -138,7 +138,7 @@ async def connected(remote: RemoteSession) -> Peer:
 
 
 @contextlib.asynccontextmanager
-async def machines(tmp_path: Path, clock: BootClock | None = None) -> AsyncIterator[Machines]:
+async def machines(tmp_path: Path, clock: RealClock | None = None) -> AsyncIterator[Machines]:
     """Both, until the block ends."""
     with tempfile.TemporaryDirectory() as run, pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", run)  # a short path, and of this test alone
@@ -147,7 +147,7 @@ async def machines(tmp_path: Path, clock: BootClock | None = None) -> AsyncItera
 
 
 @contextlib.asynccontextmanager
-async def _machines(tmp_path: Path, clock: BootClock) -> AsyncIterator[Machines]:
+async def _machines(tmp_path: Path, clock: RealClock) -> AsyncIterator[Machines]:
     async with served(
         tmp_path, SessionSettings(), path=tmp_path / "S07.sock", clock=clock
     ) as robot:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from pathlib import Path
 
 from woz_tui.cli import console_start
+from woz_tui.cli.session_choice import add_session_choice, find_session
 from woz_tui.cli.shared_options import add_keymap, add_part, add_pictures, add_theme, builtins
 from woz_tui.console.message_feed import Loss
 from woz_tui.system import session_sockets
@@ -16,17 +16,7 @@ from woz_tui.system import session_sockets
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "name", nargs="?", default="", help="session code or socket (default: the only one)"
-    )
-    parser.add_argument(
-        "--access",
-        type=Path,
-        default=None,
-        metavar="FILE",
-        help="join a session on another machine with this access file (see `woz access`); the name"
-        " is then the machine's HOST:PORT",
-    )
+    add_session_choice(parser)
     parser.add_argument("--watch", action="store_true", help="watch only")
     parser.add_argument(
         "--take-over",
@@ -91,7 +81,7 @@ def _open(
 def find_socket(arguments: Namespace) -> Path | None:
     """The socket of the chosen session, or None after printing why there is none."""
     _sort_names(arguments)
-    return _find(arguments.name, _repeated_options(arguments))
+    return find_session(arguments.name, "woz attach", _repeated_options(arguments))
 
 
 def _sort_names(arguments: Namespace) -> None:
@@ -107,30 +97,3 @@ def _repeated_options(arguments: Namespace) -> str:
         return f" --questionnaire {arguments.questionnaire}".rstrip()
     part = f" --as {shlex.quote(arguments.part)}" if arguments.part else ""
     return f"{' --watch' * arguments.watch}{' --take-over' * arguments.take_over}{part}"
-
-
-def find_session(name: str, command: str) -> Path | None:
-    """The socket of the session `name`, or of the only one; None after printing why there is none.
-    `command` is what is proposed to be typed with a name.
-    """
-    return _find(name, "", command)
-
-
-def _find(name: str, options: str, command: str = "woz attach") -> Path | None:
-    if name:
-        socket = Path(name) if "/" in name else session_sockets.socket_path(name)
-        if session_sockets.answers(socket):
-            return socket
-        print(f"woz: no session is running at {socket}", file=sys.stderr)
-    running = session_sockets.running()
-    if not name and len(running) == 1:
-        return running[0]
-    if running:
-        names = "\n".join(
-            f"  {command} {path.stem}{options}   # for {session_sockets.age_s(path) // 60:.0f} min"
-            for path in running
-        )
-        print(f"woz: which session?\n{names}", file=sys.stderr)
-    elif not name:
-        print("woz: no session is running; start one with `woz run FILE`", file=sys.stderr)
-    return None

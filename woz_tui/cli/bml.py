@@ -19,6 +19,7 @@ from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
 from woz_tui.bml.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
 from woz_tui.config.bml_section import robot_calls
@@ -45,7 +46,7 @@ _STEPS_S = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 3600.0)
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("files", nargs="*", type=Path, metavar="FILE", help="a block of BML each")
-    parser.add_argument("--session", default="", help="session code (default: the only one)")
+    add_session_choice(parser, "--session")
     parser.add_argument(
         "--dry-run",
         action="store_true",
@@ -94,11 +95,19 @@ def run(arguments: Namespace) -> int:
     if sum(map(bool, (arguments.files, arguments.stomp, arguments.listen))) != 1:
         print("woz: name files with blocks, or --stomp HOST, or --listen", file=sys.stderr)
         return 2
+    errors = BmlError, ExperimentError, PlannerPortError, StompError, ValueError, WozError
+    return with_error_sentences(lambda: _joined(arguments), *errors)
+
+
+def _joined(arguments: Namespace) -> int:
     work = _bml if arguments.files else _planner
-    return with_error_sentences(
-        lambda: asyncio.run(work(arguments)),
-        *(BmlError, ExperimentError, PlannerPortError, StompError, ValueError, WozError),
-    )
+    if arguments.access is None:
+        return asyncio.run(work(arguments))
+    with joined_session(arguments.access, arguments.session, "woz bml") as session:
+        if session is None:
+            return 1
+        arguments.session = str(session.path)
+        return asyncio.run(work(arguments))
 
 
 async def _planner(arguments: Namespace) -> int:

@@ -15,9 +15,14 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from woz_tui.cli.attach import find_session
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.hand_client import HandClient
+from woz_tui.cli.session_choice import (
+    JoinedSession,
+    add_session_choice,
+    find_session,
+    joined_session,
+)
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.codec import MAX_LINE
@@ -36,9 +41,7 @@ _SSH = ("ssh", "-T", "-o", "ServerAliveInterval=5", "-o", "ServerAliveCountMax=2
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "name", nargs="?", default="", help="session code or socket (default: the only one)"
-    )
+    add_session_choice(parser)
     parser.add_argument(
         "--to", default="", metavar="HOST", help="the session runs there; ssh is started"
     )
@@ -150,13 +153,19 @@ def _show(device: Any) -> None:
 
 async def _play(arguments: Namespace, client: HandClient, watch: Any) -> int:
     """Until the session ends, or devices cannot be read any more."""
-    path = None
-    if not arguments.to and (path := find_session(arguments.name, "woz hands")) is None:
-        return 1
     welcomed = asyncio.Event()
-    code: int = await until_first_ends(
-        _follow(arguments, path, client, welcomed), _read(client, watch, welcomed), _tick(client)
-    )
+    with contextlib.ExitStack() as stack:
+        session = None
+        if not arguments.to:
+            joining = joined_session(arguments.access, arguments.name, "woz hands")
+            session = stack.enter_context(joining)
+            if session is None:
+                return 1
+        code: int = await until_first_ends(
+            _follow(arguments, session, client, welcomed),
+            _read(client, watch, welcomed),
+            _tick(client),
+        )
     return code
 
 
@@ -173,13 +182,20 @@ async def _tick(client: HandClient) -> None:
 
 
 async def _follow(
-    arguments: Namespace, path: Path | None, client: HandClient, welcomed: asyncio.Event
+    arguments: Namespace,
+    session: JoinedSession | None,
+    client: HandClient,
+    welcomed: asyncio.Event,
 ) -> int:
     """Hand on what the session says, over one connection after the other; the exit code."""
+    path = session.path if session is not None else None
     while True:
         connected = False
         try:
-            async with _connected(arguments, path) as (reader, writer):
+            async with _connected(arguments, path) as (
+                reader,
+                writer,
+            ):
                 client.connect(writer.write)
                 while line := await _line(reader):
                     connected = True
@@ -196,6 +212,9 @@ async def _follow(
             return 0
         if not welcomed.is_set():
             _say("no session answered; if woz was not found there, say where it is: --woz PATH")
+            return 1
+        if session is not None and session.barred:
+            _say(session.barred)
             return 1
         if connected:
             _say("the connection to the session is lost; looking for it again")

@@ -16,14 +16,16 @@ import sys
 import termios
 import time
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
-from woz_tui.cli.attach import find_session
-from woz_tui.cli.sound_client import SoundClient, SoundEndError, StatusLine, add_sound, print_end
+from woz_tui.cli.sound_client import SoundClient, StatusLine, add_sound, with_session
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.requests import AskSound
 
 #: So much sound may wait in the pipe behind us, in seconds: the kernel makes a page of it at least.
 _WAITING_S = 0.1
+#: Sound that is older when it comes is dropped: a network held it back. In seconds.
+LATE_S = 0.5
 #: What is written at once: a pipe that has room takes it whole.
 _PIECE = 4096
 _WIDTH = 2
@@ -49,22 +51,19 @@ def run(arguments: Namespace) -> int:
             "woz listen: sound is written to standard output: woz listen | aplay", file=sys.stderr
         )
         return 2
-    path = find_session(arguments.name, "woz listen")
-    if path is None:
-        return 1
+    listener = _Listener(arguments)
     try:
-        _Listener(SoundClient(path, "watcher", "woz listen"), arguments).run()
+        return with_session(arguments, "woz listen", listener.run, listener.idle)
     except BrokenPipeError:  # nobody listens any more
         with contextlib.suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    except SoundEndError as end:
-        return print_end("woz listen", end)
     return 0
 
 
 class _Listener:
-    def __init__(self, client: SoundClient, arguments: Namespace) -> None:
-        self._client = client
+    _client: SoundClient
+
+    def __init__(self, arguments: Namespace) -> None:
         self._on = arguments.on
         self._wav = arguments.format == "wav"
         self._status = StatusLine("woz listen")
@@ -74,11 +73,24 @@ class _Listener:
         #: The longest delay since the last line about it, in seconds.
         self._longest = 0.0
         self._poll = select.poll()
-        self._poll.register(client.socket, select.POLLIN)
         self._poll.register(self._out, 0)  # its other end has been closed
 
-    def run(self) -> None:
-        """Ask, write, and so on."""
+    def idle(self) -> None:
+        """The line is lost."""
+        if self._poll.poll(100):
+            raise BrokenPipeError
+
+    def run(self, path: Path) -> None:
+        """Ask, write, and so on, until the session is gone."""
+        client = self._client = SoundClient(path, "watcher", "woz listen")
+        self._poll.register(client.socket, select.POLLIN)
+        try:
+            self._listen()
+        finally:
+            self._poll.unregister(client.socket)
+            client.socket.close()
+
+    def _listen(self) -> None:
         end = 0
         while True:
             after = end
@@ -92,8 +104,24 @@ class _Listener:
                 self._begin(heard)
             end = heard.end
             self._lost += heard.lost
-            self._write(base64.b64decode(heard.data))
-            self._report(heard, time.monotonic() - arrived)
+            data = base64.b64decode(heard.data)
+            way_s = _way_s(heard)
+            frames = len(data) // _WIDTH
+            late_s = heard.age_us / 1_000_000 - frames / heard.rate + way_s
+            if late_s > LATE_S:
+                self._lost += frames
+                self._late(late_s)
+                continue
+            self._write(data)
+            self._report(heard, way_s + time.monotonic() - arrived)
+
+    def _late(self, late_s: float) -> None:
+        lost_s = self._lost / self._rate
+        self._status.show(
+            "late",
+            f"sound comes {1000 * late_s:.0f} ms late, and more than {1000 * LATE_S:.0f} ms is"
+            f" dropped; {lost_s:.2f} s dropped so far",
+        )
 
     def _wait(self) -> SoundHeard:
         while True:
@@ -135,6 +163,12 @@ class _Listener:
             f"{heard.driver}, {self._rate} Hz: delay {1000 * delay_s:.0f} ms, at most"
             f" {1000 * self._longest:.0f} ms; {lost_s:.2f} s dropped so far",
         )
+
+
+def _way_s(heard: SoundHeard) -> float:
+    """How long it was under way; what is not known about the two clocks counts as time."""
+    now_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
+    return max(0.0, (now_us - heard.sent_us) / 1_000_000) if heard.sent_us else 0.0
 
 
 def header(rate: int) -> bytes:

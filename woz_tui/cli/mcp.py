@@ -6,6 +6,7 @@ The assistant starts this command and speaks with it over standard input and out
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import sys
 from argparse import ArgumentParser, Namespace
@@ -13,9 +14,9 @@ from typing import Any
 
 from woz_tui import __version__
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.client import WozError, connect
 from woz_tui.client.tools import Tool, ToolCaller
-from woz_tui.system.tasks import end_tasks
 
 MISSING = "`woz mcp` needs the package `mcp`: pip install 'woz-tui[mcp]'"
 INSTRUCTIONS = (
@@ -26,9 +27,7 @@ INSTRUCTIONS = (
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "session", nargs="?", default="", help="session code (default: the only one)"
-    )
+    add_session_choice(parser, "session")
 
 
 def run(arguments: Namespace) -> int:
@@ -38,35 +37,75 @@ def run(arguments: Namespace) -> int:
     except ImportError:
         print(f"woz: {MISSING}", file=sys.stderr)
         return 1
-    return with_error_sentences(lambda: asyncio.run(_serve(arguments.session)), WozError)
+    return with_error_sentences(lambda: _joined(arguments), WozError)
+
+
+def _joined(arguments: Namespace) -> int:
+    if arguments.access is None:
+        return asyncio.run(_serve(arguments.session))
+    with joined_session(arguments.access, arguments.session, "woz mcp") as session:
+        return 1 if session is None else asyncio.run(_serve(str(session.path)))
+
+
+class SessionTools:
+    """A session's tools; one that was lost is joined again when the next tool is called.
+
+    Args:
+        session: As `client.connect` has it.
+    """
+
+    def __init__(self, session: str) -> None:
+        self._session = session
+        self._stack = contextlib.AsyncExitStack()
+        self._caller: ToolCaller | None = None
+        self._following: asyncio.Task[None] | None = None
+        self._one = asyncio.Lock()
+
+    async def caller(self) -> ToolCaller:
+        """Who carries a call out. Raises `WozError` if the session cannot be joined."""
+        async with self._one:
+            if self._caller is None or self._following is None or self._following.done():
+                await self.close()
+                joining = connect(self._session, name="mcp", samples=True, sees="wizard")
+                self._caller = ToolCaller(await self._stack.enter_async_context(joining))
+                self._following = asyncio.create_task(self._caller.follow(), name="the session")
+            return self._caller
+
+    async def close(self) -> None:
+        """Leave the session."""
+        following, self._caller, self._following = self._following, None, None
+        if following is not None:
+            following.cancel()
+            await asyncio.gather(following, return_exceptions=True)
+        await self._stack.aclose()
 
 
 async def _serve(session: str) -> int:
     from mcp.server.lowlevel import Server  # noqa: PLC0415
     from mcp.server.stdio import stdio_server  # noqa: PLC0415
 
-    async with connect(session, name="mcp", samples=True, sees="wizard") as client:
-        caller = ToolCaller(client)
-        following = asyncio.create_task(caller.follow())
+    tools = SessionTools(session)
+    try:
+        await tools.caller()
         server: Any = Server(
             "woz-tui",
             version=__version__,
             instructions=INSTRUCTIONS,
-            on_list_tools=lambda context, asked: _listed(caller),
-            on_call_tool=lambda context, asked: _called(caller, asked),
+            on_list_tools=lambda context, asked: _listed(tools),
+            on_call_tool=lambda context, asked: _called(tools, asked),
         )
-        try:
-            async with stdio_server() as (reader, writer):
-                options = server.create_initialization_options()
-                await server.run(reader, writer, options)
-        finally:
-            await end_tasks(following)
+        async with stdio_server() as (reader, writer):
+            options = server.create_initialization_options()
+            await server.run(reader, writer, options)
+    finally:
+        await tools.close()
     return 0
 
 
-async def _listed(caller: ToolCaller) -> Any:
+async def _listed(tools: SessionTools) -> Any:
     from mcp_types import ListToolsResult  # noqa: PLC0415
 
+    caller = await tools.caller()
     return ListToolsResult(tools=[_tool(tool) for tool in caller.tools()])
 
 
@@ -81,12 +120,13 @@ def _tool(tool: Tool) -> Any:
     )
 
 
-async def _called(caller: ToolCaller, asked: Any) -> Any:
+async def _called(tools: SessionTools, asked: Any) -> Any:
     """A call that is cancelled cuts short what it began."""
     from mcp_types import CallToolResult, TextContent  # noqa: PLC0415
 
     failed = False
     try:
+        caller = await tools.caller()
         came = json.dumps(await caller.call(asked.name, asked.arguments or {}))
     except WozError as error:
         came, failed = str(error), True

@@ -57,9 +57,19 @@ class RemoteLine:
                 self._last = json.loads(line)
 
     @property
+    def usable(self) -> bool:
+        """Whether it can be joined at the moment."""
+        return not self.reason and self.socket is not None and self.socket.exists()
+
+    @property
     def reason(self) -> str:
         """Why it cannot be used at the moment; empty: it can."""
         return str(self._last.get("trouble", ""))
+
+    @property
+    def reached(self) -> bool:
+        """Whether the robot's computer was there at the last attempt, and no session listened."""
+        return bool(self._last.get("reached"))
 
     @property
     def final(self) -> bool:
@@ -69,7 +79,7 @@ class RemoteLine:
     def explained(self, loss: Loss) -> Loss:
         """How its loss is to be understood: whether the line or the robot process is gone."""
         if self.reason:
-            part = LostPart.PROCESS if self._last.get("reached") else LostPart.LINE
+            part = LostPart.PROCESS if self.reached else LostPart.LINE
             return Loss(self.reason, part)
         if loss.part is LostPart.ANSWER:
             return loss

@@ -7,12 +7,13 @@ from __future__ import annotations
 import socket
 import sys
 import time
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.protocol import codec
 from woz_tui.protocol.requests import AnyRequest, Hello, Reply, Welcome
 
@@ -23,12 +24,40 @@ LATE_S = 2.0
 
 
 class SoundEndError(Exception):
-    """There is no sound any more; the text says why, `remedy` what helps. `code`: of the exit."""
+    """There is no sound any more; the text says why, `remedy` what helps. `code`: of the exit.
+    `gone`: the session went without a word: it has ended, or it is the network.
+    """
 
-    def __init__(self, why: str, remedy: str = "", code: int = 1) -> None:
+    def __init__(self, why: str, remedy: str = "", code: int = 1, *, gone: bool = False) -> None:
         super().__init__(why)
         self.remedy = remedy
         self.code = code
+        self.gone = gone
+
+
+def with_session(
+    arguments: Namespace,
+    command: str,
+    run: Callable[[Path], object],
+    idle: Callable[[], None],
+) -> int:
+    """`run` with the chosen session's socket, and again when a lost line is back; the exit code.
+    `idle` is called while it is lost, and takes a moment.
+    """
+    status = StatusLine(command)
+    with joined_session(arguments.access, arguments.name, command) as session:
+        while session is not None:
+            try:
+                run(session.path)
+                return 0
+            except SoundEndError as end:
+                again = end.gone and session.comes_back(lambda text: status.show(text, text), idle)
+                if not again:
+                    return print_end(
+                        command, SoundEndError(session.barred) if session.barred else end
+                    )
+                status.show("back", "the line is back")
+    return 1
 
 
 def print_end(command: str, end: SoundEndError) -> int:
@@ -54,7 +83,8 @@ class SoundClient:
             self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             self.socket.connect(str(path))
         except OSError as error:
-            raise SoundEndError(f"the session cannot be reached: {error.strerror}") from error
+            why = f"the session cannot be reached: {error.strerror}"
+            raise SoundEndError(why, gone=True) from error
         # As the wizard sees it: a sound can tell what is kept from a wizard.
         sees = "wizard" if role == "program" else ""
         self._send(Hello(role=role, name=name, stream="nothing", sees=sees))  # type: ignore[arg-type]
@@ -88,7 +118,7 @@ class SoundClient:
         except OSError:
             data = b""
         if not data:
-            raise SoundEndError("the session has ended", code=0)
+            raise SoundEndError("the session has ended", code=0, gone=True)
         self._rest += data
         *lines, rest = bytes(self._rest).split(b"\n")
         self._rest = bytearray(rest)
@@ -102,7 +132,7 @@ class SoundClient:
         try:
             self.socket.sendall(codec.encode(request))
         except OSError as error:
-            raise SoundEndError("the session has ended", code=0) from error
+            raise SoundEndError("the session has ended", code=0, gone=True) from error
 
 
 class StatusLine:
@@ -132,7 +162,5 @@ class StatusLine:
 
 def add_sound(parser: ArgumentParser, what: str) -> None:
     """Declare which session, and which of its drivers."""
-    parser.add_argument(
-        "name", nargs="?", default="", help="session code or socket (default: the only one)"
-    )
+    add_session_choice(parser)
     parser.add_argument("--on", default="", metavar="DRIVER", help=f"whose {what} (default: first)")

@@ -15,10 +15,16 @@ import struct
 import sys
 import time
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 from typing import Any
 
-from woz_tui.cli.attach import find_session
-from woz_tui.cli.sound_client import SoundClient, SoundEndError, StatusLine, add_sound, print_end
+from woz_tui.cli.sound_client import (
+    SoundClient,
+    SoundEndError,
+    StatusLine,
+    add_sound,
+    with_session,
+)
 from woz_tui.protocol.requests import AskTalk, Reply
 
 #: What is sent at once, and the most that waits, in seconds.
@@ -54,25 +60,20 @@ def run(arguments: Namespace) -> int:
             file=sys.stderr,
         )
         return 2
-    path = find_session(arguments.name, "woz talk")
-    if path is None:
-        return 1
-    try:
-        _Talker(SoundClient(path, "program", "woz talk"), arguments).run()
-    except SoundEndError as end:
-        return print_end("woz talk", end)
-    return 0
+    talker = _Talker(arguments)
+    return with_session(arguments, "woz talk", talker.run, talker.idle)
 
 
 class _Talker:
-    def __init__(self, client: SoundClient, arguments: Namespace) -> None:
-        self._client = client
+    _client: SoundClient
+
+    def __init__(self, arguments: Namespace) -> None:
         self._on = arguments.on
         self._rate: int = arguments.rate
         self._status = StatusLine("woz talk")
         self._in = sys.stdin.fileno()
         self._is_file = stat.S_ISREG(os.fstat(self._in).st_mode)
-        self._ended = False
+        self._begun = self._ended = False
         #: What has been read and not been sent, and when the last of it came.
         self._voice = bytearray()
         self._came = self._began = time.monotonic()
@@ -80,15 +81,45 @@ class _Talker:
         #: Since when the rate is measured, from which byte; and what is odd about it.
         self._measured = self._began, 0
         self._odd = ""
+        self._late_s = 0.0
 
-    def run(self) -> None:
-        """Read and send, whichever can be done."""
-        head = self._head()
-        wanted: dict[str, Any] = self._introduce()
-        self._rate = self._checked(head, wanted["rate"])
-        self._began = self._came = time.monotonic()
-        self._take(bytes(head))
-        self._measured = self._began, 0
+    def idle(self) -> None:
+        """The line is lost: what is said meanwhile is heard by nobody."""
+        if self._is_file or self._ended or not select.select([self._in], [], [], 0.1)[0]:
+            time.sleep(0.05)
+            return
+        data = os.read(self._in, _READ)
+        self._ended = not data
+        self._voice += data
+        self._drop(len(self._voice) // _WIDTH * _WIDTH)
+
+    def _has_more(self) -> bool:
+        return bool(select.select([self._in], [], [], 0)[0])
+
+    def _drop(self, count: int) -> None:
+        del self._voice[:count]
+        self._dropped_bytes += count
+
+    def run(self, path: Path) -> None:
+        """Read and send, whichever can be done, until the voice ends or the session is gone."""
+        self._client = SoundClient(path, "program", "woz talk")
+        try:
+            head = bytearray() if self._begun else self._head()
+            wanted: dict[str, Any] = self._introduce()
+            if not self._begun:
+                self._rate = self._checked(head, wanted["rate"])
+                self._begun = True
+            while not (head or self._is_file or self._ended) and self._has_more():
+                self.idle()  # what was said before the line was back
+            self._began = self._came = time.monotonic()
+            self._read_bytes = 0
+            self._take(bytes(head))
+            self._measured = self._began, 0
+            self._talk()
+        finally:
+            self._client.socket.close()
+
+    def _talk(self) -> None:
         while self._voice or not self._ended or self._client.asked_at is not None:
             self._wait()
             answer = self._client.answer()
@@ -162,14 +193,14 @@ class _Talker:
         """Keep what is new, and of what waits only the newest."""
         if not data:
             return
+        if not self._is_file and time.monotonic() - self._came > _WAITING_S:
+            self._drop(len(self._voice) // _WIDTH * _WIDTH)  # it was said long before
         self._came = time.monotonic()
         self._read_bytes += len(data)
         self._voice += data
         most = self._bytes(_WAITING_S)
         if not self._is_file and len(self._voice) > most:
-            over = -(-(len(self._voice) - most) // _WIDTH) * _WIDTH
-            del self._voice[:over]
-            self._dropped_bytes += over
+            self._drop(-(-(len(self._voice) - most) // _WIDTH) * _WIDTH)
 
     # -- out ---------------------------------------------------------------------------------
 
@@ -198,11 +229,13 @@ class _Talker:
 
     def _report(self, data: Any) -> None:
         on = isinstance(data, dict) and bool(data.get("on"))
+        self._late_s = data.get("late_s", 0.0) if isinstance(data, dict) else 0.0
         text = "on: the robot says it" if on else "off: a key that plays `talk` switches it on"
+        late = f", {self._late_s:.2f} s came too late" if self._late_s else ""
         self._measure()
         self._status.show(
-            f"on {on}, odd {bool(self._odd)}",
-            f"{text}; {self._dropped_s:.2f} s dropped here so far{self._odd}",
+            f"on {on}, odd {bool(self._odd)}, late {self._late_s:.0f}",
+            f"{text}; {self._dropped_s:.2f} s dropped here so far{late}{self._odd}",
         )
 
     def _measure(self) -> None:

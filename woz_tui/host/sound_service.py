@@ -42,6 +42,8 @@ LISTENED_S = 2.5
 MAY_LISTEN, MAY_TALK = ("wizard", "watcher"), ("wizard", "program")
 #: The longest piece of a voice that is taken at once, in seconds.
 LONGEST_S = 1.0
+#: A voice that is older when it comes is dropped: a network held it back. In seconds.
+LATE_S = 0.5
 #: Whoever has sent no voice for so long has left it to others, in seconds.
 SILENT_S = 5.0
 _PAGE = "docs/how-to/live-sound.md explains how to add one"
@@ -64,6 +66,8 @@ class _Talking:
     client: ClientConnection
     window: SoundWindow
     sent_us: int
+    #: What came so late that it was not played, in seconds.
+    late_s: float = 0.0
 
 
 class SoundService:
@@ -175,6 +179,7 @@ class SoundService:
                 rate=rate,
                 end=piece.end,
                 age_us=self._session.clock.now_us() - piece.t_us,
+                sent_us=self._session.clock.boot_us(),
                 lost=piece.lost,
                 data=base64.b64encode(piece.pcm).decode(),
             )
@@ -208,7 +213,10 @@ class SoundService:
         talking = self._talker(client, driver, state.rate)
         if request.data:
             self._take(client, talking, request)
-        data: dict[str, Json] = {"driver": driver, "rate": state.rate, "on": state.on}
+        data: dict[str, Json] = {
+            **{"driver": driver, "rate": state.rate, "on": state.on},
+            "late_s": round(talking.late_s, 3),
+        }
         return Reply(ref=request.ref, ok=True, data=data)
 
     def _talker(self, client: ClientConnection, driver: str, rate: int) -> _Talking:
@@ -245,5 +253,11 @@ class SoundService:
                 f"{len(pcm)} bytes are no piece of a voice:"
                 f" it has whole samples of {WIDTH} bytes, and at most {LONGEST_S:g} s"
             )
-        began_us = self._session.clock.now_us() - max(0, request.age_us)
-        talking.window.add(pcm, began_us, client.name, max(0.0, request.lost_s))
+        age_us = max(0, request.age_us) + self._session.standstill.waited_us(request.sent_us)
+        lasted_s = len(pcm) / (WIDTH * rate)
+        if age_us / 1_000_000 - lasted_s > LATE_S:
+            talking.late_s += lasted_s
+            return
+        began_us = self._session.clock.now_us() - age_us
+        lost_s = max(0.0, request.lost_s) + talking.late_s
+        talking.window.add(pcm, began_us, client.name, lost_s)

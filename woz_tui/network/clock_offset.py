@@ -30,6 +30,10 @@ class ClockOffset:
         """
         return here_us + self.offset_us - self.uncertainty_us
 
+    def here(self, there_us: int) -> int:
+        """Our time at a time of the other's: the earliest it can have been."""
+        return there_us - self.offset_us - self.uncertainty_us
+
     def latest_there(self, here_us: int) -> int:
         """The latest it can have been."""
         return here_us + self.offset_us + self.uncertainty_us

@@ -12,8 +12,9 @@ class SoundHeard(Answer, frozen=True, kw_only=True, tag="sound"):
     """The answer to an `AskSound`; not part of the session's stream and never logged.
 
     `data` holds samples (S16_LE, one channel, in base64) at `rate` frames a second, up to frame
-    `end`; the first came `age_us` microseconds ago. `lost` frames before them are gone. Without new
-    sound within a second `data` is empty and `why` says so. `microphones`: the drivers of this
+    `end`. It was sent at `sent_us` of CLOCK_BOOTTIME, in the time of the computer of who listens,
+    `age_us` microseconds after the first sample came. `lost` frames before them are gone. Without
+    new sound within a second `data` is empty and `why` says so. `microphones`: the drivers of this
     session that have one; `driver` is whose sound this is.
     """
 
@@ -23,6 +24,7 @@ class SoundHeard(Answer, frozen=True, kw_only=True, tag="sound"):
     rate: int = 0
     end: int = 0
     age_us: int = 0
+    sent_us: int = 0
     lost: int = 0
     data: str = ""
     why: str = ""

@@ -361,8 +361,9 @@ class AskTalk(Request, frozen=True, kw_only=True, tag="talk"):
     in base64, S16_LE, one channel, at `rate` frames a second. It is heard while `talk` is played.
 
     `age_us`: how long ago the first sample came to the sender; `lost_s`: what the sender has
-    dropped so far, in seconds. The reply's `data` has `driver`, the `rate` that it takes, and `on`:
-    whether it is heard. An empty `data` only asks for that.
+    dropped so far, in seconds. The reply's `data` has `driver`, the `rate` that it takes, `on`:
+    whether it is heard, and `late_s`: what has come too late to be heard so far, in seconds. An
+    empty `data` only asks for that.
     """
 
     driver: str = ""

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import os
 import signal
 import ssl
@@ -66,12 +67,17 @@ class LineTranslator:
 
     def answer(self, line: bytes) -> bytes:
         """One from the robot. By the `boot_id` of the welcome a client knows that it may stamp its
-        requests with the time of this machine, by `robot_at` that a network is between.
+        requests with the time of this machine, by `robot_at` that a network is between. Sound tells
+        when it was sent, in the time of this machine.
         """
-        if not line.startswith(b'{"kind":"welcome"'):
-            return line
-        welcome = codec.decode_unknown(line)
-        return msgspec.json.encode({**welcome, "boot_id": boot_id(), "robot_at": self._address})
+        if line.startswith(b'{"kind":"welcome"'):
+            welcome = codec.decode_unknown(line)
+            return msgspec.json.encode({**welcome, "boot_id": boot_id(), "robot_at": self._address})
+        if line.startswith(b'{"kind":"sound"'):
+            sound = codec.decode_unknown(line)
+            if isinstance(sent := sound.get("sent_us"), int):
+                return msgspec.json.encode({**sound, "sent_us": self._clocks.best.here(sent)})
+        return line
 
 
 class RemoteSessionError(Exception):
@@ -218,9 +224,8 @@ class RemoteSession:
 
     @contextlib.contextmanager
     def _listener(self, session: str) -> Any:
-        host = self._address.rpartition(":")[0].strip("[]")
-        word = "".join(sign if sign.isalnum() or sign in "-." else "-" for sign in host)
-        self._path = session_sockets.socket_path(f"{session}@{word}")
+        if self._path is None:
+            self._path = self._free_path(session)
         try:
             listener = session_sockets.bind(self._path)
         except OSError as error:
@@ -232,6 +237,17 @@ class RemoteSession:
             listener.close()
             if session_sockets.inode(self._path) == own:
                 self._path.unlink(missing_ok=True)
+
+    def _free_path(self, session: str) -> Path:
+        """Where nobody listens: several programs of this machine may have a line of their own."""
+        host = self._address.rpartition(":")[0].strip("[]")
+        word = "".join(sign if sign.isalnum() or sign in "-." else "-" for sign in host)
+        for number in itertools.count(1):
+            more = f"-{number}" if number > 1 else ""
+            path = session_sockets.socket_path(f"{session}@{word}{more}")
+            if not session_sockets.answers(path):
+                return path
+        raise AssertionError
 
     async def _relay(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         task = asyncio.current_task()

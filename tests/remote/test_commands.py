@@ -1,0 +1,195 @@
+"""Commands that join a session on another machine: `--access`, over a network that is cut, frozen
+and slow.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import sys
+from asyncio.subprocess import DEVNULL, PIPE, Process
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.cli.test_live_sound import line_with
+from tests.host.test_live_sound import WORD, loudspeaker, microphone, now
+from tests.remote.network import Machines, machines
+from woz_tui.cli import listen
+from woz_tui.cli.mcp import SessionTools
+from woz_tui.client.woz_errors import WozConnectionError
+from woz_tui.config.experiment import AccessRole
+from woz_tui.drivers.sound_feeds import LISTENED, SoundListened
+from woz_tui.protocol import messages as m
+from woz_tui.system.clock import RealClock
+from woz_tui.testing import until
+
+#: Networks hold back in real time.
+pytestmark = pytest.mark.real_clock
+
+BLOCK = """<bml id="b1" xmlns="http://www.bml-initiative.org/bml/bml-1.0">
+<speech id="s1"><text>Hello</text></speech></bml>"""
+
+
+class Bench:
+    """Two machines, and commands on the one without the session."""
+
+    def __init__(self, two: Machines) -> None:
+        self.two = two
+        self.begun: list[Process] = []
+
+    async def woz(self, command: str, role: AccessRole, *words: str, **more: Any) -> Process:
+        """Start it with an access file of its own."""
+        access = self.two.access(f"{command}-{role}", role)
+        begun = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "woz_tui", command, *words),
+            *("--access", str(access.path)),
+            **{"stderr": PIPE, "stdout": DEVNULL, "stdin": DEVNULL, **more},
+        )
+        self.begun.append(begun)
+        return begun
+
+
+@pytest.fixture
+async def bench(tmp_path: Path) -> AsyncIterator[Bench]:
+    async with machines(tmp_path, RealClock()) as two:
+        made = Bench(two)
+        yield made
+        two.cable.flowing.set()
+        for running in made.begun:
+            with contextlib.suppress(ProcessLookupError):
+                running.kill()
+            await running.wait()
+
+
+async def test_the_microphone_is_heard_and_what_the_network_held_back_is_not(bench: Bench) -> None:
+    robot, cable = bench.two.robot, bench.two.cable
+    window = microphone(robot)
+    running = await bench.woz("listen", "watcher", bench.two.address, stdout=PIPE)
+    assert running.stdout is not None
+    feed = robot.session.feeds.feed("robot", LISTENED)
+    await until(lambda: isinstance(feed.latest().value, SoundListened), 30)
+    window.add(WORD, now(robot))
+    await running.stdout.readexactly(44)
+    assert await running.stdout.readexactly(640) == WORD
+    cable.flowing.clear()
+    window.add(b"\7\7" * 320, now(robot))
+    await until(lambda: cable.held > 0)
+    await asyncio.sleep(listen.LATE_S + 0.1)  # the network holds it back for longer than that
+    cable.flowing.set()
+    await line_with(running, "late")
+    heard = asyncio.ensure_future(running.stdout.readexactly(640))
+    while not heard.done():
+        window.add(WORD, now(robot))
+        await asyncio.sleep(0.01)
+    assert await heard == WORD
+
+
+async def test_a_voice_is_heard_and_what_the_network_held_back_is_not(bench: Bench) -> None:
+    robot, cable = bench.two.robot, bench.two.cable
+    reader = loudspeaker(robot, on=True)
+    running = await bench.woz("talk", "program", bench.two.address, stdin=PIPE)
+    assert running.stdin is not None
+    heard = bytearray()
+
+    def hears(pcm: bytes) -> bool:
+        if (taken := reader.take()) is not None:
+            heard.extend(taken[0].pcm)
+        return pcm in heard
+
+    running.stdin.write(WORD)
+    await until(lambda: hears(WORD), 30)
+    cable.flowing.clear()
+    running.stdin.write(b"\7\7" * 320)
+    await until(lambda: cable.held > 0)
+    await asyncio.sleep(listen.LATE_S + 0.1)
+    cable.flowing.set()
+    heard.clear()
+    while not hears(WORD):
+        running.stdin.write(WORD)
+        await asyncio.sleep(0.02)
+    assert b"\7\7" not in heard
+
+
+async def test_a_voice_goes_on_when_a_cut_line_is_back(bench: Bench) -> None:
+    robot, cable = bench.two.robot, bench.two.cable
+    reader = loudspeaker(robot, on=True)
+    running = await bench.woz("talk", "program", bench.two.address, stdin=PIPE)
+    assert running.stdin is not None
+    running.stdin.write(WORD)
+    await until(lambda: reader.take() is not None, 30)
+    await cable.cut()
+    running.stdin.write(b"\7\7" * 320 + b"\7")  # nobody hears it, and samples stay whole
+    await line_with(running, "is looked for")
+    running.stdin.write(b"\7")
+    await cable.lay()
+    await line_with(running, "the line is back")
+    heard = bytearray()
+    while WORD not in heard:
+        running.stdin.write(WORD)
+        await asyncio.sleep(0.02)
+        if (taken := reader.take()) is not None:
+            heard.extend(taken[0].pcm)
+    assert heard.startswith(WORD)
+
+
+async def test_who_is_revoked_is_told_and_the_command_ends(bench: Bench) -> None:
+    loudspeaker(bench.two.robot, on=True)
+    running = await bench.woz("talk", "program", bench.two.address, stdin=PIPE)
+    assert running.stdin is not None
+    running.stdin.write(WORD)
+    await line_with(running, "the robot says it")
+    bench.two.authority.revoke("talk-program")
+    await line_with(running, "revoked")
+    assert await asyncio.wait_for(running.wait(), 30) == 1
+
+
+async def test_blocks_are_played_there(bench: Bench, tmp_path: Path) -> None:
+    (tmp_path / "b1.xml").write_text(BLOCK)
+    words = (str(tmp_path / "b1.xml"), "--session", bench.two.address)
+    running = await bench.woz("bml", "program", *words)
+    _, said = await asyncio.wait_for(running.communicate(), 30)
+    assert running.returncode == 0, said
+    assert ("say", {"text": "Hello"}) in [
+        (verb, {"text": args["text"]}) for verb, args in bench.two.robot.puppet().calls
+    ]
+
+
+async def test_hands_join_and_are_let_go_with_the_line(bench: Bench) -> None:
+    running = await bench.woz("hands", "program", bench.two.address, stdout=PIPE)
+    assert running.stdout is not None
+
+    async def says(words: bytes) -> None:
+        assert running.stdout is not None
+        async with asyncio.timeout(30):
+            while words not in await running.stdout.readline():
+                pass
+
+    await says(b"no panel for a gamepad")
+    await bench.two.cable.cut()
+    await says(b"looking for it again")
+    await bench.two.robot.published(lambda line: isinstance(line, m.ConsoleLost))
+    await bench.two.cable.lay()
+    await says(b"no panel for a gamepad")
+
+
+async def test_an_assistants_tools_join_again_when_the_line_is_back(bench: Bench) -> None:
+    two = bench.two
+    async with two.joined(two.access("assistant", "program")) as remote:
+        tools = SessionTools(str(await remote.usable()))
+        first = await tools.caller()
+        assert (await first.call("say", {"text": "Hi"}))["done"]
+        await two.cable.cut()
+        with pytest.raises(WozConnectionError):
+            while True:
+                await (await tools.caller()).call("say", {"text": "nobody"})
+        await two.cable.lay()
+        done: dict[str, m.Json] = {}
+        while not done:
+            await remote.usable()
+            with contextlib.suppress(WozConnectionError):
+                done = await (await tools.caller()).call("say", {"text": "Hi"})
+        assert done["sent"] == {"text": "Hi"}
+        await tools.close()

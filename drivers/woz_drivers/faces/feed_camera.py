@@ -55,7 +55,12 @@ class FeedCamera:
             latest = self._pictures.latest()
             if latest.serial != serial and isinstance(latest.value, Picture):
                 serial, came_us = latest.serial, now_us
-                self._listener.output(fitted(latest.value, *self._size))
+                try:
+                    data = fitted(latest.value, *self._size)
+                except ValueError as error:
+                    self._listener.silent(f"{self._driver} sends a picture that is none: {error}")
+                else:
+                    self._listener.output(data)
             elif now_us - came_us >= _LOST_S * 1e6:
                 self._listener.ended(
                     DriverError(f"{self._driver} sends no pictures", "is it connected?")
@@ -77,7 +82,11 @@ class FeedCamera:
 
 
 def fitted(picture: Picture, width: int, height: int) -> bytes:
-    """A picture scaled to this size, all of it, with black where its shape is another."""
+    """A picture scaled to this size, all of it, with black where its shape is another. Raises
+    `ValueError` if its bytes are none.
+    """
+    if not 0 < 3 * picture.width * picture.height == len(picture.rgb):
+        raise ValueError(f"{len(picture.rgb)} bytes for {picture.width} x {picture.height}")
     if (picture.width, picture.height) == (width, height):
         return picture.rgb
     pixels = np.frombuffer(picture.rgb, np.uint8).reshape(picture.height, picture.width, 3)

@@ -131,7 +131,7 @@ async def test_ten_readings_a_second_and_every_picture_for_a_head_that_follows(
     assert seen.frame == 11
 
 
-async def test_the_camera_of_another_driver_(tmp_path: Path) -> None:
+async def test_the_camera_of_another_driver(tmp_path: Path) -> None:
     clock = ManualClock()
     heard = Heard(tmp_path, clock)
     made = FacesSettings(camera="pepper", width=WIDTH, height=HEIGHT, program=PROGRAM)
@@ -144,6 +144,14 @@ async def test_the_camera_of_another_driver_(tmp_path: Path) -> None:
         wish = heard.context.feed(WATCHED, of="pepper").latest().value
         assert (wish.width, wish.rate) == (WIDTH, made.rate)
         for n in range(2):
+            theirs.put(Picture(clock.now_us(), WIDTH, HEIGHT, picture(NEAR)))
+            await until(lambda n=n: heard.context.feed(SEEN).latest().serial > n)  # type: ignore[misc]
+            clock.advance(0.1)
+        assert heard.values("people")[-1] == 1
+        # One whose bytes are no picture is told, and the next one is looked at as ever.
+        for n, (width, height) in enumerate(((WIDTH, HEIGHT), (2, 2), (0, 0)), start=2):
+            theirs.put(Picture(clock.now_us(), width, height, b"a few bytes"))
+            await until(lambda n=n: heard.states("people").count("stale") == n - 1)  # type: ignore[misc]
             theirs.put(Picture(clock.now_us(), WIDTH, HEIGHT, picture(NEAR)))
             await until(lambda n=n: heard.context.feed(SEEN).latest().serial > n)  # type: ignore[misc]
             clock.advance(0.1)

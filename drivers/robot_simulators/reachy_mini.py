@@ -184,7 +184,7 @@ class ReachyMiniSimulator(WebRobot):
 
     async def live(self) -> None:
         """Take setpoints, tell poses, and a status every second."""
-        told = self.time.now()
+        status_s = self.time.now()
         await self.tell_all(self._status())
         while True:
             await self._awake.wait()
@@ -195,8 +195,8 @@ class ReachyMiniSimulator(WebRobot):
             if self.motors == "enabled":
                 self.pose = self._aimed().solved()
             await self._tell_pose()
-            if now - told >= STATUS_S:
-                told = now
+            if now - status_s >= STATUS_S:
+                status_s = now
                 await self.tell_all(self._status())
             await self._tick()
 
@@ -414,9 +414,9 @@ class ReachyMiniSimulator(WebRobot):
 
         async def run() -> None:
             await self._travel(goal, float(wanted["duration"]))
-            told = {"uuid": task, "finished": True, "error": None}
+            progress = {"uuid": task, "finished": True, "error": None}
             now = datetime.now(UTC).isoformat()
-            await self.tell_all({"type": "task_progress", **told, "timestamp": now})
+            await self.tell_all({"type": "task_progress", **progress, "timestamp": now})
 
         running = asyncio.create_task(run(), name="task")
         self._tasks.add(running)

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from woz_tui.cli import main
-from woz_tui.cli.engagement import LONGEST, TOLD
+from woz_tui.cli.engagement import LONGEST, MOST_ERRORS
 
 ROOT = Path(__file__).parents[2]
 ALL: dict[str, Any] = {"presence": 1, "gaze": 1, "distance": 0.9, "id": "Anna"}
@@ -121,7 +121,7 @@ def test_lines_that_are_no_rows_are_told_and_answered(woz: Woz, tmp_path: Path) 
 def test_many_wrong_lines_are_told_as_a_number(woz: Woz, tmp_path: Path) -> None:
     ran = woz(written(tmp_path, ALL, *["rubbish"] * 50))
     lines = ran.err.splitlines()
-    assert len(lines) == TOLD + 1
+    assert len(lines) == MOST_ERRORS + 1
     assert lines[-1].endswith("50 lines are not rows of samples")
 
 

@@ -62,7 +62,7 @@ async def test_a_dialogs_title_is_no_markup() -> None:
         name="volume", section="Voice", label=f"Volume {MARKUP}", verb="volume",
         argument="level", kind="number", low=0.0, high=1.0, help=HOSTILE,
     )  # fmt: skip
-    outlines: dict[str, m.Json] = {"pepper": RobotOutline(settings=[volume]).told()}
+    outlines: dict[str, m.Json] = {"pepper": RobotOutline(settings=[volume]).as_json()}
     first = pepper.welcome(pepper.shown(), outlines=outlines)
     async with sitting(first, size=(160, 50)) as seat:
         await seat.press("@", "enter")

@@ -296,7 +296,7 @@ def test_a_name_that_outlives_its_visitor_is_not_the_next_ones() -> None:
 
 def test_a_name_that_was_told_is_a_name() -> None:
     visit = Visit().meet()
-    visit.model.known_as("P07")
+    visit.model.take_name("P07")
     change = visit.event(Event.HANDSHAKE_OK)
     assert change is not None
     assert change.visitor == "P07"
@@ -312,21 +312,21 @@ def test_a_name_that_was_told_is_a_name() -> None:
 
 def test_a_face_that_is_recognised_corrects_the_name() -> None:
     visit = Visit().meet()
-    visit.model.known_as("Bert")
+    visit.model.take_name("Bert")
     visit.see(1, **WITH, identity="Anna")
     assert visit.model.visitor == "Anna"
 
 
 def test_a_face_that_stays_does_not_take_back_what_the_wizard_says() -> None:
     visit = Visit().engage("face-3")
-    visit.model.known_as("P07")
+    visit.model.take_name("P07")
     visit.see(5, **WITH, identity="face-3")
     visit.see(5, **WITH, identity="Unknown")
     visit.see(5, **WITH, identity="face-3")
     assert visit.model.visitor == "P07"
     visit.see(5, **WITH, identity="face-4")
     assert visit.model.visitor == "face-4"
-    visit.model.known_as("")
+    visit.model.take_name("")
     assert visit.model.visitor == "face-4"
 
 

@@ -20,7 +20,7 @@ from woz_tui.timeline.timeline import Timeline
 
 #: Sources of commands that the session asked for: a hand, a program, the engagement model, another
 #: log. With every other one a driver has asked by itself, as a body does for the sound of a move.
-ASKED = HANDS | {ENGAGEMENT, "replay"}
+SESSION_SOURCES = HANDS | {ENGAGEMENT, "replay"}
 #: Commands of one driver and verb that follow each other within this time (microseconds), with
 #: nothing between them, are one act: a joystick, a key that is held down.
 STROKE_US = 500_000
@@ -103,7 +103,7 @@ def _played(name: str, timeline: Timeline) -> PlayedSession:
     found = PlayedSession(name, timeline.state.start)
     for command in timeline.of(CommandEpisode):
         request = command.request
-        if request.driver == ENGAGEMENT or request.source not in ASKED:
+        if request.driver == ENGAGEMENT or request.source not in SESSION_SOURCES:
             continue
         act = _act(command, again.get(request.command))
         found.commands.append(act)

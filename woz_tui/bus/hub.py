@@ -10,7 +10,7 @@ from typing import TypeVar
 import msgspec
 
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import ASKED, AnyMessage, Message
+from woz_tui.protocol.messages import NAMES_CONSOLE, AnyMessage, Message
 from woz_tui.system.clock import Clock, timestamp
 
 #: What a listener may have of a message; None: nothing of it.
@@ -93,16 +93,16 @@ class Hub:
         self._undelivered: deque[AnyMessage] = deque()
         self._delivering = False
         #: The connection whose request is carried out at the moment; empty: none is.
-        self._asked_by = ""
+        self._requester = ""
 
     @contextmanager
-    def asked_by(self, console: str) -> Iterator[None]:
+    def on_behalf_of(self, console: str) -> Iterator[None]:
         """While this lasts, messages say that a request over the connection `console` was why."""
-        self._asked_by = console
+        self._requester = console
         try:
             yield
         finally:
-            self._asked_by = ""
+            self._requester = ""
 
     @property
     def seq(self) -> int:
@@ -120,8 +120,8 @@ class Hub:
     def publish(self, message: M) -> M:
         """Stamp `message`, have it recorded, hand it round; returns it as stamped."""
         sample = codec.is_sample(message)
-        if self._asked_by and isinstance(message, ASKED):
-            message = msgspec.structs.replace(message, console=self._asked_by)
+        if self._requester and isinstance(message, NAMES_CONSOLE):
+            message = msgspec.structs.replace(message, console=self._requester)
         stamped = msgspec.structs.replace(
             message,
             seq=self._seq,

@@ -36,7 +36,7 @@ _LOOKED_AT = 20
 #: What a blank line may consist of, the mark at the beginning of some files included.
 _BLANK = b"\xef\xbb\xbf \t\r\n"
 #: So many wrong lines are told one by one, the others as a number at the end.
-TOLD = 10
+MOST_ERRORS = 10
 #: Digits that a threshold may have, so that it is computed with exactly as it was typed.
 _DIGITS = 15
 #: Loudness of speech on a scale of one's own, such as a sound card's whole numbers.
@@ -328,7 +328,7 @@ class _Lines:
 
     def _is_wrong(self, why: str) -> None:
         self.wrong += 1
-        if self.wrong <= TOLD:
+        if self.wrong <= MOST_ERRORS:
             _print_error(f"{self._name}:{self._number}: the line {why}")
 
 
@@ -348,7 +348,7 @@ def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
 
 def _hints(rows: SampleRowReader, settings: EngagementSettings, wrong: int) -> None:
     """What may explain that nothing came of it."""
-    if wrong > TOLD:
+    if wrong > MOST_ERRORS:
         _print_error(f"{wrong} lines are not rows of samples")
     silent = [sign for sign in settings.signs if sign not in rows.sampled]
     if silent:

@@ -18,7 +18,7 @@ from woz_tui.sensing.state_machine import ENGAGED, State
 #: The same transition within this time is the same; later or earlier by up to the second, moved.
 SAME_US, MOVED_US = 200_000, 2 * SECOND
 #: Seconds without a model that are worth a sentence: a log begins some milliseconds before it.
-_TOLD = 0.05
+_GAP_S = 0.05
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 80
 #: What stands between the two paths.
@@ -192,7 +192,7 @@ def _sentences(figures: dict[str, Json]) -> Iterator[str]:
         f" {_per_cent(figures['engaged_computed'])} computed"
     )
     off = figures["off_recorded"], figures["off_computed"]
-    if any(isinstance(each, float) and each >= _TOLD for each in off):
+    if any(isinstance(each, float) and each >= _GAP_S for each in off):
         yield (
             f"model off or missing: {off[0]:.1f} s recorded, {off[1]:.1f} s computed"
             " (counted in no state)"

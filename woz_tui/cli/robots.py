@@ -184,14 +184,14 @@ def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
     for each in found:
         facts = dict(each.facts_shown())
         name = f"[`{each.kind}`]({_link(each.facts.page)})"
-        rest.append((name, *(facts[word] or "-" for word in _TOLD)))
+        rest.append((name, *(facts[word] or "-" for word in _FACTS)))
     return f"{_table(['verb', *(f'`{each.kind}`' for each in found)], verbs)}\n\n" + _table(
-        ["robot", *_TOLD], rest
+        ["robot", *_FACTS], rest
     )
 
 
 #: What is told of a robot beside its common verbs.
-_TOLD = ("own verbs", "sensors", "stop", "simulated", "needs")
+_FACTS = ("own verbs", "sensors", "stop", "simulated", "needs")
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

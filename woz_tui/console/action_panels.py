@@ -187,7 +187,7 @@ CAP_LEAST, CAP_MOST = 3, 8
 MOST = 32
 
 #: Cells of what is said, beside its label, at the least.
-SAID = 12
+WORDS = 12
 
 _LOOK = {
     ButtonState.READY: "plain",
@@ -298,7 +298,7 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
     mark = f"{glyphs.here} " if chosen and not slot.again else "  "
     whose = clean(state.played_by(panel))
     if whose:
-        whose = f" {glyphs.middle} {fit_most(whose, max(SAID, width // 3), glyphs.ellipsis)}"
+        whose = f" {glyphs.middle} {fit_most(whose, max(WORDS, width // 3), glyphs.ellipsis)}"
     room = width - 3 - cell_len(clean(panel.title)) - cell_len(whose)
     note = _locked(state, panel, room) if state.is_locked(panel) else ""
     note = (note or (" continued" if slot.again else "")) + whose
@@ -339,7 +339,7 @@ def _body(
     if not (word if timed else spare > cell_len(word) + 1):
         shown = ""
     left_over = room - 4 - cell_len(label) - cell_len(shown)
-    beside = f"  {fit(said, left_over, glyphs.ellipsis)}" if said and left_over >= SAID else ""
+    beside = f"  {fit(said, left_over, glyphs.ellipsis)}" if said and left_over >= WORDS else ""
     width = room - 2 - cell_len(shown) - cell_len(beside)
     front = f"{glyph} {fit(label, width, glyphs.ellipsis)}"
     if not timed or standing.share is None:

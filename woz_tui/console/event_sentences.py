@@ -426,7 +426,7 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
         names = shown.study.right_actions(message)
         right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
         line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
-    if line is not None and isinstance(message, m.ASKED):
+    if line is not None and isinstance(message, m.NAMES_CONSOLE):
         asker = _other(message.console, shown)
         line = line._replace(detail=", ".join(filter(None, (line.detail, asker))))
     return EventLine(*line) if line is not None else None

@@ -164,7 +164,7 @@ class RequestHandlers:
         ends: dict[str, ActionEnd | End] = {}
         self._ends = ends
         try:
-            with self._session.hub.asked_by(client.name):
+            with self._session.hub.on_behalf_of(client.name):
                 run = self._carry_out(client, _by_a_client(request))
         except RequestError as error:
             reply = _refused(client, request, error)

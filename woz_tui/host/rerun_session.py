@@ -147,11 +147,11 @@ class RerunSession:
 
     def _give_up(self) -> None:
         drivers = self._session.state.drivers
-        told = []
+        missing = []
         for name in self._missing():
             detail = drivers[name].health.detail if name in drivers else ""
-            told.append(f"{name} is not connected{f' ({detail})' if detail else ''}")
-        self._player.end(NOT_BEGUN + "; ".join(told))
+            missing.append(f"{name} is not connected{f' ({detail})' if detail else ''}")
+        self._player.end(NOT_BEGUN + "; ".join(missing))
 
     # -- on the way --------------------------------------------------------------------------
 

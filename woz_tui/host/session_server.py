@@ -225,7 +225,7 @@ class SessionServer:
             self.handlers.answer(client, request)
 
     def _stop(self, client: ClientConnection, request: AskStop) -> None:
-        with self.session.hub.asked_by(client.name):
+        with self.session.hub.on_behalf_of(client.name):
             self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
@@ -340,7 +340,7 @@ class SessionServer:
 
     def _welcome(self, client: ClientConnection) -> Welcome:
         session, view = self.session, client.view
-        told = welcome(
+        whole = welcome(
             plan_of(ExperimentView.of(session)),
             console=client.name,
             role=client.role,
@@ -351,10 +351,10 @@ class SessionServer:
         state: Iterable[m.Message | None] = session.state.messages(plan=False)
         recent: Iterable[m.Message | None] = session.recent.lines
         if view is not None:
-            told, recent = view.redactor.welcome(told), view.recent
+            whole, recent = view.redactor.welcome(whole), view.recent
             state = [view.redactor.message(line) for line in session.state.messages(plan=False)]
         return msgspec.structs.replace(
-            told,
+            whole,
             protocol=client.protocol,
             state=_raw(state),
             recent=_raw(recent),

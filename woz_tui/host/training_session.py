@@ -89,8 +89,8 @@ class TrainingSession:
 
     @property
     def _state(self) -> str:
-        told = self._session.state.training
-        return told.state if told is not None else ""
+        training = self._session.state.training
+        return training.state if training is not None else ""
 
     def _begin(self) -> None:
         """The wizard pressed the key that begins it."""

@@ -652,7 +652,7 @@ class ListenerLeft(Message, frozen=True, kw_only=True, tag="listener.left"):
 
 
 #: Messages that name the connection (`console`) whose request brought them about.
-ASKED = (
+NAMES_CONSOLE = (
     *(StopPressed, StopReleased, SessionChanged, PanelLocked, ProfileChanged, PhaseChanged),
     *(Marker, Note, Mistake, TrialStarted, TrialEnded, BreakStarted, BreakEnded),
 )

@@ -1,7 +1,7 @@
 """What a driver of a whole robot tells of it, so that a console can show and change its settings.
 
-A driver class gives it as `outline(settings)`, made with `RobotOutline.told()`; the console reads
-it with `RobotOutline.read`. Values come as `messages.SettingsShown`.
+A driver class gives it as `outline(settings)`, made with `RobotOutline.as_json()`; the console
+reads it with `RobotOutline.read`. Values come as `messages.SettingsShown`.
 """
 
 from __future__ import annotations
@@ -55,17 +55,17 @@ class RobotOutline(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True
     tags: list[Tag] = []
     camera: bool = False
 
-    def told(self) -> dict[str, Json]:
+    def as_json(self) -> dict[str, Json]:
         """As `outline(settings)` of a driver class returns it."""
-        told: dict[str, Json] = msgspec.to_builtins(self)
-        return {"kind": "robot", **told}
+        fields: dict[str, Json] = msgspec.to_builtins(self)
+        return {"kind": "robot", **fields}
 
     @classmethod
-    def read(cls, told: Json) -> RobotOutline | None:
-        """What a driver told, or None if it is something else or cannot be read."""
-        if not isinstance(told, dict) or told.get("kind") != "robot":
+    def read(cls, outline: Json) -> RobotOutline | None:
+        """What a driver's `outline` says; None if it is something else or cannot be read."""
+        if not isinstance(outline, dict) or outline.get("kind") != "robot":
             return None
         try:
-            return msgspec.convert(told, cls)
+            return msgspec.convert(outline, cls)
         except msgspec.ValidationError:
             return None

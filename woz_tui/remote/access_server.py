@@ -56,7 +56,7 @@ MOST_OF_ONE, MOST = 16, 64
 _READ = 1 << 16
 _LONGEST_LINE = 16 * codec.MAX_LINE
 #: A refusal of the same name for the same reason is told once in so many seconds.
-_TELL_AGAIN_S = 30.0
+_REFUSED_AGAIN_S = 30.0
 
 log = logging.getLogger(__name__)
 
@@ -150,7 +150,7 @@ class AccessServer:
         self._authority = authority
         self._guests: set[_Guest] = set()
         self._watching: asyncio.Task[None] | None = None
-        self._last_told: dict[tuple[str, str], int] = {}
+        self._refused_us: dict[tuple[str, str], int] = {}
         self._runner: web.AppRunner | None = None
 
     async def listen(self, address: ListenAddress) -> str:
@@ -226,13 +226,13 @@ class AccessServer:
             if (not counts or self.roles.get(guest.name) != guest.role) and guest.transport:
                 guest.transport.abort()
 
-    def _tell_refused(self, who: str, why: str) -> None:
-        now, last = self._clock.now_us(), self._last_told.get((who, why))
-        if last is not None and now < last + _TELL_AGAIN_S * 1e6:
+    def _announce_refusal(self, who: str, why: str) -> None:
+        now, last = self._clock.now_us(), self._refused_us.get((who, why))
+        if last is not None and now < last + _REFUSED_AGAIN_S * 1e6:
             return
-        if len(self._last_told) > MOST:
-            self._last_told.clear()
-        self._last_told[who, why] = now
+        if len(self._refused_us) > MOST:
+            self._refused_us.clear()
+        self._refused_us[who, why] = now
         announce(refused=f"{who}: {why}")
 
     @contextlib.asynccontextmanager
@@ -243,7 +243,7 @@ class AccessServer:
         try:
             guest = self._guest(request)
         except StrangerError as error:
-            self._tell_refused(str(request.remote), str(error))
+            self._announce_refusal(str(request.remote), str(error))
             raise web.HTTPForbidden(text=str(error)) from None
         socket = web.WebSocketResponse(
             heartbeat=HEARTBEAT_S, compress=False, max_msg_size=2 * codec.MAX_LINE, timeout=0.2
@@ -330,14 +330,14 @@ async def _outward(reader: asyncio.StreamReader, socket: web.WebSocketResponse) 
 
 async def _serve(session: Path, address: ListenAddress) -> int:
     server = AccessServer(session, Authority())
-    orders = await standard_input()
+    parent = await standard_input()
     try:
-        first = await orders.readline()
+        first = await parent.readline()
         if not first:
             return 0
         server.adopt(json.loads(first)["roles"])
         announce(listening=await server.listen(address))
-        while line := await orders.readline():
+        while line := await parent.readline():
             server.adopt(json.loads(line)["roles"])
     except (AccessError, OSError) as error:
         announce(trouble=str(error))

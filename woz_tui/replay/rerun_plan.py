@@ -18,7 +18,7 @@ from typing import TypeGuard
 
 import msgspec
 
-from woz_tui.analysis.played_actions import ASKED
+from woz_tui.analysis.played_actions import SESSION_SOURCES
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.drivers.argument_check import ArgumentError, checked
@@ -252,7 +252,7 @@ def _senseless(command: m.Command) -> str:
         return "what it consists of is repeated command by command"
     if command.verb in LEARNING:
         return "it would learn from the person who is there now"
-    if command.source not in ASKED:
+    if command.source not in SESSION_SOURCES:
         return f"{command.source} requests it by itself, also in the re-run"
     return ""
 

@@ -158,7 +158,7 @@ def _introduced(model: EngagementModel, verb: str, args: Args) -> Transition | N
     if what == "begin":
         return None if model.state is State.HANDSHAKE else model.force(State.HANDSHAKE)
     if what == "ok" and args.get("code"):
-        model.known_as(args["code"])
+        model.take_name(args["code"])
     if model.state is not State.HANDSHAKE:
         return model.step()
     if model.run != "run":  # the wizard says so: nothing is left to decide

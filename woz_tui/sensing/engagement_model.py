@@ -164,7 +164,7 @@ class EngagementModel:
         self.voice.adopt(settings.sound)
         self._notice_changes()
 
-    def known_as(self, name: str) -> None:
+    def take_name(self, name: str) -> None:
         """The visitor's code, from the handshake or the wizard; forgotten with the visitor."""
         self._introduced = name
         self.visitor = name or self._recognised()

@@ -255,7 +255,7 @@ class EngagementFollower:
         self._participant = message.participant
         for sign in SIGNS:
             self.model.override(sign, None)
-        self.model.known_as("")
+        self.model.take_name("")
         if self.model.state is State.WAIT:
             return None
         return self.model.force(State.WAIT, stands=False)

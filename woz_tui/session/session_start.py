@@ -20,7 +20,7 @@ from woz_tui.system.clock import Clock, boot_id, timestamp
 #: Fields of a file that say which key plays an action: in our own format, and in WoZ4U's.
 _KEY_FIELDS = ("key", "key_comb")
 #: So many keys that are other ones than the file says are told one by one.
-_KEYS_TOLD = 8
+_MOST_KEYS = 8
 #: Bytes of all files together in one line of the log; a line may have 1 MiB.
 FILES_BYTES = 512 * 1024
 
@@ -73,11 +73,11 @@ def robot_name(experiment: Experiment) -> str:
 def _publish_key_notices(hub: Hub, experiment: Experiment) -> None:
     """Tell of keys that do not play what the file says: nobody may have checked it before."""
     odd = [one for one in experiment.warnings if one.path.rpartition(".")[2] in _KEY_FIELDS]
-    for problem in odd[:_KEYS_TOLD]:
+    for problem in odd[:_MOST_KEYS]:
         text = f"line {problem.place.line}, {problem.path}: {problem.message}"
         hub.publish(m.Notice(level="warning", text=text, tells=("condition",)))
-    if len(odd) > _KEYS_TOLD:
-        text = f"{len(odd) - _KEYS_TOLD} more keys differ from the file"
+    if len(odd) > _MOST_KEYS:
+        text = f"{len(odd) - _MOST_KEYS} more keys differ from the file"
         remedy = f"woz check {experiment.path.name}"
         hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 

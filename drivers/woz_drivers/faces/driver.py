@@ -84,7 +84,7 @@ class Faces(PassiveDriver):
         self._tracker = FaceTracker(settings.hold)
         self._addressed = AddressedPerson()
         self._there: list[FaceTrack] = []
-        self._told = AddressedChanged()
+        self._addressed_shown = AddressedChanged()
         self._frame = 0
         #: When the next readings are due.
         self._due_us = 0
@@ -92,10 +92,9 @@ class Faces(PassiveDriver):
         self._camera: ByteStream | FeedCamera | None = None
         self._cutter = ChunkCutter(settings.layout.size, self._came)
         self._camera_trouble: DriverError | None = None
-        #: The newest picture that no answer was asked for, and the asked one, with when each was
-        #: taken.
+        #: The newest picture, and the one that the program has in work, with when each was taken.
         self._waiting: tuple[bytes, int] | None = None
-        self._asked: tuple[bytes, int] | None = None
+        self._in_work: tuple[bytes, int] | None = None
         self._identity: FaceIdentity | None = None
         self._finder: ByteStream | None = None
         self._finder_trouble: DriverError | None = None
@@ -198,14 +197,14 @@ class Faces(PassiveDriver):
     # -- the program that finds faces ----------------------------------------------------------
 
     def _finder_begun(self) -> None:
-        self._line, self._asked = b"", None
+        self._line, self._in_work = b"", None
 
     def _ask(self) -> None:
         """Hand over the newest picture, if the one before has been answered."""
         finder, waiting = self._finder, self._waiting
-        if finder is None or not finder.running or waiting is None or self._asked is not None:
+        if finder is None or not finder.running or waiting is None or self._in_work is not None:
             return
-        self._asked, self._waiting = waiting, None
+        self._in_work, self._waiting = waiting, None
         finder.write(waiting[0])
 
     def _answered(self, data: bytes) -> None:
@@ -213,15 +212,15 @@ class Faces(PassiveDriver):
         if len(self._line) > LONGEST:
             lines, self._line = [self._line], b""
         for line in lines:
-            asked, self._asked = self._asked, None
+            looked_at, self._in_work = self._in_work, None
             try:
                 found = decoded_line(line)
             except ValueError as error:
                 what = f"{doctor.FINDER} gives no answer that can be read: {error}"
                 self._finder_lost(DriverError(what, doctor.REMEDY))
             else:
-                if asked is not None:
-                    self._look_at(found, *asked)
+                if looked_at is not None:
+                    self._look_at(found, *looked_at)
             self._ask()
 
     def _finder_lost(self, trouble: DriverError) -> None:
@@ -276,10 +275,10 @@ class Faces(PassiveDriver):
     def _tell_addressed(self, face: int | None) -> None:
         """An event, but only on a change: readings may be left out of a log, and are not events."""
         by_hand = face is not None and self._addressed.by_hand
-        told = AddressedChanged(face=face, chosen="hand" if by_hand else "rule")
-        if told != self._told:
-            self._told = told
-            self.context.show(told)
+        changed = AddressedChanged(face=face, chosen="hand" if by_hand else "rule")
+        if changed != self._addressed_shown:
+            self._addressed_shown = changed
+            self.context.show(changed)
 
     def _sighting(self, addressed: FaceTrack | None, taken_us: int) -> Sighting:
         if addressed is None:

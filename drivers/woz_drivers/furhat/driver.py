@@ -157,7 +157,7 @@ class Furhat(Driver):
     def outline(cls, settings: FurhatSettings) -> dict[str, Json]:
         """Settings that can be shown and changed, gestures, the camera."""
         moves = list(offered_moves(settings.gestures))
-        return RobotOutline(settings=list(_SETTINGS), moves=moves, camera=True).told()
+        return RobotOutline(settings=list(_SETTINGS), moves=moves, camera=True).as_json()
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

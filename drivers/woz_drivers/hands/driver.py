@@ -421,6 +421,6 @@ def _outlined(it: MappedControl, *, holds: bool) -> dict[str, Json]:
     if holds and it.free:
         drawn["label"] = "dead man"
     for what in ("action", "key", "stop", "script", "release"):
-        if told := getattr(it.mapped, what):
-            drawn[what] = told
+        if function := getattr(it.mapped, what):
+            drawn[what] = function
     return drawn

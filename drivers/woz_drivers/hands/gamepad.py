@@ -83,8 +83,8 @@ class Gamepad(HandDevice):
         axes, buttons = _PLAIN_AXES, _PLAIN_BUTTONS
         name = ""
         with contextlib.suppress(OSError):  # no device
-            told = fcntl.ioctl(self._fd, _NAME, bytes(128))
-            name = told.split(b"\0")[0].decode("utf-8", "replace")
+            reply = fcntl.ioctl(self._fd, _NAME, bytes(128))
+            name = reply.split(b"\0")[0].decode("utf-8", "replace")
             axes, buttons = _codes(self._fd)
         super().__init__(GAMEPAD, name or Path(path).name, path)
         self._axes = axis_names(axes)

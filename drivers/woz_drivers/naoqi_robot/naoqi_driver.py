@@ -138,7 +138,7 @@ class NaoqiRobot(Driver):
             moves=list(settings.model.animations.moves),
             tags=tags.offered(),
             camera=True,
-        ).told()
+        ).as_json()
 
     @classmethod
     def remarks(cls, settings: NaoqiSettings, written: Written) -> Iterable[Finding]:

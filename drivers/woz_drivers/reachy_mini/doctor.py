@@ -40,13 +40,13 @@ async def _visit(settings: ReachyMiniSettings, base: str) -> list[Finding]:
     timeout = aiohttp.ClientTimeout(total=_WITHIN_S)
     try:
         async with aiohttp.ClientSession(base, timeout=timeout) as session:
-            told = await _asked(session, "daemon/status")
-            if not isinstance(told, dict) or told.get("type") != "daemon_status":
+            answer = await _answer(session, "daemon/status")
+            if not isinstance(answer, dict) or answer.get("type") != "daemon_status":
                 text = "answers, but is no daemon of a Reachy Mini, or a very old one"
                 return [Finding("error", name, text, "check the address; update the robot")]
-            status = read_status(told)
-            findings = [await line_finding(name, lambda: _asked(session, "motors/status"))]
-            running = await _asked(session, "move/running")
+            status = read_status(answer)
+            findings = [await line_finding(name, lambda: _answer(session, "motors/status"))]
+            running = await _answer(session, "move/running")
     except (aiohttp.ClientError, OSError, TimeoutError, ValueError) as error:
         raise DeviceLostError(
             f"does not answer: {failure_reason(error)}",
@@ -84,7 +84,7 @@ def _held(name: str, base: str, released: bool) -> Finding:
     return Finding("info", name, text, remedy)
 
 
-async def _asked(session: aiohttp.ClientSession, path: str) -> Any:
+async def _answer(session: aiohttp.ClientSession, path: str) -> Any:
     async with session.get(path) as answer:
         answer.raise_for_status()
         return msgspec.json.decode(await answer.read())

@@ -281,7 +281,7 @@ class ReachyMini(Driver):
         verbs = {verb.name for verb in cls.verbs(settings)}
         moves = list(settings.playable) if "play" in verbs else []
         shown = [setting for setting in _SETTINGS if setting.verb in verbs]
-        return RobotOutline(settings=shown, moves=moves).told()
+        return RobotOutline(settings=shown, moves=moves).as_json()
 
     @classmethod
     def remarks(cls, settings: ReachyMiniSettings, written: Written) -> Iterable[Finding]:

@@ -102,7 +102,7 @@ def welcome(
         m.RecorderState(level="ok", lag_us=4_200, path="recordings/S01.jsonl", t=scenes.MINUTE),
         *(m.DriverConnected(driver=driver, detail="NAOqi 2.5", t=1) for driver in drivers),
     ]
-    outlines: dict[str, m.Json] = {driver: OUTLINE.told() for driver in drivers}
+    outlines: dict[str, m.Json] = {driver: OUTLINE.as_json() for driver in drivers}
     first = scenes.welcome(state=[*healthy, *state], settings={"outlines": outlines, **settings})
     return msgspec.structs.replace(
         first, drivers=list(drivers), verbs=dict.fromkeys(drivers, offered)

@@ -90,6 +90,8 @@ _DIRECTIONS: Mapping[str, tuple[float, float]] = {
     **{"UPRIGHT": (-0.7, -0.7), "UPLEFT": (0.7, -0.7), "DOWNLEFT": (0.7, 0.7)},
     "DOWNRIGHT": (-0.7, 0.7),
 }
+#: A length that differs by less is no other one, in seconds.
+ALIKE_S = 0.02
 #: Narrower than this is straight ahead, in degrees.
 _MIDDLE = 15.0
 _PAIR = re.compile(r"^\s*(-?\d+(?:\.\d+)?)[\s,]+(-?\d+(?:\.\d+)?)\s*$")
@@ -251,7 +253,8 @@ class BehaviourCalls:
         if "seconds" in arguments:
             return replace(call, args={**call.args, "seconds": round(seconds, 3)})
         speed = arguments.get("speed")
-        if speed is not None and call.verb == "play" and seconds > 0 and usual > 0:
+        alike = abs(seconds - usual) < ALIKE_S
+        if speed is not None and call.verb == "play" and seconds > 0 < usual and not alike:
             bounds = speed.range
             low = (bounds.low if bounds is not None else None) or 0.1
             high = (bounds.high if bounds is not None else None) or 10.0

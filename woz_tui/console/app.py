@@ -289,7 +289,7 @@ class Console(ScreenApp):
             then=tuple(map(self._cap_and_label, self.state.then)),
             stop=self._key("stop"),
         )
-        keys = map(self._key, ("failures", "phase_next", "drivers"))
+        keys = map(self._key, ("failures", "phase_next", "drivers", "cut"))
         line = StatusInfo(self.feed.line_ok, self.feed.round_trip_us, *keys)
         frame = functools.partial(self._frame, now)
         self._main_screen.events.key = self._key("events")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
-from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.config.session_verbs import BML, PERFORMERS
 from woz_tui.console.engagement.wizard_overrides import is_override, override_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -22,6 +23,8 @@ _STEPS: Mapping[str, Mapping[str, tuple[str, str, str, str]]] = {
 }
 #: Verbs that take a name with folders before it, of which the last part says it all.
 _NAMED = frozenset({"play", "sound", "read", "screen"})
+#: The id of a block of BML.
+_BLOCK_ID = re.compile(r"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"'<>]{1,100})["']""")
 #: Arguments that need no name beside their verb: `torque on`, `volume 0.6`.
 _PLAIN = frozenset({"on", "level", "percent"})
 
@@ -29,7 +32,8 @@ _PLAIN = frozenset({"on", "level", "percent"})
 def spoken_text(command: m.Command | m.FilledCall) -> str:
     """What is said; empty if nothing is. A text that is kept is `HIDDEN_TEXT`."""
     text = command.args.get("text")
-    return text if isinstance(text, str) and command.driver not in PERFORMERS else ""
+    mute = command.driver in PERFORMERS and command.driver != BML
+    return text if isinstance(text, str) and not mute else ""
 
 
 def command_words(command: m.Command | m.FilledCall) -> str:
@@ -39,7 +43,17 @@ def command_words(command: m.Command | m.FilledCall) -> str:
         return f"“{text}”"
     if is_override(command):
         return override_text(command.verb, command.args)
+    if command.driver == BML:
+        return _block(command.args)
     return _step(command.verb, command.args) or _verb(command.verb, command.args)
+
+
+def _block(args: Mapping[str, Json]) -> str:
+    """`block greeting`, or by its file; what it does, where that is told."""
+    found = _BLOCK_ID.search(str(args.get("block", "")))
+    name = str(args.get("file", "")) or (found[1] if found is not None else "")
+    does = str(args.get("does", ""))
+    return f"block {name}".rstrip() + (f": {does}" if does else "")
 
 
 def _step(verb: str, args: Mapping[str, Json]) -> str:

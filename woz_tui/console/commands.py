@@ -198,7 +198,12 @@ COMMANDS = (
     _row("note", opens("screens.note:NoteDialog"), hint=KeyHint(8, "note"), users=WATCHER),
     _row("mistake_last", sends=lambda press: AskMistake(), found=False, hint=KeyHint(9, "mistake")),
     _row("mistake", opens("screens.mistake:MistakeDialog")),
-    _row("cut", _cut, opens=False),
+    _row(
+        "cut",
+        _cut,
+        opens=False,
+        hint=KeyHint(0, "cut", lambda state: bool(state.runs.blocks)),
+    ),
     _row(
         "queue",
         opens("screens.queue:QueueDialog"),

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from woz_tui.config.session_verbs import BML
 from woz_tui.console.command_text import command_words, spoken_text
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
@@ -170,10 +171,21 @@ class RunningActions:
         return waiting
 
     def _run(self, press: ActionEpisode | CommandEpisode) -> ActiveRun:
-        if isinstance(press, CommandEpisode):
-            return ActiveRun(press, (press,))
         known = self.session.commands
+        if isinstance(press, CommandEpisode):
+            return ActiveRun(press, (press, *self.parts(press)))
         return ActiveRun(press, tuple(known[name] for name in press.commands if name in known))
+
+    @property
+    def blocks(self) -> list[CommandEpisode]:
+        """Blocks of BML that were sent on their own, as planners do, in their order."""
+        commands = self.session.commands.values()
+        return [each for each in commands if each.request.driver == BML and not each.request.run]
+
+    def parts(self, block: CommandEpisode) -> list[CommandEpisode]:
+        """What of a block has begun and goes on."""
+        run, commands = block.request.command, self.session.commands.values()
+        return [each for each in commands if each.request.run == run and each.started is not None]
 
     def expect(self, run: str, words: str) -> None:
         """What a run that has just been asked for is to say, as far as that is known."""

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Cells, Piece, Row, clean, fit, fit_most, length, spread
+from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, fit_most, length, spread
+from woz_tui.console.command_text import command_words, spoken_text
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
-from woz_tui.console.number_text import elapsed, millis
+from woz_tui.console.number_text import elapsed, millis, seconds
 from woz_tui.console.replay.replay_state import wall_time
 from woz_tui.console.robot_settings.settings_status import driver_trouble
 from woz_tui.console.view_models import DriverView
@@ -26,6 +27,8 @@ PROFILE, WORDY = 14, 100
 PHASE = 18
 #: Cells between the drivers and what stands at the right.
 GAP = 3
+#: Cells that drivers keep beside a planner's block, and cells that this has at least.
+DRIVERS, LEAST_BLOCK = 14, 40
 #: Cells that a long title keeps beside a trial.
 TITLE = 8
 
@@ -33,8 +36,8 @@ TITLE = 8
 @dataclass(frozen=True, slots=True)
 class StatusInfo:
     """The line to the wizard's terminal: whether it takes output, its round trip if known; and
-    the keys that show what has failed, that go on to the next phase, and that say what is wrong
-    with a driver.
+    the keys that show what has failed, that go on to the next phase, that say what is wrong with a
+    driver, and that cut short what began last.
     """
 
     well: bool = True
@@ -42,6 +45,7 @@ class StatusInfo:
     failures: str = "enter"
     phase: str = ""
     drivers: str = ""
+    cut: str = ""
 
 
 def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> list[Row]:
@@ -59,6 +63,8 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     )
     room = width - length(vitals)
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
+    block = _block(state, frame, line.cut, width - length(failures))
+    failures = (*block, *failures)
     drivers = _drivers(state, glyphs, width - length(failures))
     room = width - length(drivers) - length(failures) - GAP
     phase = _phase(state, frame, line.phase, room)
@@ -291,6 +297,32 @@ def _phase(state: ConsoleState, frame: PaintFrame, key: str, room: int) -> Row:
         if length(row) + length(then) <= room:
             row += then
     return row
+
+
+def _block(state: ConsoleState, frame: PaintFrame, key: str, width: int) -> Row:
+    """The newest block that a planner has begun: its id, who it is, what is done now, how long it
+    still takes, and the key that cuts it where that is what began last.
+    """
+    runs, glyphs = state.runs, frame.glyphs
+    if not (blocks := runs.blocks) or (run := runs.get(blocks[-1].request.command)) is None:
+        return ()
+    block = blocks[-1]
+    who = state.session.consoles.get(block.request.console)
+    name = command_words(block.request).removeprefix("block ")
+    more = f" +{len(blocks) - 1}" if len(blocks) > 1 else ""
+    left = run.timing(frame.now)[0]
+    back: Row = ((f" {seconds(left)} left " if left is not None else " waits ", "run"),)
+    if key and runs.active[-1] == run.id:
+        back += ((f" {key} ", "key"), (" cuts ", "muted"))
+    front: Row = (
+        (f"{glyphs.running} {clean(name)}{more}", "run"),
+        (f" {glyphs.middle} {clean(who.name)}" if who is not None and who.name else "", "muted"),
+    )
+    parts = sorted(runs.parts(block), key=lambda each: not spoken_text(each.request))
+    words = ", ".join(command_words(each.request) for each in parts)
+    room = max(LEAST_BLOCK, width - DRIVERS) - length(back)
+    body = (*front, (f"  {glyphs.plain(clean(words))}" if words else "", "plain"))
+    return (*cut(body, max(1, room), glyphs.ellipsis), *back)
 
 
 def _seers(state: ConsoleState) -> Row:

@@ -12,20 +12,35 @@ from dataclasses import replace
 
 import msgspec
 
+from woz_tui.bml.behaviour_calls import VerbCall
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
+from woz_tui.config.session_verbs import BML
 from woz_tui.config.utterance_template import VISITOR
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.participant_identity import RequestError
-from woz_tui.session.variables import MissingValueError, VariableValues, fill_variables, filled_call
+from woz_tui.session.variables import (
+    HIDDEN_TEXT,
+    MissingValueError,
+    VariableValues,
+    fill_variables,
+    filled_call,
+)
 
 #: The verb and its argument that hold an utterance.
 SAY, TEXT = "say", "text"
+#: The argument that names a file with a block of BML.
+FILE = "file"
+
+
+#: What a file with a block of BML plays: verb, arguments and driver of each call; nothing if it
+#: cannot be read.
+BlockCalls = Callable[[str], Sequence[VerbCall]]
 
 
 def utterances(
-    experiment: Experiment, values: VariableValues
+    experiment: Experiment, values: VariableValues, of_block: BlockCalls = lambda file: ()
 ) -> dict[str, list[Mapping[str, Json]]]:
     """What will be said, by driver, each once, in the file's order: the arguments of `say`.
 
@@ -35,16 +50,22 @@ def utterances(
     actions = [action for panel in experiment.panels for action in panel.actions]
     for action in (*actions, *experiment.repairs):
         for call in action.calls:
-            for written in _written(call, values) if call.verb == SAY else ():
+            for written in _written(call, TEXT, values) if call.verb == SAY else ():
                 if said := _filled({**call.args, TEXT: written}, values):
                     found.setdefault(call.driver, {})[repr(sorted(said.items()))] = said
+            for file in _written(call, FILE, values) if call.driver == BML else ():
+                for part in of_block(str(file)):
+                    if part.verb == SAY:
+                        found.setdefault(part.driver, {})[repr(sorted(part.args.items()))] = (
+                            part.args
+                        )
     return {driver: list(said.values()) for driver, said in found.items()}
 
 
-def _written(call: Call, values: VariableValues) -> Iterable[Json]:
-    """What it may be asked to say in this condition, with the variables still in place."""
-    choice = call.choices.get(TEXT)
-    return choice.of(values.get("condition", "")) if choice else (call.args.get(TEXT),)
+def _written(call: Call, name: str, values: VariableValues) -> Iterable[Json]:
+    """What an argument may be in this condition, with the variables still in place."""
+    choice = call.choices.get(name)
+    return choice.of(values.get("condition", "")) if choice else (call.args.get(name),)
 
 
 def _filled(args: dict[str, Json], values: VariableValues) -> Mapping[str, Json]:
@@ -110,6 +131,7 @@ class ActionTexts:
         seed: Of the order of variants.
         experiment: The experiment as it is now.
         values: The variables' present values.
+        of_block: What a file with a block of BML plays.
     """
 
     def __init__(
@@ -118,7 +140,9 @@ class ActionTexts:
         seed: int,
         experiment: Callable[[], Experiment],
         values: Callable[[], VariableValues],
+        of_block: BlockCalls,
     ) -> None:
+        self._of_block = of_block
         self._hub = hub
         self._seed = seed
         self._experiment = experiment
@@ -190,9 +214,26 @@ class ActionTexts:
     def _publish(self, actions: Iterable[Action]) -> None:
         values = self._values().to_show()
         filled = {
-            action.name: _filled_steps(self._steps(action, values, set())) for action in actions
+            action.name: [
+                step if isinstance(step, float | int) else [*map(self._filled_call, step)]
+                for step in self._steps(action, values, set())
+            ]
+            for action in actions
         }
         self._hub.publish(m.ActionsFilled(actions=filled))
+
+    def _filled_call(self, call: Call) -> m.FilledCall:
+        """As consoles show it: a block of BML with what it says, or else does."""
+        filled = msgspec.convert(call, m.FilledCall, from_attributes=True)
+        if call.driver != BML or not (parts := self._of_block(str(call.args.get(FILE)))):
+            return filled
+        said = " ".join(str(part.args[TEXT]) for part in parts if part.verb == SAY)
+        does = ", ".join(dict.fromkeys(part.words for part in parts))
+        told: dict[str, Json] = {TEXT: said} if said else {"does": does}
+        kept = dict.fromkeys(told, HIDDEN_TEXT) if call.tells else {}
+        return msgspec.structs.replace(
+            filled, args={**filled.args, **told}, unfilled={**filled.unfilled, **kept}
+        )
 
     def _steps(
         self, action: Action, values: VariableValues, used: set[tuple[str, Sequence[str]]]
@@ -216,15 +257,6 @@ class ActionTexts:
                 case ParallelCalls(calls=calls) if calls:  # none: this robot does none of them
                     steps.append(tuple(filled_call(call, values, pick) for call in calls))
         return steps
-
-
-def _filled_steps(steps: Steps) -> list[list[m.FilledCall] | float]:
-    return [
-        step
-        if isinstance(step, float | int)
-        else [msgspec.convert(call, m.FilledCall, from_attributes=True) for call in step]
-        for step in steps
-    ]
 
 
 def _spoken(call: Call, values: VariableValues, text: str) -> m.Json:

@@ -141,6 +141,22 @@ class BmlPlayer:
         except RejectedError as error:
             raise RequestError(error.what, error.remedy) from error
 
+    def calls_in(self, file: str) -> list[VerbCall]:
+        """What a file that was read with the experiment plays, the earliest first; nothing if it
+        cannot be played.
+        """
+        try:
+            block = read_block(self._read().blocks[file])
+            made = plan(block, self._calls_of(block.character))
+        except (BmlError, KeyError):
+            return []
+        found = [
+            (call.span(made.schedule.points(name))[0], call)
+            for name, calls in made.calls.items()
+            for call in calls
+        ]
+        return [call for _, call in sorted(found, key=lambda each: each[0])]
+
     def lose(self, console: str) -> None:
         """The connection of a guest has ended: its blocks do."""
         for played in [*self._blocks.values()]:

@@ -194,7 +194,13 @@ class Session:
             unstopped=frozenset({ENGAGEMENT}),
         )
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)
-        self.texts = ActionTexts(self.hub, self.identity.seed, lambda: self.experiment, self.values)
+        self.texts = ActionTexts(
+            self.hub,
+            self.identity.seed,
+            lambda: self.experiment,
+            self.values,
+            self.blocks.calls_in,
+        )
         self.runner = ActionRunner(
             self.hub,
             self.bus,
@@ -228,7 +234,9 @@ class Session:
         self._prepare()
 
     def _prepare(self) -> None:
-        self._driver_manager.prepare(utterances(self.experiment, self.values()))
+        self._driver_manager.prepare(
+            utterances(self.experiment, self.values(), self.blocks.calls_in)
+        )
 
     async def close(self, reason: str, rest: bool = True) -> None:
         """Rest, close the drivers, finish the log. Bounded in time; never raises."""

@@ -18,7 +18,7 @@ from woz_tui.config.actions import ACTION_FIELDS
 from woz_tui.config.engagement import SIGNS
 from woz_tui.config.engagement_section import ENTERED
 from woz_tui.config.json_schema import experiment_schema
-from woz_tui.config.session_verbs import WAIT, session_verbs
+from woz_tui.config.session_verbs import BML_VERB, WAIT, session_verbs
 
 #: Whose examples come first: what is read most.
 FIRST = ("interview.yaml", "study.yaml", "demo.yaml", "guide.yaml")
@@ -125,7 +125,13 @@ MEANINGS = {
     "engagement.handshake": "how somebody without a name is asked for it",
     "engagement.attention": "what the robot turns to",
 }
-_VERB_WORDS = {"wait": 0.5, "mark": "smile", "note": "came late", "lock": "Speech"}
+_VERB_WORDS = {
+    "wait": 0.5,
+    "mark": "smile",
+    "note": "came late",
+    "lock": "Speech",
+    "bml": "greet.xml",
+}
 
 
 def page() -> str:
@@ -294,7 +300,7 @@ def _collect(path: str, value: Any, found: dict[str, Any]) -> None:
 
 
 def _verbs() -> Iterator[str]:
-    for verb in (*session_verbs(), WAIT):
+    for verb in (*session_verbs(), BML_VERB, WAIT):
         argument = verb.arguments[0].name if verb.arguments else ""
         value = _VERB_WORDS.get(verb.name, f"<{argument}>")
         yield f"| `{verb.name}` | `{verb.name}: {value}` | {verb.summary} |\n"

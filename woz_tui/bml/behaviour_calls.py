@@ -287,7 +287,12 @@ class BehaviourCalls:
 
     def _from_table(self, kind: str, lexeme: str) -> list[VerbCall]:
         entries = self._table.calls.get(kind, {})
-        found = next((each for name, each in entries.items() if _same(name, lexeme)), ())
+        alike = FACES.get(lexeme.upper(), ()) if kind == "faceLexeme" else ()
+        exact = (each for name, each in entries.items() if _same(name, lexeme))
+        near = (
+            each for name, each in entries.items() if alike and FACES.get(name.upper()) == alike
+        )
+        found = next(exact, None) or next(near, ())
         return [VerbCall("start", each.verb, each.args, each.driver) for each in found]
 
     def _call_if_there(self, verb: str, value: str) -> VerbCall | None:

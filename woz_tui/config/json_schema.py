@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
+from woz_tui.config.bml_section import KEYS, TARGETS
 from woz_tui.config.condition_texts import ANY
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, ON_ENTER
@@ -24,7 +25,7 @@ from woz_tui.config.experiment import DriverPlace
 from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
 from woz_tui.config.languages import SPOKEN, Language
 from woz_tui.config.robots import AT, NAMED
-from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
+from woz_tui.config.session_verbs import BML, BML_VERB, WAIT, engagement_verbs, session_verbs
 from woz_tui.config.study import CUES, Design
 from woz_tui.config.study_sections import NAME_PATTERN
 from woz_tui.drivers import fields
@@ -271,7 +272,26 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
         }
         for field in NAMED
     }
-    return mapping({"name": TEXT, **names, "drivers": drivers}, required=("drivers",))
+    return mapping({"name": TEXT, **names, BML: _bml(), "drivers": drivers}, required=("drivers",))
+
+
+def _bml() -> Schema:
+    """What behaviours stand for: a word, or verbs as in an action."""
+    angles = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+    does = {"anyOf": [TEXT, {"type": "object", "minProperties": 1}]}
+    return {
+        **mapping(
+            {
+                name: {
+                    "type": "object",
+                    "description": words,
+                    "additionalProperties": angles if name == TARGETS else does,
+                }
+                for name, words in KEYS.items()
+            }
+        ),
+        "description": "what behaviours of BML stand for; what is not said is as usual",
+    }
 
 
 def _repairs() -> Schema:
@@ -409,7 +429,7 @@ def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -
         for verb in offered:
             known = merged.get(verb.name)
             merged[verb.name] = verb if known is None else _merged(known, verb)
-    return [*merged.values(), *map(_opened, session_verbs()), *engagement_verbs()]
+    return [*merged.values(), *map(_opened, session_verbs()), BML_VERB, *engagement_verbs()]
 
 
 def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:

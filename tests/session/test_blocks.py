@@ -1,0 +1,274 @@
+"""Blocks of BML in a session: on keys, and those of planners, who are guests."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Stage, action, call, experiment, together
+from tests.session.test_superseding import Guide
+from woz_tui.config.experiment import Action, Panel, Profile, TextVariants
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import StudySettings
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
+from woz_tui.session.redactor import Redactor
+from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode
+from woz_tui.timeline.timeline import Timeline
+
+KEY = RequestOrigin("key", "x", "con1")
+PLANNER = RequestOrigin("program", "", "con2")
+GREET = (
+    '<bml id="greet">'
+    '<speech id="s"><text>Hello <sync id="m"/>you.</text></speech>'
+    '<head id="n" lexeme="NOD" start="2" end="3"/>'
+    '<speech id="t" start="4"><text>Goodbye.</text></speech></bml>'
+)
+ACTIONS = (
+    action("Greet", together(call("bml", "bml", file="greet.xml"))),
+    replace(action("Again", together(call("bml", "bml", file="greet.xml"))), when_busy="replace"),
+    action("Sing", together(call("say", text="La la la."))),
+    action("Wave", together(call("play", move="wave"))),
+)
+Scene = Callable[[Stage], Awaitable[None]]
+
+
+def scene(tmp_path: Path, play: Scene, actions: Sequence[Action] = ACTIONS) -> Stage:
+    """A session whose speeches, moves and looks take a second each."""
+
+    async def go() -> Stage:
+        made = experiment(tmp_path)
+        spec = replace(made.drivers[0], verbs=Guide.verbs(None))
+        panels = (Panel("All", tuple(actions), spec.place),)
+        made = replace(made, drivers=(spec,), panels=panels, blocks={"greet.xml": GREET})
+        stage = Stage(tmp_path, catalogue={"puppet": Guide}, made=made)
+        await stage.session.open()
+        await play(stage)
+        await asyncio.sleep(20)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+def planner(*blocks: tuple[float, str]) -> Scene:
+    """A planner's blocks, each after so many seconds."""
+
+    async def play(stage: Stage) -> None:
+        for wait, block in blocks:
+            await asyncio.sleep(wait)
+            stage.session.send("bml", {"block": block}, "", PLANNER)
+
+    return play
+
+
+def done(stage: Stage) -> list[object]:
+    """What the robot did to its end: what was said, or the move."""
+    return [
+        line.sent.get("text", line.sent.get("move"))
+        for line in stage.lines
+        if isinstance(line, m.Done) and line.driver == "robot"
+    ]
+
+
+def ended(stage: Stage) -> list[m.End]:
+    """How blocks ended."""
+    return [line for line in stage.lines if isinstance(line, m.End) and line.driver == "bml"]
+
+
+def trouble(stage: Stage) -> dict[str, str]:
+    """Which behaviours did not go as planned, and why."""
+    found = (line.problem for line in stage.lines if isinstance(line, m.BlockTrouble))
+    return {problem.about: problem.text for problem in found}
+
+
+def marks(stage: Stage) -> list[str]:
+    return [line.text for line in stage.lines if isinstance(line, m.CommandMark)]
+
+
+def test_a_block_on_a_key_is_an_action_like_any_other(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Greet", KEY)
+
+    stage = scene(tmp_path, play)
+    assert done(stage) == ["Hello you.", "nod", "Goodbye."]
+    timeline = Timeline()
+    for line in stage.lines:
+        timeline.apply(line)
+    timeline.finish()
+    [greet] = timeline.of(ActionEpisode)
+    assert greet.outcome == "done"
+    assert len(greet.commands) == 4
+    block, *parts = sorted(timeline.of(CommandEpisode), key=lambda each: each.seq)
+    assert block.planned is not None
+    assert [each.id for each in block.planned.behaviours] == ["s", "n", "t"]
+    assert {part.request.run for part in parts} == {greet.request.run}
+    assert {part.request.source for part in parts} == {"key"}
+    assert [mark for mark in marks(stage) if mark.startswith("s:")] == ["s:start", "s:m", "s:end"]
+
+
+def test_what_a_block_says_is_told_before_and_made_ready(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        pass
+
+    stage = scene(tmp_path, play)
+    [filled] = [line for line in stage.lines if isinstance(line, m.ActionsFilled)]
+    [[shown]] = filled.actions["Greet"]  # type: ignore[misc]
+    assert isinstance(shown, m.FilledCall)
+    assert shown.args["text"] == "Hello you. Goodbye."
+
+
+def test_the_same_block_waits_for_itself_or_takes_its_place(tmp_path: Path) -> None:
+    async def twice(stage: Stage) -> None:
+        for name in ("Greet", "Greet"):
+            stage.session.play(name, KEY)
+
+    assert done(scene(tmp_path, twice)) == 2 * ["Hello you.", "nod", "Goodbye."]
+
+    async def anew(stage: Stage) -> None:
+        stage.session.play("Greet", KEY)
+        await asyncio.sleep(1.5)
+        stage.session.play("Again", KEY)
+
+    stage = scene(tmp_path, anew)
+    assert done(stage) == ["Hello you.", "Hello you.", "nod", "Goodbye."]
+    assert isinstance(ended(stage)[0], m.Stopped)
+
+
+def test_a_stop_ends_it_and_nothing_of_it_comes_later(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Greet", KEY)
+        await asyncio.sleep(0.5)
+        stage.session.stop("key")
+        await asyncio.sleep(1)
+        stage.session.release("key")
+
+    stage = scene(tmp_path, play)
+    assert done(stage) == []
+    assert isinstance(ended(stage)[0], m.Stopped)
+
+
+def test_a_wizards_act_takes_the_lane_from_a_planners_block(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        await planner((0, GREET))(stage)
+        await asyncio.sleep(0.5)
+        stage.session.play("Sing", KEY)
+
+    stage = scene(tmp_path, play)
+    assert done(stage) == ["La la la.", "nod"]
+    assert trouble(stage) == dict.fromkeys("st", 'replaced by "Sing"')
+    assert isinstance(ended(stage)[0], m.Done)
+    assert "s:end" not in marks(stage)
+
+
+def test_of_the_wizards_own_block_only_what_is_to_come_gives_way(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Greet", KEY)
+        await asyncio.sleep(0.5)
+        stage.session.play("Sing", KEY)
+
+    stage = scene(tmp_path, play)
+    assert done(stage) == ["Hello you.", "La la la.", "nod"]
+    assert [*trouble(stage)] == ["t"]
+
+
+def test_a_planner_may_do_only_what_a_profile_and_the_locks_allow(tmp_path: Path) -> None:
+    async def profile(stage: Stage) -> None:
+        allowed = Profile(name="mute", verbs=frozenset({"play"}))
+        stage.session.experiment = replace(stage.session.experiment, profiles={"mute": allowed})
+        stage.session.use_profile("mute", "key")
+        await planner((0, GREET))(stage)
+
+    stage = scene(tmp_path, profile)
+    assert done(stage) == ["nod"]
+    assert {*trouble(stage)} == {"s", "t"}
+
+    async def locked(stage: Stage) -> None:
+        [panel] = stage.session.experiment.panels
+        panels = (replace(panel, covers=("say",)),)
+        stage.session.experiment = replace(stage.session.experiment, panels=panels)
+        stage.session.lock("All", True)
+        await planner((0, GREET))(stage)
+
+    assert done(scene(tmp_path, locked)) == ["nod"]
+
+
+def test_a_planner_that_goes_takes_its_blocks_along(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        await planner((0, GREET))(stage)
+        await asyncio.sleep(1.5)
+        stage.session.lose_hands("con2")
+
+    stage = scene(tmp_path, play)
+    assert done(stage) == ["Hello you."]
+    assert "has gone" in ended(stage)[0].reason
+
+
+def test_a_planners_block_that_replaces_leaves_the_wizards_alone(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Greet", KEY)
+        await planner((0.5, '<bml id="b"><wait id="w" end="9"/></bml>'))(stage)
+        await planner((0.5, '<bml id="c" composition="REPLACE"/>'))(stage)
+
+    stage = scene(tmp_path, play)
+    assert done(stage) == ["Hello you.", "nod", "Goodbye."]
+    assert [type(end) for end in ended(stage)] == [m.Stopped, m.Done, m.Done]
+
+
+def test_a_block_is_cut_by_its_id_as_every_command(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        await planner((0, GREET), (0, GREET.replace("greet", "other").replace("Hello", "Hi")))(
+            stage
+        )
+        await asyncio.sleep(0.5)
+        blocks = [line for line in stage.lines if isinstance(line, m.BlockPlanned)]
+        stage.session.cancel(blocks[0].command)
+
+    stage = scene(tmp_path, play)
+    assert isinstance(ended(stage)[0], m.Stopped)
+    assert "Hello you." not in done(stage)
+    assert "Hi you." in done(stage)
+
+
+def test_what_cannot_be_played_is_refused_and_foretold(tmp_path: Path) -> None:
+    required = '<bml id="r"><required><gaze id="g" target="moon"/></required></bml>'
+
+    async def play(stage: Stage) -> None:
+        await planner((0, "<bml"), (0, required))(stage)
+        block = await stage.session.blocks.predict({"block": GREET})
+        assert block.duration_us > 4_000_000
+        assert [each.does for each in block.behaviours] == [
+            "say Hello you.",
+            "play nod",
+            "say Goodbye.",
+        ]
+        for args in ({}, {"file": "greet.xml", "block": GREET}):
+            with pytest.raises(RequestError):
+                await stage.session.blocks.predict(args)
+
+    stage = scene(tmp_path, play)
+    refused = ended(stage)
+    assert {type(end) for end in refused} == {m.Refused}
+    assert "moon" in refused[1].reason
+
+
+def test_a_block_that_tells_the_condition_is_kept_from_who_is_blind(tmp_path: Path) -> None:
+    files = TextVariants({"warm": ("greet.xml",), "cold": ("other.xml",)})
+    chosen = replace(call("bml", "bml"), choices={"file": files})
+
+    async def play(stage: Stage) -> None:
+        stage.session.play("Greet", KEY)
+
+    stage = scene(tmp_path, play, (action("Greet", together(chosen)),))
+    assert done(stage) == ["Hello you.", "nod", "Goodbye."]
+    blind = Redactor(StudySettings(blind={"warm": "A", "cold": "B"}))
+    seen = [line for line in map(blind.message, stage.lines) if line is not None]
+    words = " ".join(map(repr, seen))
+    for tells in ("greet.xml", "Hello", "Goodbye", "nod"):
+        assert tells not in words
+    assert not any(isinstance(line, m.BlockPlanned | m.CommandMark) for line in seen)

@@ -13,7 +13,7 @@ import pytest
 from tests.host.rig import Served, served
 from woz_tui import cli
 from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
-from woz_tui.bml.bml_block import Behaviour
+from woz_tui.bml.bml_block import NAMESPACE, Behaviour
 from woz_tui.bml.realizer import BmlRealizer, Feedback
 from woz_tui.client import connect
 from woz_tui.drivers.contract import Argument, Verb
@@ -79,6 +79,24 @@ async def test_a_block_is_foretold_played_and_told_point_by_point(planner: Plann
     assert not planner.warnings()
     requests = [line for line in planner.host.lines if isinstance(line, m.Command)]
     assert {line.source for line in requests} == {"program"}
+
+
+async def test_planners_find_their_behaviours_in_what_is_foretold(planner: Planner) -> None:
+    speech = SAY.replace("<text>", "<text>1 &lt; 2 <sync id='a b'/><sync id='end'/>")
+    shift = '<postureShift id="p" bmlt:x="1" xmlns:bmlt="y"><stance type="Sitting"/></postureShift>'
+    await planner.play("b1", speech + NOD.replace("/>", ' amount="0.7"/>') + shift)
+    told = next(each for each in planner.told if each.name == "predictionFeedback")
+    read = Xml.fromstring(told.xml())
+    ns = f"{{{NAMESPACE}}}"
+    block, said, nod, posture = read
+    assert block.get("id") == "b1"
+    text = said.find(f"{ns}text")
+    assert text is not None
+    assert text.text == "1 < 2 Hello you."
+    assert {*said.keys()} == {"id", "start", "m", "end"}
+    wanted = {"id": "b1:n", "lexeme": "NOD", "amount": "0.7", "start": said.get("m")}
+    assert wanted.items() <= nod.attrib.items()
+    assert posture[0].items() == [("type", "Sitting")]
 
 
 async def test_blocks_wait_join_in_and_take_over_as_they_say(planner: Planner) -> None:

@@ -56,6 +56,9 @@ WarningKind = Literal[
 ]
 Composition = Literal["MERGE", "APPEND", "REPLACE", "APPEND-AFTER"]
 
+#: A mark's name, which is an attribute in feedback.
+_MARK = re.compile(r"^[A-Za-z_][\w.-]*$", re.ASCII)
+_TAKEN = ("id", "start", "end", "xmlns")
 _OFFSET = re.compile(r"^(.*?)\s*([+-])\s*(\d+(?:\.\d*)?|\.\d+)$", re.DOTALL)
 _NUMBER = re.compile(r"^[+-]?(\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?$", re.IGNORECASE)
 
@@ -403,7 +406,7 @@ def _speech(element: Xml.Element) -> tuple[str, dict[str, int]]:
     for piece, mark in _pieces(text):
         words = re.sub(r"\s+", " ", piece)
         said += words.lstrip() if not said or said.endswith(" ") else words
-        if mark:
+        if _MARK.match(mark) and mark not in _TAKEN:
             marks[mark] = len(said)
     return said.strip(), marks
 

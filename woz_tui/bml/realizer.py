@@ -9,15 +9,20 @@ import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeVar
 from xml.sax.saxutils import quoteattr
 
-from woz_tui.bml.bml_block import NAMESPACE, BmlError, read_block
+from woz_tui.bml.bml_block import NAMESPACE, Behaviour, BmlError, read_block
 from woz_tui.client import WozClient, WozError, WozRefusedError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.messages import BlockPlanned
 from woz_tui.system.tasks import end_tasks
 
+T = TypeVar("T")
+
+#: Blocks that are over and whose end somebody may still ask for.
+REMEMBERED = 100
 #: The verb that plays a block.
 VERB = "bml"
 
@@ -48,6 +53,7 @@ class _Requested:
     """A block that the session has taken. `plan`: once it is in time."""
 
     block: str
+    behaviours: Mapping[str, Behaviour]
     command: str
     plan: BlockPlanned | None = None
     over: asyncio.Event = field(default_factory=asyncio.Event)
@@ -79,7 +85,7 @@ class BmlRealizer:
         """Hand a block over; returns its id, or nothing if the session did not take it. What is
         wrong with the block itself comes as feedback.
         """
-        name = _id_of(text)
+        name, behaviours = _contents(text)
         self._asking += 1
         try:
             run = await self._client.begin(VERB, _args(text))
@@ -88,7 +94,7 @@ class BmlRealizer:
             return ""
         finally:
             self._asking -= 1
-        requested = _Requested(name, run.id)
+        requested = _Requested(name, behaviours, run.id)
         self._requested[run.id] = requested
         before = self._latest.get(name)
         if before is None or before.over.is_set():  # else the session refuses this one
@@ -148,7 +154,7 @@ class BmlRealizer:
                 for problem in message.problems:
                     about = ":".join(filter(None, (message.block, problem.about)))
                     self._warn(about, problem.sort, problem.text)
-                self._tell(_prediction(message))
+                self._tell(_prediction(message, requested.behaviours))
             case m.BlockTrouble(problem=problem):
                 self._warn(f"{message.block}:{problem.about}", problem.sort, problem.text)
             case m.CommandMark(sort="sync", text=""):
@@ -161,6 +167,9 @@ class BmlRealizer:
 
     def _end(self, requested: _Requested, end: m.End) -> None:
         del self._requested[requested.command]
+        over = [name for name, each in self._latest.items() if each.over.is_set()]
+        for name in over[:-REMEMBERED]:
+            del self._latest[name]
         if requested.plan is None:
             self._warn(requested.block, "PARSING_FAILURE", end.reason or "it was not begun")
         else:
@@ -178,11 +187,13 @@ def _args(text: str) -> dict[str, m.Json]:
     return {"block": text.replace("{", "{{").replace("}", "}}")}
 
 
-def _id_of(text: str) -> str:
+def _contents(text: str) -> tuple[str, Mapping[str, Behaviour]]:
+    """The id of a block, and its behaviours by theirs."""
     try:
-        return read_block(text).id
+        block = read_block(text)
     except BmlError as error:
-        return error.block or "bml"
+        return error.block or "bml", {}
+    return block.id, {behaviour.id: behaviour for behaviour in block.behaviours}
 
 
 def _time(plan: BlockPlanned | None, point: str) -> float | None:
@@ -200,19 +211,24 @@ def _progress(what: str, ident: str, now_us: int, time: float | None = None) -> 
     return Feedback(f"{what}Progress", {"id": ident, **own, "globalTime": f"{now_us / 1e6:.3f}"})
 
 
-def _prediction(plan: BlockPlanned) -> Feedback:
+def _prediction(plan: BlockPlanned, behaviours: Mapping[str, Behaviour]) -> Feedback:
+    """The block and its behaviours as the planner wrote them, with the times of all points."""
     begin, end = plan.begin / 1e6, (plan.begin + plan.duration_us) / 1e6
     block = Feedback(
         "bml", {"id": plan.block, "globalStart": f"{begin:.3f}", "globalEnd": f"{end:.3f}"}
     )
-    behaviours = tuple(
-        Feedback(
-            each.sort,
-            {
-                "id": f"{plan.block}:{each.id}",
-                **{point: f"{at / 1e6:.3f}" for point, at in each.points.items()},
-            },
-        )
-        for each in plan.behaviours
-    )
-    return Feedback("predictionFeedback", {}, inner=(block, *behaviours))
+    foretold = []
+    for each in plan.behaviours:
+        written = behaviours[each.id]
+        attributes = {"id": f"{plan.block}:{each.id}", **_core(written.attributes)}
+        attributes |= {point: f"{at / 1e6:.3f}" for point, at in each.points.items()}
+        inner = [Feedback(name, _core(at)) for name, at in _core(written.inner).items()]
+        if written.text:
+            inner.append(Feedback("text", {}, written.text))
+        foretold.append(Feedback(each.sort, attributes, inner=tuple(inner)))
+    return Feedback("predictionFeedback", {}, inner=(block, *foretold))
+
+
+def _core(names: Mapping[str, T]) -> Mapping[str, T]:
+    """Without what is of another namespace."""
+    return {name: value for name, value in names.items() if name.isidentifier()}

@@ -96,7 +96,7 @@ async def test_planners_find_their_behaviours_in_what_is_foretold(planner: Plann
     assert {*said.keys()} == {"id", "start", "m", "end"}
     wanted = {"id": "b1:n", "lexeme": "NOD", "amount": "0.7", "start": said.get("m")}
     assert wanted.items() <= nod.attrib.items()
-    assert posture[0].items() == [("type", "Sitting")]
+    assert posture[0].attrib == {"type": "Sitting"}
 
 
 async def test_blocks_wait_join_in_and_take_over_as_they_say(planner: Planner) -> None:

@@ -76,8 +76,8 @@ class Broker:
             self.process.wait(PATIENCE_S)
 
 
-def _port() -> int:
-    """A port that nobody listens on now; nor on the three behind it."""
+def free_ports() -> int:
+    """The first of four ports in a row that nobody listens on now."""
     while True:
         with contextlib.ExitStack() as probes, contextlib.suppress(OSError, OverflowError):
             first = probes.enter_context(socket.socket())
@@ -94,7 +94,7 @@ def broker(
 ) -> Iterator[Broker]:
     name = request.param
     virtual_host = "/" if name == "rabbitmq" else ""
-    there = StompPlace("127.0.0.1", _port(), "planner", "secret", virtual_host)
+    there = StompPlace("127.0.0.1", free_ports(), "planner", "secret", virtual_host)
     running = Broker(name, tmp_path_factory.mktemp(name), there)
     try:
         running.start()

@@ -15,11 +15,12 @@ from woz_tui.console.event_list import event_rows, listed_events
 from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
 from woz_tui.console.message_feed import Loss
 from woz_tui.console.meters import meter_rows
-from woz_tui.console.number_text import decibels, elapsed, seconds, time_left
+from woz_tui.console.number_text import decibels, seconds, time_left
 from woz_tui.console.status_rows import StatusInfo, status_rows
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.sensing.proxemics import zone
+from woz_tui.system.text_cleaning import elapsed
 
 NOW = scenes.NOW
 FRAME = PaintFrame(50, 30, NOW)

@@ -19,6 +19,7 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.requests import (
+    PROTOCOL,
     AnyRequest,
     AskControls,
     AskStop,
@@ -133,7 +134,11 @@ class HandClient:
         """A session can be reached; `write` sends it a line."""
         self._write = write
         self.welcomed = False
-        self._ask(Hello(role="program", name="hands", stream="actions", sees="wizard"))
+        self._ask(
+            Hello(
+                role="program", name="hands", protocol=PROTOCOL, stream="actions", sees="wizard"
+            )
+        )
 
     def disconnect(self) -> None:
         """The session cannot be reached any more: nothing of what is held counts there."""

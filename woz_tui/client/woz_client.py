@@ -231,8 +231,7 @@ class WozClient:
             WozRefusedError: It was not begun; the reason says why.
             WozError: As awaiting a `WozRun`.
         """
-        call = {**(args or {}), **more}
-        run = await self.begin(verb, call, driver=driver, when_busy=when_busy, at=at)
+        run = await self.begin(verb, args, driver=driver, when_busy=when_busy, at=at, **more)
         end = await self._to_its_end(run)
         assert isinstance(end, m.Done)
         return end

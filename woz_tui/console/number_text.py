@@ -8,14 +8,6 @@ import math
 SILENCE_DB = -60.0
 
 
-def elapsed(us: int) -> str:
-    """`mm:ss`, from an hour on `h:mm:ss`."""
-    seconds = max(0, us) // 1_000_000
-    hours, rest = divmod(seconds, 3600)
-    minutes, seconds = divmod(rest, 60)
-    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes:02}:{seconds:02}"
-
-
 def seconds(us: int) -> str:
     """`2.1 s`, from a hundred seconds on `123 s`."""
     value = max(0, us) / 1_000_000

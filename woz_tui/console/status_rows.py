@@ -11,11 +11,12 @@ from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, fit_most, 
 from woz_tui.console.command_text import command_words, spoken_text
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
-from woz_tui.console.number_text import elapsed, millis, seconds
+from woz_tui.console.number_text import millis, seconds
 from woz_tui.console.replay.replay_state import wall_time
 from woz_tui.console.robot_settings.settings_status import driver_trouble
 from woz_tui.console.view_models import DriverView
 from woz_tui.session.part_limits import part_names
+from woz_tui.system.text_cleaning import elapsed
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000

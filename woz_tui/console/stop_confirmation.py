@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 from woz_tui.console.cells import Row, clean, length
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.number_text import elapsed
+from woz_tui.system.text_cleaning import elapsed
 from woz_tui.timeline.episodes import StopEpisode
 
 Parts = Mapping[str, Iterable[str]]

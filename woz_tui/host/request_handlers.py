@@ -268,10 +268,8 @@ class RequestHandlers:
 
     def _verb(self, client: ClientConnection, request: AskVerb, stale: str) -> str:
         """Send it with its variables filled in, as in the experiment file."""
-        # First of all: a sentence about a variable would quote what stands between braces.
-        args = self._session.bus.hidden(request.verb, request.args)
-        texts = {name: text for name, text in args.items() if isinstance(text, str)}
-        call = Call(request.verb, texts, request.on)
+        args, call = self._hidden(request)
+        texts = call.args
         if not stale:
             call = self._filled(call)
         if tells := self._tells(client):
@@ -291,10 +289,18 @@ class RequestHandlers:
         if (
             typed
             and [*args] == ["text"]
-            and self._session.add_typed_button(texts["text"], request.on)
+            and self._session.add_typed_button(str(texts["text"]), request.on)
         ):
             self.on_panels()
         return run
+
+    def _hidden(self, request: AskVerb | AskPredict) -> tuple[Mapping[str, Json], Call]:
+        """The arguments as they may be recorded, and a call with those that are texts: before
+        variables are filled in, since a sentence about one would quote what stands in braces.
+        """
+        args = self._session.bus.hidden(request.verb, request.args)
+        texts = {name: text for name, text in args.items() if isinstance(text, str)}
+        return args, Call(request.verb, texts, request.on)
 
     def _filled(self, call: Call) -> Call:
         try:
@@ -312,9 +318,8 @@ class RequestHandlers:
         if request.action and not request.verb:
             prediction = await self._session.predict_action(request.action, kept)
         elif request.verb and not request.action:
-            args = self._session.bus.hidden(request.verb, request.args)
-            texts = {name: text for name, text in args.items() if isinstance(text, str)}
-            call = self._filled(Call(request.verb, texts, request.on))
+            args, call = self._hidden(request)
+            call = self._filled(call)
             whole = dataclasses.replace(call, args={**args, **call.args})
             prediction = await self._session.predict_verb(whole, kept)
         else:

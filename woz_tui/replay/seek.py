@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from woz_tui.replay.bookmarks import Bookmark
 from woz_tui.replay.recording import Recording
+from woz_tui.system.text_cleaning import elapsed
 
 _CLOCK = re.compile(r"(?:(\d+):)?(\d+):(\d{1,2}(?:\.\d*)?)")
 _SECONDS = re.compile(r"\d+(?:\.\d*)?|\.\d+")
@@ -34,13 +35,6 @@ def time_of(text: str) -> int | None:
     return round(float(text) * 1_000_000) if _SECONDS.fullmatch(text) else None
 
 
-def time_text(us: int) -> str:
-    """A time as `time_of` reads it: `12:34`, from an hour on `1:02:03`."""
-    hours, rest = divmod(max(0, us) // 1_000_000, 3600)
-    minutes, seconds = divmod(rest, 60)
-    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes:02}:{seconds:02}"
-
-
 def seek_time(text: str, recording: Recording, now: int) -> int:
     """The time that is meant: `start`, `end`, `next` and `before` (marks, seen from `now`), a time,
     or the text of a mark: the next one after `now` that is called so, begins so or has it in
@@ -55,7 +49,7 @@ def seek_time(text: str, recording: Recording, now: int) -> int:
     t = time_of(wanted)
     if t is not None:
         if t > recording.length_us:
-            raise ReplayError(f"the session is {time_text(recording.length_us)} long")
+            raise ReplayError(f"the session is {elapsed(recording.length_us)} long")
         return t
     mark = _named(wanted.casefold(), recording.marks, now)
     if mark is None:

@@ -80,6 +80,13 @@ def cell(value: str | float | bool | None, *, text: bool = True) -> str:
     return repr(value)
 
 
+def elapsed(us: int) -> str:
+    """`mm:ss`, from an hour on `h:mm:ss`."""
+    hours, rest = divmod(max(0, us) // 1_000_000, 3600)
+    minutes, seconds = divmod(rest, 60)
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes:02}:{seconds:02}"
+
+
 def seconds(us: int) -> str:
     """Microseconds as seconds with all six places, never in another notation."""
     sign, us = ("-", -us) if us < 0 else ("", us)

@@ -183,17 +183,13 @@ class _Assignment:
                 self._why[item.id] = f"the experiment has an action on {chord}"
                 continue
             found = deliver(chord, self._terminal, self._layout)
-            if found.verdict is KeyOutcome.STOP and not item.movable:
-                self._builtins[item.id] = AssignedKey(
-                    item.id, chord, chord, found.arrives, found.data
-                )
-            elif self._free(found):
-                self._own(found.arrives, item.description)
-                self._builtins[item.id] = AssignedKey(
-                    item.id, chord, chord, found.arrives, found.data
-                )
-            else:
+            stops = found.verdict is KeyOutcome.STOP and not item.movable
+            if not stops and not self._free(found):
                 self._why[item.id] = found.why
+                continue
+            if not stops:
+                self._own(found.arrives, item.description)
+            self._builtins[item.id] = AssignedKey(item.id, chord, chord, found.arrives, found.data)
 
     def _place(self, action: KeyedAction, *, nobodys: bool) -> None:
         """The action's own key, if it arrives and is free."""

@@ -12,9 +12,10 @@ from woz_tui.config.engagement import CONDITION, MODES, SIGNS
 from woz_tui.console.cells import Piece, Row, clean, fit
 from woz_tui.console.engagement.engagement_view import EngagementView
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.number_text import elapsed, seconds
+from woz_tui.console.number_text import seconds
 from woz_tui.protocol import messages as m
 from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
+from woz_tui.system.text_cleaning import elapsed
 
 #: From here on the wait for an answer is too long for a visitor: people like an answer within a
 #: second and suffer two (T. Shiwa et al., How quickly should communication robots respond?, HRI

@@ -27,11 +27,12 @@ from woz_tui.console.engagement.sign_bars import queue_bar
 from woz_tui.console.engagement.state_diagram import HEIGHT, WIDTH, diagram
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.meter_rows import side_by_side
-from woz_tui.console.number_text import elapsed, seconds
+from woz_tui.console.number_text import seconds
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import zone
 from woz_tui.sensing.sample_values import FLAGS
 from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
+from woz_tui.system.text_cleaning import elapsed
 
 #: Columns of the table of signs: name, sensed, filter, verdict; the bar takes what is left.
 _NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 28

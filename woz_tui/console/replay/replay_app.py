@@ -12,13 +12,13 @@ from woz_tui.console.app import FLASH_S, NEWS_S, Console
 from woz_tui.console.key_caps import cap_of
 from woz_tui.console.main_screen import MainScreen
 from woz_tui.console.message_feed import Incoming, MessageFeed
-from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_commands import COMMANDS, ReplayKeyboard
 from woz_tui.console.replay.replay_timeline import TimeBar
 from woz_tui.console.screen_app import BEAT, Inbox
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.messages import ActionRequested
 from woz_tui.protocol.requests import Reply, Welcome
+from woz_tui.system.text_cleaning import elapsed
 
 #: Beats between two paintings up to a rate.
 PACES = ((2.0, 1), (4.0, 2), (8.0, 3), (math.inf, 4))

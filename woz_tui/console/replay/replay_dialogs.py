@@ -9,7 +9,6 @@ from textual.content import Content
 from textual.fuzzy import Matcher
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import TimelinePlace, wall_time
 from woz_tui.console.replay.replay_timeline import sign_of
 from woz_tui.console.screens.choice import SearchDialog
@@ -19,6 +18,7 @@ from woz_tui.console.screens.note import NoteDialog
 from woz_tui.protocol.requests import AskMarker, AskReplay
 from woz_tui.protocol.welcome import ReplayedLog
 from woz_tui.replay.seek import time_of
+from woz_tui.system.text_cleaning import elapsed
 
 TIME, SORT = 8, 14
 

@@ -19,9 +19,9 @@ from woz_tui.console.cells import Piece, Row, cut, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meter_rows import merge_pieces
-from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import ReplayState, TimelinePlace, wall_time
 from woz_tui.console.stop_confirmation import settled_row, stopped_words
+from woz_tui.system.text_cleaning import elapsed
 from woz_tui.timeline.episodes import StopEpisode
 
 #: The most important first: they share cells of the line. Sign and look.

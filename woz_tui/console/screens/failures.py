@@ -7,10 +7,10 @@ from typing import ClassVar
 from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
-from woz_tui.console.number_text import elapsed
 from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.screens.dialog import ConsoleApp, ReportDialog
 from woz_tui.console.screens.lost import open_lost
+from woz_tui.system.text_cleaning import elapsed
 
 
 def open_failures(app: ConsoleApp) -> None:

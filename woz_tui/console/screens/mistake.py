@@ -7,10 +7,10 @@ from functools import partial
 
 from woz_tui.console.cells import Row, fit
 from woz_tui.console.event_sentences import EventLine
-from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import content
 from woz_tui.protocol.requests import AskMistake
+from woz_tui.system.text_cleaning import elapsed
 
 #: So many of the last actions are offered.
 OFFERED = 40

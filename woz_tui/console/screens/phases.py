@@ -9,10 +9,10 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.protocol.panels import PhaseView
 from woz_tui.protocol.requests import AskPhase
+from woz_tui.system.text_cleaning import elapsed
 
 #: Cells of a phase's title at the most.
 TITLE = 26

@@ -13,12 +13,12 @@ from textual.widgets import Input, OptionList, Static
 
 from woz_tui.config.study import OVER
 from woz_tui.console.cells import Row, clean, fit_most
-from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.study.questionnaires import OpenQuestionnaire
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.protocol.requests import AskQuestionnaire, AskTrial, Reply
+from woz_tui.system.text_cleaning import elapsed
 
 #: Questionnaires that have a digit of their own.
 _NUMBERED = 9

@@ -135,9 +135,7 @@ class HandClient:
         self._write = write
         self.welcomed = False
         self._ask(
-            Hello(
-                role="program", name="hands", protocol=PROTOCOL, stream="actions", sees="wizard"
-            )
+            Hello(role="program", name="hands", protocol=PROTOCOL, stream="actions", sees="wizard")
         )
 
     def disconnect(self) -> None:

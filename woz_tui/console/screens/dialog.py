@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol, cast
 
 from rich.console import RenderableType
 from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.css.styles import RulesMap
@@ -409,6 +410,25 @@ class EntryDialog(Dialog):
         """The text did its work: forget it and close."""
         self.entry.value = ""
         self.leave()
+
+
+class CompletionDialog(EntryDialog):
+    """A text for one of several robots that is completed: what matches stands below the field, and
+    who gets it.
+    """
+
+    size_class = "wide"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("tab", "complete", priority=True),
+        Binding("up", "history(-1)", priority=True),
+        Binding("down", "history(1)", priority=True),
+        Binding("ctrl+o", "other", priority=True),
+    ]
+
+    def below(self) -> Iterable[Widget]:
+        """What matches, and for whom it is."""
+        yield Static("", id="matches", classes="caption")
+        yield Static("", id="robot", classes="caption")
 
 
 def refusal_text(reply: Reply) -> str:

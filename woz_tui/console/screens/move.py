@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import ClassVar
-
-from textual.binding import Binding, BindingType
-from textual.widget import Widget
-from textual.widgets import Static
+from collections.abc import Sequence
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
@@ -16,7 +11,7 @@ from woz_tui.console.robot_settings.completion import (
     names_beginning,
     names_containing,
 )
-from woz_tui.console.screens.dialog import Completion, ConsoleApp, EntryDialog, content, plain
+from woz_tui.console.screens.dialog import Completion, CompletionDialog, ConsoleApp, content, plain
 
 #: Lines of matching names under the field.
 MATCHES = 8
@@ -41,7 +36,7 @@ def open_move(app: ConsoleApp) -> None:
         app.news("This robot plays no moves")
 
 
-class MoveDialog(EntryDialog):
+class MoveDialog(CompletionDialog):
     """Type and play: enter plays the first name that holds what was typed, unless that is a path or
     a whole name; tab puts it in, arrows walk through what was played, ctrl+o takes another robot.
     """
@@ -49,13 +44,6 @@ class MoveDialog(EntryDialog):
     heading = "Play"
     hint = "enter plays it · tab completes · arrows: history · ctrl+q closes"
     placeholder = "the name of a move"
-    size_class = "wide"
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("tab", "complete", priority=True),
-        Binding("up", "history(-1)", priority=True),
-        Binding("down", "history(1)", priority=True),
-        Binding("ctrl+o", "robot", priority=True),
-    ]
 
     def __init__(self) -> None:
         super().__init__()
@@ -68,11 +56,6 @@ class MoveDialog(EntryDialog):
         if self.there:
             self._adopt()
 
-    def below(self) -> Iterable[Widget]:
-        """Matching names, and who plays."""
-        yield Static("", id="matches", classes="caption")
-        yield Static("", id="player", classes="caption")
-
     def _adopt(self) -> None:
         playing = players(self.state)
         self._driver = playing[self._player % len(playing)] if playing else ""
@@ -82,7 +65,7 @@ class MoveDialog(EntryDialog):
             self.entry.placeholder = f"a part of a move's name{path}"
         self.entry.suggester = Completion(self._suggest)
         text = f"robot: {self._driver}  (ctrl+o: another)" if len(playing) > 1 else ""
-        self.update("player", plain(text))
+        self.update("robot", plain(text))
         self.changed(self.entry.value)
 
     def _suggest(self, typed: str) -> str | None:
@@ -121,7 +104,7 @@ class MoveDialog(EntryDialog):
         """What was played before."""
         return self.requests.moved
 
-    def action_robot(self) -> None:
+    def action_other(self) -> None:
         """Let another robot play."""
         self._player += 1
         self._adopt()

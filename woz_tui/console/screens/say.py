@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import ClassVar
 
 from rich.cells import cell_len
-from textual.binding import Binding, BindingType
-from textual.widget import Widget
 from textual.widgets import Static
 
 from woz_tui.console.cells import Row, clean, fit
@@ -20,7 +17,7 @@ from woz_tui.console.robot_settings.completion import (
     partial_tag,
     tag_offers,
 )
-from woz_tui.console.screens.dialog import Completion, EntryDialog, content, plain
+from woz_tui.console.screens.dialog import Completion, CompletionDialog, content, plain
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.session.variables import HIDDEN_TEXT
 
@@ -58,20 +55,13 @@ def utterances_of(state: ConsoleState, said: Iterable[str]) -> list[str]:
     return list(dict.fromkeys([*reversed(list(said)), *told]))
 
 
-class SayDialog(EntryDialog):
+class SayDialog(CompletionDialog):
     """Type and say: arrows walk through what was said, tab completes, ctrl+o changes the voice."""
 
     heading = "Say"
     hint = "enter says it · tab completes · arrows: history · ctrl+q closes"
     placeholder = "type what the robot shall say; { for variables"
     _WITH_TAGS = "type what the robot shall say; { for variables, \\ and ^ for tags"
-    size_class = "wide"
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("tab", "complete", priority=True),
-        Binding("up", "history(-1)", priority=True),
-        Binding("down", "history(1)", priority=True),
-        Binding("ctrl+o", "voice", priority=True),
-    ]
 
     def __init__(self) -> None:
         super().__init__()
@@ -88,11 +78,6 @@ class SayDialog(EntryDialog):
         self.watch(self.entry, "selection", self._show_matches, init=False)  # the caret
         self._show_voice()
 
-    def below(self) -> Iterable[Widget]:
-        """Matching utterances, and who speaks."""
-        yield Static("", id="matches", classes="caption")
-        yield Static("", id="voice", classes="caption")
-
     def _voices(self) -> list[str]:
         return [name for name, verbs in self.state.verbs.items() if "say" in verbs]
 
@@ -103,7 +88,7 @@ class SayDialog(EntryDialog):
             text = "No driver of this session can speak."
         elif len(voices) > 1:
             text = f"voice: {voices[self._voice]}  (ctrl+o: another)"
-        self.update("voice", plain(text))
+        self.update("robot", plain(text))
         self.entry.placeholder = self._WITH_TAGS if self._outline.tags else self.placeholder
         self._show_matches()
 
@@ -185,7 +170,7 @@ class SayDialog(EntryDialog):
         """What was said before."""
         return self.requests.history
 
-    def action_voice(self) -> None:
+    def action_other(self) -> None:
         """Let another driver speak."""
         voices = self._voices()
         if voices:

@@ -88,6 +88,8 @@ class ResidentProgram:
         self._given_up: asyncio.Future[DriverError] | None = None
         self._line = bytearray()
         self._passed_over = ""
+        #: How long the last answer took from when the program had the request, in seconds.
+        self.answered_in = 0.0
 
     @property
     def program(self) -> str:
@@ -140,10 +142,13 @@ class ResidentProgram:
             self._pending = _Pending(self._numbers, future, on_part)
             self._passed_over = ""
             line = json.dumps({"id": self._numbers, **request})
+            loop = asyncio.get_running_loop()
+            asked = loop.time()
             child.write(line.encode() + b"\n")
             try:
                 async with asyncio.timeout(seconds):
                     answer = await future
+                self.answered_in = loop.time() - asked
             except TimeoutError:
                 raise self._give_up(f"did not answer within {seconds:g} s") from None
             finally:

@@ -14,6 +14,9 @@ import numpy as np
 
 from woz_drivers import pcm_audio
 
+#: What is below this share of a sound's loudest sample is silence in it.
+_SILENT = 0.02
+
 _PCM, _FLOAT, _EXTENSIBLE = 0x0001, 0x0003, 0xFFFE
 _NAMES: Mapping[tuple[int, int], str] = {
     (_PCM, 8): "U8",
@@ -46,6 +49,17 @@ class Wav:
         """The same at `volume`, 0 to 1."""
         samples = pcm_audio.decode(self.data, self.format, self.channels)
         data = pcm_audio.encode((samples * volume).astype(np.float32), self.format)
+        return Wav(self.format, self.rate, self.channels, data)
+
+    def without_end(self, keep: float) -> Wav:
+        """The same without the silence at its end, but for `keep` seconds of it."""
+        samples = pcm_audio.decode(self.data, self.format, self.channels)
+        loud = np.flatnonzero(
+            np.abs(samples).max(axis=1) > _SILENT * np.abs(samples).max(initial=0)
+        )
+        frame = pcm_audio.FORMATS[self.format].width * self.channels
+        last = int(loud[-1]) + 1 if loud.size else 0
+        data = self.data[: (last + round(keep * self.rate)) * frame]
         return Wav(self.format, self.rate, self.channels, data)
 
     def to_bytes(self) -> bytes:

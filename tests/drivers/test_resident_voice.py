@@ -13,6 +13,7 @@ import pytest
 from woz_drivers.speech import doctor, synthesis
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.speech.text_parts import goes_on, spoken_parts
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.resident_programs import ROOT, command, processes
@@ -158,32 +159,58 @@ async def test_a_typed_text_is_heard_before_its_second_sentence_is_made(
     assert asked == ["One more.", "Then another."]
 
 
+PHRASES = "No, I cannot do that now because my left arm is tired after the day in the laboratory."
+
+
 @pytest.mark.parametrize(
-    ("text", "parts"),
+    "parted",
     [
-        ("Hello.", ["Hello."]),
-        ("Yes, I can. Why not?", ["Yes, I can.", "Why not?"]),
-        (
-            "Ask Dr. Who or Prof. Fox, Anna. He knows 3.5 things.",
-            ["Ask Dr. Who or Prof. Fox, Anna.", "He knows 3.5 things."],
-        ),
-        (
-            "Welcome to the museum, picture one is the one I like. Yes, that one over there.",
-            [
-                "Welcome to the museum,",
-                "picture one is the one I like.",
-                "Yes, that one over there.",
-            ],
-        ),
+        "Hello.",
+        "Yes, I can.|Why not?",
+        "Ask Dr. Who here, Anna.|He knows 3.5 things.",
+        "Welcome to the museum,|picture one is the one I like.|Yes, that one over there.",
+        "No, I cannot do that now|because my left arm is tired after the day in the laboratory.",
+        "Donaudampfschifffahrtskapitän|ist ein langes Wort.",
+        "Great big green elephants|never drive tractors.",
+        "Incomprehensibilities!",
     ],
 )
-async def test_in_which_parts_a_typed_text_is_made(
-    text: str, parts: list[str], desk: Desk, journal: Path
-) -> None:
+def test_in_which_parts_a_typed_text_is_made(parted: str) -> None:
+    text = parted.replace("|", " ")
+    assert spoken_parts(text, 25, lambda letters: 4 * letters) == parted.split("|")
+    assert not goes_on(parted)
+
+
+def test_parts_grow_as_fast_as_they_are_spoken() -> None:
+    assert len(spoken_parts(PHRASES, 25, lambda letters: letters + 5)) == 3
+    assert spoken_parts(PHRASES, 300, lambda letters: letters) == [PHRASES]
+    assert len(spoken_parts(f"{PHRASES} {PHRASES}", 25, lambda letters: 1000)) == 3
+
+
+async def test_a_voice_that_is_quick_makes_a_sentence_as_a_whole(desk: Desk, journal: Path) -> None:
     settings = desk.settings(synthesise="", resident_voice=command(journal, "ok"))
-    voice = synthesis.SpeechSynthesis(settings, desk.folder)
-    assert voice.sentences(text, settings.choice()) == parts
-    assert " ".join(parts) == text
+    voice, choice = synthesis.SpeechSynthesis(settings, desk.folder), settings.choice()
+    before = voice.parts(PHRASES, choice)
+    assert len(before) > 1, "nobody knows how fast it is"
+    for number in range(200):  # as many as a busy machine needs
+        another = f"{PHRASES[:-1]} {number}."
+        if voice.parts(another, choice) == [another]:
+            break
+        await voice.utterance(f"A sentence that says how fast it is, number {number}.", choice)
+    else:
+        pytest.fail("it cuts for a quick voice, too")
+    assert voice.parts(PHRASES, choice) == before, "as it was predicted"
+    await voice.close()
+
+
+async def test_within_a_sentence_nobody_pauses(desk: Desk, journal: Path) -> None:
+    settings = desk.settings(synthesise="", resident_voice=command(journal, "pause"))
+    voice, choice = synthesis.SpeechSynthesis(settings, desk.folder), settings.choice()
+    parts = ["Welcome to the museum", "where I am,", "which is mine."]
+    made = [await voice.part(parts, number, choice) for number in range(3)]
+    assert [round(each.sound.seconds, 2) for each in made] == [0.13, 0.3, 0.3]
+    assert (await voice.utterance(parts[0], choice)).sound.seconds == pytest.approx(0.3)
+    await voice.close()
 
 
 async def test_its_sentences_are_one_utterance_and_a_prepared_one_is_made_whole(

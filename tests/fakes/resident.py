@@ -15,6 +15,7 @@ behaviour, the last one for ever. Each start and each request is a line of the f
     endless     begins a line that never ends
     long        answers with a line of 900 kB
     parts       tells the text so far before the text
+    pause       a voice that is silent for 0.2 s at the end
     raw         a voice that writes raw sound
     silent      a voice that writes nothing
 """
@@ -40,7 +41,7 @@ def _write(line: object, end: str = "\n") -> None:
     sys.stdout.flush()
 
 
-def _answer(journal: Path, request: dict[str, object]) -> dict[str, object]:
+def _answer(journal: Path, request: dict[str, object], pause: float) -> dict[str, object]:
     if "text" not in request:
         size = Path(str(request["file"])).stat().st_size
         words = [{"word": "hello", "begin": 0.1, "end": 0.3, "confidence": 0.5}]
@@ -49,12 +50,12 @@ def _answer(journal: Path, request: dict[str, object]) -> dict[str, object]:
         out.setnchannels(1)
         out.setsampwidth(2)
         out.setframerate(RATE)
-        out.writeframesraw(square(0.1, 0.5))
+        out.writeframesraw(square(0.1, 0.5) + bytes(2 * round(pause * RATE)))
     return {"id": request["id"], "words": [{"word": "hello", "begin": 0.0, "end": 0.05}]}
 
 
 def _behave(behaviour: str, journal: Path, request: dict[str, object]) -> None:
-    answer = _answer(journal, request)
+    answer = _answer(journal, request, 0.2 if behaviour == "pause" else 0.0)
     number = int(str(request["id"]))
     match behaviour:
         case "die":

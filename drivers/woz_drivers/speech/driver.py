@@ -224,10 +224,8 @@ class Speech(Driver):
         if verb != "say" or self.settings.speak:
             return Forecast() if verb == "say" else Forecast(0.0, ())
         choice = self._voice.choice(args)
-        made = [
-            await self._voice.utterance(sentence, choice)
-            for sentence in self._voice.sentences(spoken_text(str(args["text"])), choice)
-        ]
+        parts = self._voice.parts(spoken_text(str(args["text"])), choice)
+        made = [await self._voice.part(parts, number, choice) for number in range(len(parts))]
         begins = [sum(each.sound.seconds for each in made[:number]) for number in range(len(made))]
         words = tuple(
             (begin + one.begin, "word", one.word)
@@ -320,8 +318,8 @@ class Speech(Driver):
     # -- sound ---------------------------------------------------------------------------------
 
     async def _say(self, job: Job, text: str) -> Mapping[str, Json]:
-        """Speak; of what has to be made first, sentence by sentence, each while the one before it
-        is heard.
+        """Speak; of what has to be made first, part by part, each while the one before it is
+        heard.
         """
         choice, volume, clock = (
             self._voice.choice(job.args),
@@ -331,13 +329,14 @@ class Speech(Driver):
         asked_us, heard_us = clock.now_us(), 0
         spoken: list[PreparedUtterance] = []
         words: list[Json] = []
-        sentences = self._voice.sentences(text, choice)
-        making = [asyncio.create_task(self._voice.utterance(sentences[0], choice))]
+        parts = self._voice.parts(text, choice)
+        making = [asyncio.create_task(self._voice.part(parts, 0, choice))]
         try:
-            for following in (*sentences[1:], ""):
+            for following in range(1, len(parts) + 1):
                 utterance = await making.pop()
-                if following:
-                    making.append(asyncio.create_task(self._voice.utterance(following, choice)))
+                if following < len(parts):
+                    following_part = self._voice.part(parts, following, choice)
+                    making.append(asyncio.create_task(following_part))
                 if not heard_us:
                     heard_us = clock.now_us()
                     self._publish_delay(utterance, (heard_us - asked_us) / 1_000_000)
@@ -382,7 +381,7 @@ class Speech(Driver):
             "volume": volume,
         }
 
-    async def _play(self, job: Job, path: Path, content: Wav, volume: float) -> None:
+    async def _play(self, job: Job, path: Path | None, content: Wav, volume: float) -> None:
         words = self.settings.play_words()
         values = self.settings.values(self._voice.choice(job.args), volume)
         own_volume = any("{volume}" in word for word in words)
@@ -451,9 +450,9 @@ def _telling(job: Job, utterance: PreparedUtterance) -> Iterator[None]:
 
 
 @contextlib.asynccontextmanager
-async def _at_volume(path: Path, content: Wav, volume: float) -> AsyncIterator[Path]:
-    """`path` itself at full volume, else a softer copy for as long as it is needed."""
-    if volume == 1.0:
+async def _at_volume(path: Path | None, content: Wav, volume: float) -> AsyncIterator[Path]:
+    """`path` itself at full volume, else a file at this volume for as long as it is needed."""
+    if path is not None and volume == 1.0:
         yield path
         return
     with tempfile.NamedTemporaryFile(prefix="woz-speech-", suffix=".wav") as file:

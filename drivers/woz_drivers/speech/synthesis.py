@@ -10,8 +10,9 @@ import hashlib
 import os
 import re
 import tempfile
+from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from woz_drivers import child_process, command_lines, wav
 from woz_drivers.child_process import Child
 from woz_drivers.resident_program import ResidentProgram
 from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
+from woz_drivers.speech.text_parts import goes_on, spoken_parts
 from woz_drivers.wav import NotWavError, Wav
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.system.files import open_regular
@@ -94,10 +96,17 @@ _SYNTHESIS_S = 25.0
 #: A longer program output than this is no utterance, in bytes.
 _MOST_OUTPUT = 200_000_000
 
-#: Between two sentences: behind a sign after a word of three letters or more, so not in "Dr. Who".
-_SENTENCE_END = re.compile(r"(?<=[^\W\d_]{3}[.!?])(?<!Prof\.)(?<!Mrs\.) +(?=[^\W\d_])")
-#: A first sentence is cut behind a comma: three words or more before it, five or more behind it.
-_CLAUSE_END = re.compile(r"((?:\S+ ){2,}?\S*[,;:]) ((?:\S+ ){4,}\S+)")
+#: The first part of a text is to be made within this, in seconds; speech has about so many seconds
+#: a letter, and of that so much may pass until the next part is made.
+_FIRST_PART_S, _SPOKEN_S, _AHEAD = 0.22, 0.05, 0.6
+#: A part that ends within a sentence has so much silence at its end, in seconds.
+_WITHIN_SENTENCE_S = 0.03
+#: How long a program needs for a letter, in seconds, before it has made anything; how much the
+#: newest sentence counts; each text costs as much as so many letters more.
+_LETTER_S, _NEWEST, _FIXED = 0.008, 0.3, 10
+#: A part may have so many letters however slow the program is; and parts of so many texts are
+#: remembered.
+_SHORTEST, _ALL, _REMEMBERED = 16, 1_000_000, 64
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
@@ -111,11 +120,11 @@ class UtteranceWord(msgspec.Struct, frozen=True, array_like=True):
 
 @dataclass(frozen=True, slots=True)
 class PreparedUtterance:
-    """Sound ready to play. `source`: recording, cache or synthesised; `words` where they are
-    known.
+    """Sound ready to play. `path`: a file of it, if there is one; `source`: recording, cache or
+    synthesised; `words` where they are known.
     """
 
-    path: Path
+    path: Path | None
     sound: Wav
     source: str
     words: tuple[UtteranceWord, ...] = ()
@@ -210,6 +219,9 @@ class SpeechSynthesis:
         }
         words = settings.resident_words()
         self._resident = ResidentProgram(words, folder, on_state) if words else None
+        self._letter_s = _LETTER_S
+        #: In which parts texts were made: those that are predicted are said in the same.
+        self._parts: OrderedDict[Path, list[str]] = OrderedDict()
 
     @property
     def program(self) -> str:
@@ -256,16 +268,37 @@ class SpeechSynthesis:
             ) from error
         return PreparedUtterance(path, made, "synthesised", spoken)
 
-    def sentences(self, text: str, choice: VoiceChoice) -> list[str]:
-        """`text` in the parts in which it is made: its sentences, if a program that stays loaded
-        has to make them, and the beginning of a first one that is long; else the whole.
+    def parts(self, text: str, choice: VoiceChoice) -> list[str]:
+        """`text` in the parts in which it is made, if a program that stays loaded has to make it:
+        the first as long as it can make soon, each other while the one before it is heard.
         """
-        there = self._recording(text) is not None or self._path(text, choice).exists()
-        if self._resident is None or there:
+        path = self._path(text, choice)
+        if self._resident is None or self._recording(text) is not None or path.exists():
             return [text]
-        first, *others = _SENTENCE_END.split(text)
-        begins = _CLAUSE_END.fullmatch(first)
-        return [*((begins[1], begins[2]) if begins else (first,)), *others]
+        if path not in self._parts:
+            first = max(_SHORTEST, self._letters(_FIRST_PART_S))
+            self._parts[path] = spoken_parts(text, first, self._following)
+            if len(self._parts) > _REMEMBERED:
+                self._parts.popitem(last=False)
+        return self._parts[path]
+
+    def _letters(self, seconds: float) -> int:
+        """How many letters can be made within this time."""
+        return round(seconds / self._letter_s) - _FIXED
+
+    def _following(self, letters: int) -> int:
+        """How many can be made while so many are heard; all, if they are too few to be worth it."""
+        found = self._letters(_AHEAD * _SPOKEN_S * letters)
+        return found if found >= _SHORTEST else _ALL
+
+    async def part(
+        self, parts: Sequence[str], number: int, choice: VoiceChoice
+    ) -> PreparedUtterance:
+        """The sound of one of `parts`; where the sentence goes on, without a pause behind it."""
+        made = await self.utterance(parts[number], choice)
+        if number + 1 == len(parts) or not goes_on(parts[number]):
+            return made
+        return replace(made, path=None, sound=made.sound.without_end(_WITHIN_SENTENCE_S))
 
     def _path(self, text: str, choice: VoiceChoice) -> Path:
         words = self._settings.resident_words() or self._settings.synthesise_words()
@@ -286,6 +319,8 @@ class SpeechSynthesis:
                 **{"language": choice.language, "speed": choice.speed, "pitch": choice.pitch},
             }
             answer = await program.ask(request, _Made, _SYNTHESIS_S)
+            newest = program.answered_in / (len(text) + _FIXED)
+            self._letter_s += _NEWEST * (newest - self._letter_s)
             content = path.read_bytes()
         if answer.rate:
             made = Wav("S16_LE", answer.rate, 1, content[: len(content) // 2 * 2])

@@ -527,3 +527,63 @@ def test_a_reload_moves_the_sensors() -> None:
     picture.apply([r.PanelsChanged(**panels)], 0)
     (first, *_) = meter_rows(picture, PaintFrame(50, 30, NOW))
     assert text([first]).split()[0] == "loudness"
+
+
+# -- a planner's block -----------------------------------------------------------------------------
+
+
+def _block(*more: m.AnyMessage) -> tuple[m.AnyMessage, ...]:
+    """A planner's block that speaks and nods."""
+    text = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="greeting">...</bml>'
+    began = NOW - 2_000_000
+    parts = {"c41": ("say", {"text": "Welcome to the museum"}), "c42": ("play", {"move": "nod"})}
+    return (
+        m.ConsoleAttached(console="con2", role="program", name="asap", t=began),
+        m.Command(
+            command="c40",
+            verb="bml",
+            args={"block": text},
+            driver="bml",
+            source="program",
+            console="con2",
+            t=began,
+        ),
+        m.Dispatched(command="c40", driver="bml", latency_us=0, t=began),
+        m.Progress(command="c40", driver="bml", expected_us=9_500_000, t=began),
+        *(
+            message
+            for command, (verb, args) in parts.items()
+            for message in (
+                m.Command(
+                    command=command,
+                    run="c40",
+                    verb=verb,
+                    args=dict(args),
+                    driver="head",
+                    source="program",
+                    t=began,
+                ),
+                m.Dispatched(command=command, driver="head", latency_us=0, t=began),
+            )
+        ),
+        *more,
+    )
+
+
+@pytest.mark.parametrize("width", [80, 120, 200])
+def test_a_planners_block_says_who_what_now_how_long_and_what_cuts_it(width: int) -> None:
+    shown = status(pictured(*_block()), width, StatusInfo(cut="^X")).splitlines()[1]
+    for part in ("greeting", "asap", "“Welcome", "7.5 s left", "^X  cuts"):
+        assert part in shown
+
+
+def test_the_key_stands_there_only_while_it_would_cut_the_block() -> None:
+    later = m.Command(command="c50", verb="play", args={"move": "bow"}, source="key", t=NOW)
+    shown = status(pictured(*_block(later)), 80, StatusInfo(cut="^X")).splitlines()[1]
+    assert "greeting" in shown
+    assert "cuts" not in shown
+
+
+def test_a_block_that_is_over_is_gone() -> None:
+    over = m.Done(command="c40", driver="bml", sent={}, latency_us=0, duration_us=0, t=NOW)
+    assert "greeting" not in status(pictured(*_block(over)), 80)

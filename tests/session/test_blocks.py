@@ -151,6 +151,7 @@ def test_a_stop_ends_it_and_nothing_of_it_comes_later(tmp_path: Path) -> None:
     stage = scene(tmp_path, play)
     assert done(stage) == []
     assert isinstance(ended(stage)[0], m.Stopped)
+    assert not trouble(stage)
 
 
 def test_a_wizards_act_takes_the_lane_from_a_planners_block(tmp_path: Path) -> None:

@@ -111,6 +111,7 @@ def figures_of(
         phases=tuple(event_rows.phases(timeline, counted)),
         breaks=tuple(event_rows.breaks(timeline)),
         stops=tuple(event_rows.stops(timeline)),
+        blocks=tuple(event_rows.blocks(timeline)),
         marks=tuple(event_rows.marks(timeline)),
         answers=answers,
         rounds=tuple(event_rows.rounds(timeline)),

@@ -13,6 +13,7 @@ from operator import attrgetter
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import (
     AnswerRow,
+    BlockRow,
     ConsoleRow,
     CueRow,
     MarkRow,
@@ -359,6 +360,7 @@ class SessionFigures:
     phases: tuple[PhaseRow, ...]
     breaks: tuple[SpanRow, ...]
     stops: tuple[StopRow, ...]
+    blocks: tuple[BlockRow, ...]
     marks: tuple[MarkRow, ...]
     answers: tuple[AnswerRow, ...]
     rounds: tuple[RoundRow, ...]

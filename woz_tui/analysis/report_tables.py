@@ -380,6 +380,21 @@ def stops(figures: SessionFigures) -> ReportTable:
     return ReportTable("Stops", heads, rows, words=5)
 
 
+def blocks(figures: SessionFigures) -> ReportTable:
+    """Blocks of BML: whose, how they went, and what of them was not played as asked."""
+    rows = [
+        (
+            *(clock(row.begin), LogText(row.block), LogText(row.asker), LogText(row.outcome)),
+            AlarmText("; ".join(filter(None, (row.reason, *row.left_out)))),
+            duration(None if row.end is None else row.end - row.begin),
+            str(row.behaviours),
+        )
+        for row in figures.blocks
+    ]
+    heads = ("At", "Block", "By", "Ended", "Not played", "Lasted", "Behaviours")
+    return ReportTable("Blocks of behaviour", heads, rows, words=5)
+
+
 def marks(figures: SessionFigures) -> ReportTable:
     """Markers, notes and mistakes."""
     rows = [

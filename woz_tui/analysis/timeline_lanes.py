@@ -6,10 +6,11 @@ Times are microseconds on the axis of `t`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from woz_tui.analysis.event_rows import PREFLIGHT, is_direct, moments, of_robot, value_text
+from woz_tui.config.session_verbs import BML
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.session_state import LATEST_TIME
@@ -98,6 +99,8 @@ PLACES = 2048
 _STEP = 50_000
 #: Name of the lane of commands that belong to no action: a sentence typed on the spot.
 DIRECT = "(improvised)"
+#: Name of the lane of what planners play.
+PLANNER = "(planner)"
 #: Facts of one action, and characters of one.
 _FACTS, _WORDS = 12, 200
 #: A lane: its sort, its name.
@@ -115,6 +118,8 @@ def drawing_of(timeline: Timeline, curves: SensorCurves | None = None) -> Timeli
         if isinstance(each, e.ActionEpisode):
             lane = ("panel", each.request.panel or f"({each.source})")
             interval = _action(each, of_runs.get(each.request.run, ()))
+        if isinstance(each, e.CommandEpisode) and each.request.driver == BML:
+            lane, interval = ("panel", PLANNER), _block(each)
         if interval is not None:
             intervals.setdefault(lane, []).append(interval)
         if (instant := _instant(each)) is not None:
@@ -168,6 +173,15 @@ def _action(action: e.ActionEpisode, commands: Iterable[e.CommandEpisode]) -> In
 def _direct(command: e.CommandEpisode) -> Interval | None:
     """One without an action has a bar of its own."""
     return _act(command, [(command.seq, _fact(command))]) if is_direct(command) else None
+
+
+def _block(block: e.CommandEpisode) -> Interval | None:
+    """A planner's; one on a key is what its action does."""
+    if block.request.run:
+        return None
+    behaviours = block.planned.behaviours if block.planned is not None else []
+    facts = [(block.seq, (each.id, each.does or each.sort)) for each in behaviours[:_FACTS]]
+    return replace(_act(block, facts), label=block.planned.block if block.planned else block.label)
 
 
 def _act(

@@ -341,7 +341,8 @@ class BmlPlayer:
         except asyncio.CancelledError:
             runner.cancel(command, f"block {played.block.id} was ended")
             raise
-        if not isinstance(over, m.Done):
+        stopped = isinstance(over, m.Stopped) and self.bus.latched  # so is the whole block
+        if not isinstance(over, m.Done) and not stopped:
             raise _BehaviourError(f"{over.driver}: {over.reason}".strip(": "))
 
     async def _pass_points(

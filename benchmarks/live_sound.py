@@ -132,14 +132,14 @@ async def session(folder: Path, notes: Path) -> AsyncIterator[str]:
 
 
 async def heard(path: str, seconds: float) -> list[float]:
-    """Ages behind `woz listen`, in ms."""
+    """Ages behind `woz listen`, in ms, for so long after the first block has come."""
     running = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "woz_tui", "listen", path, "--format", "raw"),
         stdout=PIPE,
         stderr=DEVNULL,
     )
     assert running.stdout is not None
-    ages = []
+    ages = [age_ms(await running.stdout.readexactly(BYTES))]
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         ages.append(age_ms(await running.stdout.readexactly(BYTES)))
@@ -149,7 +149,7 @@ async def heard(path: str, seconds: float) -> list[float]:
 
 
 async def spoken(path: str, seconds: float, notes: Path) -> list[float]:
-    """Ages at the player, in ms."""
+    """Ages at the player, in ms, for so long after the first block has come."""
     running = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "woz_tui", "talk", path), stdin=PIPE, stderr=DEVNULL
     )
@@ -157,7 +157,10 @@ async def spoken(path: str, seconds: float, notes: Path) -> list[float]:
     wizard = await Line.opened(path, "wizard")
     await wizard.ask("action", action="Talk", source="key")
     begun, count = time.monotonic(), 0
-    while time.monotonic() < begun + seconds:
+    until = float("inf")
+    while (now := time.monotonic()) < until:
+        if until == float("inf") and notes.stat().st_size:
+            until = now + seconds
         running.stdin.write(stamped())
         count += 1
         if count % 25 == 0:
@@ -209,6 +212,7 @@ async def measured(seconds: float, presses: int) -> None:
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         notes = folder / "notes"
+        notes.touch()
         async with session(folder, notes) as path:
             await asyncio.sleep(1.0)
             late = {
@@ -239,7 +243,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="just see that it runs")
     options = parser.parse_args()
     quick = options.quick
-    asyncio.run(measured(2.0 if quick else options.seconds, 5 if quick else options.presses))
+    asyncio.run(measured(0.5 if quick else options.seconds, 2 if quick else options.presses))
 
 
 if __name__ == "__main__":

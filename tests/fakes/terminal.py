@@ -170,8 +170,10 @@ class FakeTerminal:
     @property
     def text(self) -> str:
         """The screen as it is now."""
-        with self._changed:
-            return "\n".join(line.rstrip() for line in self._screen.display)
+        with self._changed:  # not by `display`, which measures every character again
+            rows = (self._screen.buffer[y] for y in range(self._screen.lines))
+            places = range(self._screen.columns)
+            return "\n".join("".join(row[x].data for x in places).rstrip() for row in rows)
 
     def wait_for(self, true: Callable[[str], bool], timeout: float = WAIT_S) -> str:
         """The screen's text as soon as `true(text)`; fails with the screen that never was."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from woz_tui.cli import GC_THRESHOLDS
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from woz_tui.console.message_feed import Loss
     from woz_tui.console.theme import Appearance
 
-#: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
-GC_THRESHOLDS = (50_000, 20, 100)
 #: How long a thread may keep the interpreter while another one waits for it, in seconds. Python's
 #: own 5 ms would be added to a stop several times over while the screen is being drawn.
 SWITCH_S = 0.0005

@@ -46,8 +46,6 @@ if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
     from woz_tui.replay.rerun_plan import RerunPlan
     from woz_tui.training.cue_plan import PlannedCue
 
-#: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
-GC_THRESHOLDS = (50_000, 20, 100)
 #: A thread of a driver or of the recorder keeps the interpreter so long at most while a key waits.
 SWITCH_S = 0.0005
 #: How long the end of a session may take at most, and what is left of the process after it.
@@ -230,7 +228,6 @@ def _give_keys_priority() -> None:
     ask_for_short_turns()
     gc.collect()
     gc.freeze()
-    gc.set_threshold(*GC_THRESHOLDS)
     sys.setswitchinterval(SWITCH_S)
 
 

@@ -159,7 +159,7 @@ async def spoken(path: str, seconds: float, notes: Path) -> list[float]:
     begun, count = time.monotonic(), 0
     until = float("inf")
     while (now := time.monotonic()) < until:
-        if until == float("inf") and notes.stat().st_size:
+        if until == float("inf") and (await asyncio.to_thread(notes.stat)).st_size:
             until = now + seconds
         running.stdin.write(stamped())
         count += 1

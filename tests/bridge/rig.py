@@ -99,7 +99,7 @@ async def bridged(tmp_path: Path) -> AsyncIterator[Planner]:
     async with (
         StompBroker() as broker,
         served(tmp_path, made=made, catalogue=CATALOGUE) as host,
-        connect(host.path, name="bridge") as client,
+        connect(host.path, name="bridge", samples=True) as client,
     ):
         planner = Planner(broker, host)
         place = StompPlace("127.0.0.1", broker.port)

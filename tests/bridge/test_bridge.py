@@ -170,6 +170,37 @@ async def test_states_are_played_when_they_change(tmp_path: Path) -> None:
         assert it.commands("mode") == []
 
 
+async def test_a_sequence_of_the_low_level_goes_on_until_another_is_wanted(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        way: dict[str, RosValue] = {"frequency": 1.0, "input": 2}
+        it.send("ram.animation.desired.animation", {**way, "sequence": NOD})
+        await it.until(lambda: len(it.commands("play")) == 2)
+        it.send("ram.animation.desired.animation", {**way, "sequence": 1})
+        await it.until(lambda: bool(it.commands("mode")))
+        played = {line.command for line in it.commands("play")}
+
+        def all_over() -> bool:
+            return played <= {line.command for line in it.host.lines if isinstance(line, m.End)}
+
+        await it.until(all_over)
+        it.ask("p", NOD, kind=4)
+        await it.until(lambda: bool(it.heard(PREDICTION)))
+        assert {line.command for line in it.commands("play")} == played
+
+
+async def test_a_planner_hears_how_the_robot_is(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        face, joint = "ram.animation.generated.face", "ram.animation.generated.joint"
+        await it.until(lambda: bool(it.heard(joint)))
+        first = it.heard(joint)[0]
+        assert first["name"] == ("joint1", "joint2", "joint3")
+        assert first["position"] == pytest.approx((0.0, 0.7854, 0.5), abs=0.2)  # where it starts
+        sad = {"emotionState": 5, "emotionLevel": 127, "screenBrightness": 127}
+        it.send("ram.animation.desired.face", {**sad, "eyePosX": 127, "eyePosY": 64})
+        wanted = {"eyePosX": 127, "eyePosY": 64, **sad}
+        await it.until(lambda: wanted in it.heard(face))
+
+
 async def test_a_planner_is_a_guest(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         it.ask("dance", DANCE)

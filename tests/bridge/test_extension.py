@@ -137,6 +137,9 @@ async def test_a_block_of_the_extension_is_played_and_told(tmp_path: Path) -> No
         ("bridge: my_robot", "letters and digits"),
         ("answer: {}", "did you mean 'answers'"),
         ("answers: {a: {tells: jokes}}", "general"),
+        ("answers: {a: {tells: gaze, shows: {x: 1}}}", "belong to state"),
+        ("answers: {a: {tells: state, fields: {x: int}, shows: {y: 1}}}", "none of the fields"),
+        ("answers: {a: {tells: state, fields: {x: [int]}, shows: {x: 1}}}", "none of the fields"),
         ("[1]", "a table of topics"),
     ],
 )  # fmt: skip

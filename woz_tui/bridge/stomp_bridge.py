@@ -33,6 +33,8 @@ _INFO, _SERVICE = "bridge_info", "bridge_service"
 _PLANNER, _ROBOT = "apollo", "ros"
 #: The same sentence is told again only after so many seconds.
 _AGAIN_S = 10.0
+#: More different ones than this are not told in that time.
+_MOST_SENTENCES = 20
 
 
 class BridgeControl:
@@ -84,9 +86,8 @@ class BridgeControl:
     def _inform(self, request: Xml.Element, answer: Xml.Element, status: Xml.Element) -> None:
         kind, name = request.get("type", "").lower(), request.get("name", "")
         topics: dict[str, Mapping[str, RosType]] = {
-            topic: entry.fields
-            for side in (self._table.takes, self._table.answers)
-            for topic, entry in side.items()
+            **{topic: entry.fields for topic, entry in self._table.takes.items()},
+            **{topic: entry.types for topic, entry in self._table.answers.items()},
         }
         if kind == "list-pubs-subs-services":
             response = Xml.SubElement(answer, "response", {"type": kind})
@@ -136,7 +137,9 @@ class StompBridge:
         self._connection: StompConnection | None = None
         self._prefix = _PREFIX + (f"{table.bridge}_" if table.bridge else "")
         self._topics = {topic.replace("/", "."): topic for topic in table.takes}
+        #: When each sentence was told last; how many were not since then.
         self._complaints: dict[str, float] = {}
+        self._untold = 0
 
     async def run(self) -> None:
         """Serve until the session ends. Raises `StompRefusedError` when the broker does not let us
@@ -176,11 +179,17 @@ class StompBridge:
     def _complain(self, sentence: str) -> None:
         """To the person here and to the planner, unless that was just said."""
         now = self._client.now()
-        if now - self._complaints.get(sentence, -_AGAIN_S) < _AGAIN_S:
+        self._complaints = {
+            text: told for text, told in self._complaints.items() if now - told < _AGAIN_S
+        }
+        if sentence in self._complaints:
             return
-        if len(self._complaints) > len(self._topics) * 10:
-            self._complaints.clear()
+        if len(self._complaints) >= _MOST_SENTENCES:
+            self._untold += 1
+            return
         self._complaints[sentence] = now
+        if self._untold:
+            sentence, self._untold = f"{sentence} ({self._untold} more before)", 0
         self._tell_person(sentence)
         status = Xml.Element("status")
         _error(status, sentence)

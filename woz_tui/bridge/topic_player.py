@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import functools
 from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -45,6 +44,8 @@ NEAR = 0.02
 HAND_S = 3.0
 #: The planner is told where the robot looks at most so often, in seconds.
 GAZE_EVERY_S = 0.1
+#: And how the robot is.
+REPORT_EVERY_S = 0.05
 #: Commands that began before their request was answered.
 _EARLY = 64
 #: Requests to end a sequence that wait for their moment.
@@ -78,14 +79,16 @@ class TopicPlayer:
         self._states = _States(client, self._hands, complain)
         self._sequences = _Sequences(client, self._hands, self._general, complain)
         self._gaze = _Gaze(client, self._hands, table, self._tell_gaze, complain)
+        self._report = _Report(client, table, answer)
 
     async def run(self) -> None:
         """Follow the session until it ends or this is cancelled. Raises `WozConnectionError`."""
         looking = asyncio.create_task(self._gaze.run(self._sequences.idle), name="bridge gaze")
+        reporting = asyncio.create_task(self._report.run(), name="bridge report")
         try:
             await self._sequences.follow()
         finally:
-            await end_tasks(looking)
+            await end_tasks(looking, reporting)
             await self._sequences.close()
 
     async def take(self, topic: str, message: Mapping[str, RosValue]) -> None:
@@ -237,23 +240,27 @@ class _States:
                     taken = False
                     continue
                 self._last[place] = call.args
-                self._ends.start(_watched(run, functools.partial(self._fail, place)))
+                self._ends.start(self._to_its_end(run, place, entry.plays[at].repeats, call))
         return taken
+
+    async def _to_its_end(
+        self, run: WozRun, place: tuple[str, int], repeats: bool, call: VerbWithArgs
+    ) -> None:
+        """Play it again while it is wanted, if that is how it is meant."""
+        try:
+            await run
+            while repeats and self._last.get(place) == call.args:
+                run = await self._client.begin(call.verb, call.args)
+                await run
+        except WozSupersededError:  # that is what states are for
+            pass
+        except WozError as error:
+            self._fail(place, error)
 
     def _fail(self, place: tuple[str, int], error: WozError) -> None:
         """Complain, and try it again in a while, if it is still wanted then."""
         self._complain(f"{place[0]}: {error}")
         self._last[place], self._again[place] = None, self._client.now() + RETRY_S
-
-
-async def _watched(run: WozRun, on_failure: Callable[[WozError], None]) -> None:
-    """Say if it goes wrong later; something newer in its place is what states are for."""
-    try:
-        await run
-    except WozSupersededError:
-        pass
-    except WozError as error:
-        on_failure(error)
 
 
 class _Gaze:
@@ -315,10 +322,59 @@ class _Gaze:
             self._complain(f"saliency: {error}")
             await asyncio.sleep(RETRY_S)
             return
-        self._ends.start(_watched(run, lambda error: self._complain(f"saliency: {error}")))
+        self._ends.start(self._to_its_end(run))
         self._place = place
         self._told = self._client.now()
         self._tell(place)
+
+    async def _to_its_end(self, run: WozRun) -> None:
+        try:
+            await run
+        except WozSupersededError:  # it looks elsewhere now
+            pass
+        except WozError as error:
+            self._complain(f"saliency: {error}")
+
+
+class _Report:
+    """Tells a planner how the robot is, when that has changed."""
+
+    def __init__(self, client: WozClient, table: TopicTable, answer: Answer) -> None:
+        self._client = client
+        self._answer = answer
+        self._topics = {
+            topic: entry for topic, entry in table.answers.items() if entry.tells == "state"
+        }
+        #: What the body says of itself; readings by the parts of their names.
+        self._state: dict[str, Any] = {}
+        self._told: dict[str, Mapping[str, RosValue]] = {}
+
+    async def run(self) -> None:
+        """Until this is cancelled, or the session ends."""
+        told = 0.0
+        with contextlib.suppress(WozError):  # whoever plays says so
+            async for message in self._client.messages(m.BodyChanged, m.Reading, held=True):
+                self._take(message)
+                if self._client.now() - told >= REPORT_EVERY_S:
+                    told = self._client.now()
+                    self._tell()
+
+    def _take(self, message: m.Message) -> None:
+        match message:
+            case m.BodyChanged():
+                self._state.update(message.values)
+            case m.Reading():
+                kind, _, name = message.sensor.partition(".")
+                inside = self._state.setdefault(kind, {}) if name else self._state
+                if isinstance(inside, dict):
+                    inside[name or kind] = message.value
+
+    def _tell(self) -> None:
+        for topic, entry in self._topics.items():
+            fields = entry.message(self._state)
+            if fields is not None and fields != self._told.get(topic):
+                self._told[topic] = fields
+                self._answer(topic, fields)
 
 
 class _Sequences:

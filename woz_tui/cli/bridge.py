@@ -38,7 +38,7 @@ def run(arguments: Namespace) -> int:
 async def _bridge(arguments: Namespace) -> int:
     table = load_table(arguments.topics)
     place = broker_place(arguments.stomp, arguments)
-    async with connect(arguments.session, name="bridge") as client:
+    async with connect(arguments.session, name="bridge", samples=True) as client:
         await StompBridge(client, place, table, print).run()
     print("woz: the session has ended")
     return 0

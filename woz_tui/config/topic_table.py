@@ -118,6 +118,9 @@ class TopicVerb(Section):
         dict[str, Any],
         Doc("arguments that hold before the first message; a message that says the same is none"),
     ] = field(default_factory=dict)
+    repeats: Annotated[
+        bool, Doc("whether it is played again and again while messages say the same")
+    ] = False
 
     def of(self, message: Mapping[str, RosValue]) -> VerbWithArgs | None:
         """The verb for this message; None if a value of it does not count. Raises
@@ -160,11 +163,7 @@ class TakenTopic(Section):
 
     def problems(self) -> list[tuple[str, str]]:
         """Types that are none, and fields that are missing."""
-        found = [
-            (join("fields", name), f"{kind!r} is no type: {', '.join(EMPTY)}, or a list of one")
-            for name, kind in self.fields.items()
-            if not _is_type(kind)
-        ]
+        found = _wrong_types(self.fields)
         needed: Mapping[str, RosType] = {
             **(_SALIENCY if self.looks else {}),
             **(_SEQUENCE if self.sequences else {}),
@@ -192,12 +191,57 @@ class TakenTopic(Section):
 class AnsweredTopic(Section):
     """A topic on which the planner is answered."""
 
-    tells: Annotated[Literal["general", "prediction", "gaze"], Doc("what it is told")]
+    tells: Annotated[
+        Literal["general", "prediction", "gaze", "state"],
+        Doc("feedback, what is foreseen, where it looks, or how the robot is"),
+    ]
+    fields: Annotated[dict[str, Any], Doc("for state: type of each field, as above")] = field(
+        default_factory=dict
+    )
+    shows: Annotated[
+        dict[str, FieldSource | bool | float | str],
+        Doc("for state: each field, or entry of a list (position.0), out of readings and values"),
+    ] = field(default_factory=dict)
+
+    def problems(self) -> list[tuple[str, str]]:
+        """Types that are none, and fields that are not there."""
+        wanted = self.tells == "state"
+        if bool(self.shows) != wanted or bool(self.fields) != wanted:
+            return [("", "fields and shows belong to state, which needs both")]
+        return [
+            *_wrong_types(self.fields),
+            *(
+                (join("shows", name), "is none of the fields, or no number of a list's entry")
+                for name in self.shows
+                if not _is_place(name, self.fields)
+            ),
+        ]
 
     @property
-    def fields(self) -> Mapping[str, RosType]:
+    def types(self) -> Mapping[str, RosType]:
         """The type of each field."""
-        return _ANSWERS[self.tells]
+        return self.fields or _ANSWERS[self.tells]
+
+    def message(self, state: Mapping[str, Any]) -> dict[str, RosValue] | None:
+        """How the robot is; None: not all of it is known."""
+        found: dict[str, Any] = {}
+        lists: dict[str, dict[int, Any]] = {}
+        for name, source in self.shows.items():
+            try:
+                value = source.of(state) if isinstance(source, FieldSource) else source
+            except RosDataError:
+                return None
+            if value is None:
+                return None
+            outer, _, place = name.partition(".")
+            if place:
+                lists.setdefault(outer, {})[int(place)] = value
+            else:
+                whole = self.fields[name] == "int"
+                found[name] = round(value) if isinstance(value, float) and whole else value
+        for name, entries in lists.items():
+            found[name] = tuple(entries[place] for place in sorted(entries))
+        return typed(found, self.fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,7 +266,7 @@ class TopicTable(Section):
         """
         entry = self.takes.get(topic.strip("/"))
         if entry is None:
-            near = nearest_word(topic, self.takes)
+            near = nearest_word(topic[:80], self.takes)
             raise RosDataError(
                 f"nothing is known of the topic {topic[:80]!r}"
                 + (f"; did you mean {near!r}?" if near else "")
@@ -300,6 +344,21 @@ def _path(name: str) -> Path:
 def _read(source: SourceFile, report: ProblemReport) -> TopicTable | None:
     root = document(source, report, "a table of topics, such as takes: ...")
     return read_section(root, TopicTable)
+
+
+def _wrong_types(types: Mapping[str, Any]) -> list[tuple[str, str]]:
+    return [
+        (join("fields", name), f"{kind!r} is no type: {', '.join(EMPTY)}, or a list of one")
+        for name, kind in types.items()
+        if not _is_type(kind)
+    ]
+
+
+def _is_place(name: str, types: Mapping[str, Any]) -> bool:
+    """Whether it is a single field, or the entry of a list: position.0."""
+    outer, _, place = name.partition(".")
+    kind = types.get(outer)
+    return place.isascii() and place.isdigit() if isinstance(kind, list) else kind in EMPTY
 
 
 def _is_type(kind: object) -> bool:

@@ -16,8 +16,10 @@ from pathlib import Path
 import pytest
 
 from tests.bml.test_stomp import BLOCK, TOPICS
+from tests.bridge.rig import CATALOGUE, GENERAL, PREFIX, SEQUENCE, eyepi
 from tests.host.rig import served
 from tests.peers.places import place
+from woz_tui.bml.ros_data import RosValue, read_data, write_data
 from woz_tui.bml.stomp_connection import (
     StompError,
     StompPlace,
@@ -25,7 +27,9 @@ from woz_tui.bml.stomp_connection import (
     connect_stomp,
 )
 from woz_tui.bml.stomp_planner import StompPlanner
+from woz_tui.bridge.stomp_bridge import StompBridge
 from woz_tui.client import connect
+from woz_tui.system.tasks import end_tasks
 from woz_tui.testing import until
 
 pytestmark = pytest.mark.peers
@@ -155,6 +159,38 @@ async def _plays(block: str, there: StompPlace) -> None:
         told = heard.result()[1]
         while f"{block}:end" not in told:
             told = (await anext(feedback))[1]
+    await planner.close()
+
+
+async def test_eyepis_own_planner_plays_the_robot(broker: Broker, tmp_path: Path) -> None:
+    planner = await connect_stomp(broker.place)
+    planner.subscribe(PREFIX + GENERAL)
+    made, table = eyepi()
+    async with (
+        served(tmp_path, made=made, catalogue=CATALOGUE) as host,
+        connect(host.path, name="bridge", samples=True) as client,
+    ):
+        bridge = asyncio.create_task(StompBridge(client, broker.place, table, print).run())
+        answers = planner.messages()
+        nod: dict[str, RosValue] = {
+            "id": "nod",
+            "sequence": 3,
+            "request": 0.5,
+            "requestType": 1,
+            "requestCount": 1,
+        }
+        heard = []
+        async with asyncio.timeout(PATIENCE_S):
+            first = asyncio.ensure_future(anext(answers))
+            while not first.done():  # the bridge's subscription may come after the first
+                planner.send(PREFIX + SEQUENCE, write_data(nod))
+                await asyncio.wait([first], timeout=2.0)
+            text = first.result()[1]
+            while read_data(text)["message"] != 3:
+                heard.append(read_data(text)["message"])
+                text = (await anext(answers))[1]
+        assert heard == [1, 1, 2]  # acknowledged, begun, its stroke
+        await end_tasks(bridge)
     await planner.close()
 
 

@@ -217,6 +217,19 @@ async def test_a_planner_is_a_guest(tmp_path: Path) -> None:
         await it.until(lambda: any("stop" in text for text in it.sentences))
 
 
+async def test_a_profile_counts_for_a_planner_too(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.host.session.use_profile("child", "key")
+        it.ask("nod", NOD)
+        it.send("ram.animation.hmmm.emotion", {"id": "e", "valence": 0.9})
+        await it.until(lambda: bool(it.general("e")))
+        assert it.general("nod") + it.general("e") == [NACK_FLUENCY, NACK_FLUENCY]
+        await it.until(lambda: any("child" in text for text in it.texts("bridge_status")))
+        it.host.session.use_profile("", "key")
+        it.ask("again", NOD)
+        await it.until(lambda: START in it.general("again"))
+
+
 async def test_what_a_mode_refuses_is_tried_again_and_a_wizards_hand_stays(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         session = it.host.session

@@ -49,6 +49,9 @@ async def test_who_has_not_confirmed_is_named_before_the_release() -> None:
         assert "confirmed: pepper, reachy" in drawn
         await seat.press("enter")
         assert released(seat) == 1
+        asked = seat.feed.last(r.AskRelease)
+        assert isinstance(asked, r.AskRelease)
+        assert asked.missing == ["nao.nao", "furhat.furhat"]
         assert seat.console.dialog is None
 
 

@@ -171,7 +171,9 @@ async def test_no_release_that_was_sent_before_a_stop_releases_it(
     async with served(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
-        peer.writer.write(b"".join(b'{"kind":"%b"}\n' % kind.encode() for kind in asked))
+        lines = {kind: b'{"kind":"%b"}\n' % kind.encode() for kind in asked}
+        lines["release"] = b'{"kind":"release","missing":["robot"]}\n'  # it need not be confirmed
+        peer.writer.write(b"".join(lines[kind] for kind in asked))
         for _ in asked:
             await peer.kind("reply")
         assert host.session.bus.latched is pressed

@@ -358,7 +358,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
         since_us=420_000,
     ),
     r.AskStop(ref=7, source="key"),
-    r.AskRelease(ref=8, source="key"),
+    r.AskRelease(ref=8, source="key", missing=["head"]),
     r.AskScript(ref=9, key="space", age_us=800),
     r.AskScript(ref=20, key="space", stale=True),
     r.AskScript(ref=10, play=False, to=0),

@@ -138,6 +138,7 @@ def test_what_is_refused_uses_no_variant_up(tmp_path: Path) -> None:
         stage.session.stop("key")
         with pytest.raises(RequestError):
             stage.session.play("Filler", KEY)
+        await asyncio.sleep(1)
         stage.session.release("key")
         assert await stage.play("Filler") == [shown]
 

@@ -12,10 +12,11 @@ import pytest
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import Puppet, Stage
-from woz_tui.drivers.contract import Ask
+from woz_tui.drivers.contract import Ask, Health
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import FaceShown
+from woz_tui.session.participant_identity import RequestError
 
 
 class Breather(Puppet):
@@ -237,8 +238,8 @@ def test_two_robots_keep_to_themselves(tmp_path: Path) -> None:
 def test_the_release_lets_drivers_stir_again_and_one_that_fails_is_named(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.stop("key")
-        await asyncio.sleep(0.1)
-        stage.session.release("key")
+        await asyncio.sleep(1)
+        stage.session.release("key", known=["broken"])
 
     stage = on_stage(tmp_path, scenario, "robot", "broken", kind=Breather)
     calls = [name for name, _ in stage.puppet().calls]
@@ -247,9 +248,38 @@ def test_the_release_lets_drivers_stir_again_and_one_that_fails_is_named(tmp_pat
     assert "broken: resume failed: it cannot" in notices
 
 
+def test_who_does_not_know_who_may_still_move_does_not_release_the_stop(tmp_path: Path) -> None:
+    ears = [Ear(), Ear(), Ear()]
+
+    async def scenario(stage: Stage) -> None:
+        session, release = stage.session, Ask("release", source="midi")
+        session.stop("key")
+        from_a_thread(stage, release, ears[0])  # before anybody has confirmed
+        await asyncio.sleep(2)
+        from_a_thread(stage, release, ears[1])
+        await asyncio.sleep(1)
+        assert session.bus.latched
+        with pytest.raises(RequestError, match="not confirmed by broken, which"):
+            session.release("key", known=["robot"])
+        session.release("key", known=["broken"])
+        session.stop("key")
+        await asyncio.sleep(2)
+        stage.puppet("broken").context.health(Health.CONNECTED)  # is stopped again, and confirms
+        await asyncio.sleep(2)
+        from_a_thread(stage, release, ears[2])
+        await asyncio.sleep(1)
+
+    on_stage(tmp_path, scenario, "robot", "broken")
+    (early,), (alone,), (all_confirmed,) = (ear.told for ear in ears)
+    assert "by robot, broken, which may still move" in early[1]
+    assert "by broken, which may still move" in alone[1]
+    assert all_confirmed == (True, "")
+
+
 def test_a_driver_that_does_not_move_by_itself_needs_no_resume(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.stop("key")
+        await asyncio.sleep(1)
         stage.session.release("key")
 
     stage = on_stage(tmp_path, scenario)

@@ -47,6 +47,7 @@ def test_a_model_that_comes_back_begins_anew(tmp_path: Path) -> None:
         assert room.shown.state == "Wait"
         assert eyes(room) == ["off"]
         room.session.stop("key")
+        await asyncio.sleep(1)
         room.session.release("key")
         await asyncio.sleep(1)
         assert eyes(room) == ["off"]

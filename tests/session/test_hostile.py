@@ -77,7 +77,7 @@ async def hello_and_stop(stage: Stage) -> None:
     await asyncio.sleep(0.1)
     stage.session.stop("key")
     await asyncio.sleep(1)
-    stage.session.release("key")
+    stage.session.release("key", known=stage.session.bus.unconfirmed)
 
 
 @pytest.mark.parametrize("how", ["exits", "hangs"])

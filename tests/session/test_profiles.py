@@ -125,6 +125,7 @@ def test_a_control_panel_is_held_to_it_and_a_body_s_own_asks_are_not(tmp_path: P
 def test_the_stop_and_its_release_always_count(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.stop("midi")
+        await asyncio.sleep(1)
         stage.session.release("key")
 
     stage = on_stage(tmp_path, scenario)

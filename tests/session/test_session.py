@@ -359,6 +359,7 @@ def test_a_newcomer_is_told_what_still_holds(tmp_path: Path) -> None:
         session.set("P08")
         session.set(condition="cold")
         session.stop("key")
+        await asyncio.sleep(1)
         session.release("key")
         session.play("Map", KEY)
         await asyncio.sleep(0)

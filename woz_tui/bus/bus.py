@@ -243,14 +243,24 @@ class Bus:
         if joins and self._stopping is not None:
             return self._stopping
         began_us = self._hub.now()
-        stops = self._call_stops(
-            Scope.ALL, [name for name in self._drivers if name not in self._motionless]
-        )
+        stops = self._call_stops(Scope.ALL, self._moving)
         self._hub.publish(StopPressed(source=source))
         for lane in list(self._lanes.values()):
             lane.stop("stop pressed")
         self._stopping = self._confirming.start(self._confirm(stops, began_us))
         return self._stopping
+
+    @property
+    def unconfirmed(self) -> list[str]:
+        """Drivers that may still move although the stop is pressed: all, until it is known."""
+        if not self.latched:
+            return []
+        confirming = self._stopping is not None and not self._stopping.done()
+        return self._moving if confirming else sorted(self._unconfirmed)
+
+    @property
+    def _moving(self) -> list[str]:
+        return [name for name in self._drivers if name not in self._motionless]
 
     def release(self, source: str) -> bool:
         """Take commands again; says whether the stop was pressed at all."""

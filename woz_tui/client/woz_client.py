@@ -331,9 +331,12 @@ class WozClient:
             return message
         raise WozConnectionError("the session ended before the stop was confirmed")
 
-    async def release(self) -> None:
-        """Release the stop. Raises `WozRefusedError` if it is not pressed."""
-        await self.request(r.AskRelease())
+    async def release(self, missing: Iterable[str] = ()) -> None:
+        """Release the stop. `missing`: drivers of which you know that they have not confirmed it.
+
+        Raises `WozRefusedError` if it is not pressed, or others have not confirmed it.
+        """
+        await self.request(r.AskRelease(missing=[*missing]))
 
     async def request(self, request: r.AnyRequest) -> r.Reply:
         """Send any request of the protocol; `ref` and stamp are filled in.

@@ -202,8 +202,8 @@ class RequestHandlers:
                 run = self._verb(client, request, stale)
             case AskScript():
                 run = self._script(client, request, stale)
-            case AskRelease(source=source):
-                session.release(source, stale)
+            case AskRelease(source=source, missing=missing):
+                session.release(source, stale, missing)
             case AskControls():
                 self._hand(client, request)
             case _ if stale and (undone := _undone(request)):

@@ -130,9 +130,12 @@ class AskStop(Request, frozen=True, kw_only=True, tag="stop"):
 
 
 class AskRelease(Request, frozen=True, kw_only=True, tag="release"):
-    """Release the stop."""
+    """Release the stop. `missing`: drivers of which whoever asks knows that they have not confirmed
+    it. It is refused, by name, while there are others.
+    """
 
     source: str = "program"
+    missing: list[str] = []
 
 
 class AskScript(Request, frozen=True, kw_only=True, tag="script"):

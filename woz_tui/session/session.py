@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
@@ -564,12 +564,20 @@ class Session:
         self._driver_manager.stop_resting()
         self.runner.stop_waiting("stop pressed")
 
-    def release(self, source: str, stale: str = "") -> None:
-        """Take actions again. `stale`: why it is too old to be done."""
+    def release(self, source: str, stale: str = "", known: Collection[str] = ()) -> None:
+        """Take actions again. `stale`: why it is too old to be done. `known`: drivers of which
+        whoever asks knows that they have not confirmed the stop. Raises `RequestError` if there
+        are others.
+        """
         if self.ended:
             raise RequestError("the session is ending")
         if stale:
             self.refuse("Stop not released", stale)
+        if missing := ", ".join(name for name in self.bus.unconfirmed if name not in known):
+            raise RequestError(
+                f"the stop is not confirmed by {missing}, which may still move",
+                "look at it; the wizard's console asks, and releases the stop then",
+            )
         if not self.bus.release(source):
             raise RequestError("the stop is not pressed")
         self._driver_manager.resume()

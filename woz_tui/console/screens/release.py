@@ -76,5 +76,11 @@ class ReleaseDialog(LiveReportDialog):
         """Release it, once."""
         if not self._asked:
             self._asked = True
-            self.requests.ask(AskRelease(source="key"))
+            self.requests.ask(AskRelease(source="key", missing=self._missing()))
             self.leave()
+
+    def _missing(self) -> list[str]:
+        """Whom the wizard has read of; before the confirmation that is every driver."""
+        stop = self.state.stop
+        named = stop.missing if stop is not None and stop.settled else self.state.drivers
+        return list(named)

@@ -59,7 +59,7 @@ class Arm(Driver):
         self.report: StopReport | None = None
         self.stopping = asyncio.Event()
         self.stopping.set()
-        type(self).newest = self
+        Arm.newest = self
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:

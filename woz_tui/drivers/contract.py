@@ -14,6 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
+import msgspec
+
 from woz_tui.drivers.feeds import Feed
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json, Shown, Speech
@@ -191,18 +193,68 @@ class HandInput:
     stale: bool = False
 
 
-class DriverContext(Protocol):
+class DriverStatement(msgspec.Struct, frozen=True, tag_field="is"):
+    """Something that a driver says of itself: see the method of `DriverContext` of each."""
+
+
+class ReadingStatement(DriverStatement, frozen=True, tag="reading"):
+    """`DriverContext.reading`."""
+
+    sensor: str
+    value: float | None
+    text: str = ""
+    unit: str = ""
+    raw: float | None = None
+
+
+class SensorStatement(DriverStatement, frozen=True, tag="sensor"):
+    """`DriverContext.sensor`."""
+
+    sensor: str
+    state: str
+    why: str = ""
+    every: float = 0.0
+
+
+class HealthStatement(DriverStatement, frozen=True, tag="health"):
+    """`DriverContext.health`."""
+
+    health: Health
+    detail: str = ""
+    remedy: str = ""
+
+
+class ModeStatement(DriverStatement, frozen=True, tag="mode"):
+    """`DriverContext.mode`."""
+
+    mode: str
+    why: str = ""
+
+
+class NoticeStatement(DriverStatement, frozen=True, tag="notice"):
+    """`DriverContext.notice`."""
+
+    level: str
+    text: str
+    remedy: str = ""
+    tells: tuple[str, ...] = ()
+
+
+class DriverContext(abc.ABC):
     """Everything a driver may tell. Safe to call from any thread."""
 
     @property
+    @abc.abstractmethod
     def clock(self) -> Clock:
         """The session's clock."""
 
     @property
+    @abc.abstractmethod
     def folder(self) -> Path:
         """The experiment file's folder: relative paths start there."""
 
     @property
+    @abc.abstractmethod
     def media(self) -> Path:
         """The folder beside the log for files of this session, such as recorded speech.
 
@@ -210,8 +262,13 @@ class DriverContext(Protocol):
         ask each time; `<media.name>/<file>` is what a message says.
         """
 
+    @abc.abstractmethod
     def t(self, clock_us: int) -> int:
         """A time of `clock` in microseconds on the axis of the messages' `t`."""
+
+    @abc.abstractmethod
+    def publish(self, said: DriverStatement | Shown | Speech) -> None:
+        """Tell it. Drivers call the methods below."""
 
     def reading(
         self,
@@ -223,6 +280,7 @@ class DriverContext(Protocol):
         raw: float | None = None,
     ) -> None:
         """A sensor's value; non-finite numbers become null and are marked."""
+        self.publish(ReadingStatement(sensor, value, text, unit, raw))
 
     def sensor(self, sensor: str, state: str, why: str = "", *, every: float = 0.0) -> None:
         """A sensor's state moved (ok, stale, silent, speaking, quiet ...).
@@ -230,12 +288,15 @@ class DriverContext(Protocol):
         `every`: seconds from one reading to the next, where that is more than one: so that the
         last one does not look old meanwhile.
         """
+        self.publish(SensorStatement(sensor, state, why, every))
 
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         """The driver's own state moved; saying the same again is free."""
+        self.publish(HealthStatement(health, detail, remedy))
 
     def mode(self, mode: str, why: str = "") -> None:
         """The robot's mode (normal, demo ...) is now `mode`; saying the same again is free."""
+        self.publish(ModeStatement(mode, why))
 
     def notice(
         self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
@@ -244,18 +305,23 @@ class DriverContext(Protocol):
         quotes what was asked for, and each sensor whose values it tells (`loudness`): it is not
         shown to a wizard from whom that is kept.
         """
+        self.publish(NoticeStatement(level, text, remedy, tells))
 
     def show(self, shown: Shown) -> None:
         """What there is to be seen now: a face, a body's settings, knobs. Say it on a change."""
+        self.publish(shown)
 
     def tell(self, speech: Speech) -> None:
         """What somebody says: where it begins and ends, and its text. Never left out."""
+        self.publish(speech)
 
+    @abc.abstractmethod
     def feed(self, topic: str, of: str = "") -> Feed:
         """A latest value shared with other drivers of the same robot: your own feed `topic`, or
         that of the driver `of`.
         """
 
+    @abc.abstractmethod
     def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
         """Ask the session, as the wizard's keys do. `done` is called in the event loop, once:
         whether it was carried out (or an action begun), and why not.

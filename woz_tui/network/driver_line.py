@@ -22,6 +22,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
+from woz_tui.network.driver_messages import MOST_BYTES
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 SILENCE_S = 1.0
 #: Frames that may wait to be sent; one more is dropped.
 CAPACITY = 2000
+#: Frames that are taken in one turn of the event loop: others have their turns, too.
+_A_TURN = 50
 #: How long a connection may take, in seconds.
 CONNECT_S = 3.0
 #: A frame waits so long for room in the line, in microseconds; then it is dropped.
@@ -44,7 +47,7 @@ _PRIORITIES = (
 MISSING = "drivers on another computer need the package `eclipse-zenoh`"
 MISSING_REMEDY = "pip install 'woz-tui[remote-drivers]'"
 
-#: Is given what came; in a thread of the line.
+#: Is given what came.
 Receive = Callable[[bytes], None]
 #: Hears whether the other side is there; in a thread of the line.
 Presence = Callable[[bool], None]
@@ -68,19 +71,66 @@ def _module() -> Any:
     return zenoh
 
 
+class FrameInbox:
+    """Frames on their way from the line's thread into the event loop: bounded, some at a time.
+
+    Args:
+        receive: Called in the loop with each frame.
+    """
+
+    def __init__(self, receive: Receive) -> None:
+        self._receive = receive
+        self._loop = asyncio.get_running_loop()
+        self._waiting: deque[bytes] = deque()
+        self._bytes = 0
+        self._due = False
+        self._lock = threading.Lock()
+
+    def put(self, frame: bytes) -> None:
+        """Keep it until the loop takes it; one too many or too long is dropped. From any thread."""
+        with self._lock:
+            full = len(self._waiting) >= CAPACITY or self._bytes + len(frame) > 4 * MOST_BYTES
+            if full or len(frame) > MOST_BYTES:
+                return
+            self._waiting.append(frame)
+            self._bytes += len(frame)
+            due, self._due = self._due, True
+        if not due:
+            with contextlib.suppress(RuntimeError):  # closed: the session is over
+                self._loop.call_soon_threadsafe(self._deliver)
+
+    def _deliver(self) -> None:
+        with self._lock:
+            frames = [self._waiting.popleft() for _ in range(min(len(self._waiting), _A_TURN))]
+            self._bytes -= sum(map(len, frames))
+            self._due = bool(self._waiting)
+        if self._due:
+            self._loop.call_soon(self._deliver)
+        for frame in frames:
+            self._receive(frame)
+
+
 class DriverLine:
-    """One open session of zenoh, with a thread of its own that sends: urgent things first."""
+    """One open session of zenoh, with threads of its own that send: urgent things first, bulky ones
+    beside the others.
+    """
 
     def __init__(self, session: zenoh.Session) -> None:
         self._zenoh = _module()
         self._session = session
         self._waiting: deque[tuple[str, bytes]] = deque()
         self._urgent: deque[tuple[str, bytes]] = deque()
+        #: The newest of each key.
+        self._bulky: dict[str, bytes] = {}
         self._some = threading.Condition()
         self._open = True
         self._held: list[Any] = []
-        self._thread = threading.Thread(target=self._run, name="driver line", daemon=True)
-        self._thread.start()
+        self._threads = [
+            threading.Thread(target=work, name="driver line", daemon=True)
+            for work in (self._send_frames, self._send_bulky)
+        ]
+        for thread in self._threads:
+            thread.start()
 
     def send(self, key: str, payload: bytes, *, urgent: bool = False) -> bool:
         """Have it sent and return at once; whether there was room. From any thread."""
@@ -88,13 +138,20 @@ class DriverLine:
             if not self._open or len(self._waiting) >= CAPACITY:
                 return False
             (self._urgent if urgent else self._waiting).append((key, payload))
-            self._some.notify()
+            self._some.notify_all()
         return True
 
+    def send_bulky(self, key: str, payload: bytes) -> None:
+        """The same for what may be lost and is long. The next one under its key replaces it."""
+        with self._some:
+            self._bulky[key] = payload
+            self._some.notify_all()
+
     def receive(self, key: str, receive: Receive) -> EndSubscription:
-        """Hand over what comes under this key."""
+        """Hand over in the running event loop what comes under this key."""
+        inbox = FrameInbox(receive)
         subscriber = self._session.declare_subscriber(
-            key, lambda sample: receive(sample.payload.to_bytes())
+            key, lambda sample: inbox.put(sample.payload.to_bytes())
         )
         self._held.append(subscriber)
         return lambda: self._end(subscriber)
@@ -121,13 +178,15 @@ class DriverLine:
         """End it; may wait for a moment, so call it in a thread."""
         with self._some:
             self._open = False
-            self._some.notify()
-        self._thread.join(SILENCE_S)  # what was sent last goes out first
+            self._bulky.clear()
+            self._some.notify_all()
+        for thread in self._threads:
+            thread.join(SILENCE_S)  # what was sent last goes out first
         with contextlib.suppress(self._zenoh.ZError):
             self._session.close()  # type: ignore[no-untyped-call]
 
-    def _run(self) -> None:
-        drop, priority = self._zenoh.CongestionControl.DROP, self._zenoh.Priority
+    def _send_frames(self) -> None:
+        priority = self._zenoh.Priority
         while True:
             with self._some:
                 while self._open and not self._urgent and not self._waiting:
@@ -136,14 +195,24 @@ class DriverLine:
                     return
                 urgent = bool(self._urgent)
                 key, payload = (self._urgent if urgent else self._waiting).popleft()
-            with contextlib.suppress(self._zenoh.ZError):  # closed meanwhile
-                self._session.put(
-                    key,
-                    payload,
-                    congestion_control=drop,
-                    priority=priority.REAL_TIME if urgent else priority.DATA,
-                    express=True,
-                )
+            self._put(key, payload, priority.REAL_TIME if urgent else priority.DATA)
+
+    def _send_bulky(self) -> None:
+        while True:
+            with self._some:
+                while self._open and not self._bulky:
+                    self._some.wait()
+                if not self._bulky:
+                    return
+                key, payload = self._bulky.popitem()
+            self._put(key, payload, self._zenoh.Priority.BACKGROUND)
+
+    def _put(self, key: str, payload: bytes, priority: zenoh.Priority) -> None:
+        drop = self._zenoh.CongestionControl.DROP
+        with contextlib.suppress(self._zenoh.ZError):  # closed meanwhile
+            self._session.put(
+                key, payload, congestion_control=drop, priority=priority, express=True
+            )
 
 
 # -- keys ------------------------------------------------------------------------------------------
@@ -181,6 +250,7 @@ def _open(settings: Mapping[str, Any], silence_s: float) -> DriverLine:
         "scouting/gossip/enabled": False,
         "scouting/delay": 0,
         "transport/link/tx/lease": round(silence_s * 1000),
+        "transport/link/rx/max_message_size": 2 * MOST_BYTES,
         "transport/link/tx/keep_alive": 4,
         # By itself zenoh drops the third frame of a burst that waits for a millisecond, which a
         # busy machine makes it do. The thread that waits is ours.

@@ -3,7 +3,8 @@
 Both sides say the same things in a frame: which life of the served driver (`instance`) and which
 conversation with it (`epoch`) they belong to. `number` counts those that must not be lost, from 1
 in each direction; who sees a gap ends the conversation, and everything is told anew in the next
-one. Frames with number 0 may be lost: readings, which the next one replaces, and pings.
+one. Frames with number 0 may be lost: readings and values of feeds, which the next one replaces,
+and pings.
 
 Changing anything here needs another `LINK`.
 """
@@ -14,7 +15,14 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.drivers.contract import Ask
+from woz_tui.drivers.contract import (
+    Ask,
+    HealthStatement,
+    ModeStatement,
+    NoticeStatement,
+    ReadingStatement,
+    SensorStatement,
+)
 from woz_tui.protocol.messages import Json
 
 #: Which form of these messages; two sides of different forms do not talk.
@@ -190,51 +198,10 @@ class StopEnded(_Body, frozen=True, tag="stopped"):
     missing: tuple[str, ...] = ()
 
 
-class ReadingSent(_Body, frozen=True, tag="reading"):
-    """`DriverContext.reading`."""
-
-    sensor: str
-    value: float | None
-    text: str = ""
-    unit: str = ""
-    raw: float | None = None
-
-
-class SensorSent(_Body, frozen=True, tag="sensor"):
-    """`DriverContext.sensor`."""
-
-    sensor: str
-    state: str
-    why: str = ""
-    every: float = 0.0
-
-
-class HealthSent(_Body, frozen=True, tag="health"):
-    """`DriverContext.health`."""
-
-    health: str
-    detail: str = ""
-    remedy: str = ""
-
-
-class ModeSent(_Body, frozen=True, tag="mode"):
-    """`DriverContext.mode`."""
-
-    mode: str
-    why: str = ""
-
-
-class NoticeSent(_Body, frozen=True, tag="notice"):
-    """`DriverContext.notice`."""
-
-    level: str
-    text: str
-    remedy: str = ""
-    tells: tuple[str, ...] = ()
-
-
 class MessageSent(_Body, frozen=True, tag="message"):
-    """`DriverContext.show` and `DriverContext.tell`: a line of the session's protocol."""
+    """`DriverContext.show` and `DriverContext.tell`: a line of the session's protocol. All else
+    that a driver says is sent as its `DriverStatement`.
+    """
 
     line: bytes
 
@@ -247,7 +214,72 @@ class AskSent(_Body, frozen=True, tag="ask"):
     answered: bool
 
 
-ToDriver = DriverHello | Pong | Perform | Cancel | Stop | Invoke | AskEnded | Left
+# -- values of feeds -------------------------------------------------------------------------------
+# Times in them are CLOCK_BOOTTIME of the session's computer, in microseconds.
+
+
+class FeedsNamed(_Body, frozen=True, tag="feeds"):
+    """The driver has named these of the feeds that are shared (`shared_feeds`)."""
+
+    topics: tuple[str, ...]
+
+
+class PictureSent(_Body, frozen=True, tag="picture"):
+    """A camera's picture, as `camera_pictures.Picture`."""
+
+    boot_us: int
+    width: int
+    height: int
+    rgb: bytes
+
+
+class SoundSent(_Body, frozen=True, tag="sound"):
+    """New sound of a feed, in either direction: a microphone's, or a voice for a loudspeaker. The
+    first sample came at `boot_us`.
+    """
+
+    topic: str
+    rate: int
+    boot_us: int
+    pcm: bytes
+    source: str = ""
+    lost_s: float = 0.0
+
+
+class VoiceTaken(_Body, frozen=True, tag="voice"):
+    """What a loudspeaker takes, as `sound_feeds.VoiceState`."""
+
+    rate: int
+    on: bool
+
+
+class CameraWanted(_Body, frozen=True, tag="watched"):
+    """Somebody watches, as `camera_pictures.CameraWatched`, until `boot_us`."""
+
+    boot_us: int
+    width: int
+    rate: float
+
+
+class SoundWanted(_Body, frozen=True, tag="listened"):
+    """Somebody listens until `boot_us`."""
+
+    boot_us: int
+
+
+ToDriver = (
+    DriverHello
+    | Pong
+    | Perform
+    | Cancel
+    | Stop
+    | Invoke
+    | AskEnded
+    | Left
+    | CameraWanted
+    | SoundWanted
+    | SoundSent
+)
 FromDriver = (
     Here
     | NotTaken
@@ -259,13 +291,17 @@ FromDriver = (
     | MotionEnded
     | StopTaken
     | StopEnded
-    | ReadingSent
-    | SensorSent
-    | HealthSent
-    | ModeSent
-    | NoticeSent
+    | ReadingStatement
+    | SensorStatement
+    | HealthStatement
+    | ModeStatement
+    | NoticeStatement
     | MessageSent
     | AskSent
+    | FeedsNamed
+    | PictureSent
+    | SoundSent
+    | VoiceTaken
 )
 
 
@@ -290,5 +326,7 @@ class FrameFromDriver(msgspec.Struct, frozen=True, array_like=True):
 encode = msgspec.msgpack.Encoder(enc_hook=str).encode
 #: What decoding raises if somebody sent nonsense.
 UNREADABLE = (msgspec.MsgspecError, ValueError, RecursionError)
+#: The longest frame that is taken, in bytes: a picture and what belongs to it.
+MOST_BYTES = 1 << 22
 to_driver = msgspec.msgpack.Decoder(FrameToDriver)
 from_driver = msgspec.msgpack.Decoder(FrameFromDriver)

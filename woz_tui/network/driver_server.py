@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import functools
 import logging
 import secrets
-from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,6 @@ from typing import Any
 from woz_tui import __version__
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import (
-    Ask,
     Driver,
     DriverError,
     Health,
@@ -29,7 +27,7 @@ from woz_tui.drivers.contract import (
     StopReport,
     Verb,
 )
-from woz_tui.drivers.feeds import Feed, Feeds
+from woz_tui.drivers.feeds import Feeds
 from woz_tui.network import driver_messages as dm
 from woz_tui.network.clock_offset import ClockComparison, ClockOffset
 from woz_tui.network.driver_line import (
@@ -42,15 +40,15 @@ from woz_tui.network.driver_line import (
 )
 from woz_tui.network.driver_messages import LINK
 from woz_tui.network.remote_driver import offer_hash, setting_hashes
+from woz_tui.network.served_context import ServedContext, ServedJob
+from woz_tui.network.shared_feeds import LOOK_S, ServedFeeds, is_bulky, may_be_lost
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import Json, Shown, Speech
+from woz_tui.protocol.messages import Json
 from woz_tui.system.clock import Clock, RealClock
 
 #: How often the session's clock is asked, and how often it is said that the driver is here, in
 #: seconds.
 PING_S, HERE_S = 0.15, 0.5
-#: What the name of a folder beside the robot file cannot have.
-_UNSAFE = "/\\\0"
 
 log = logging.getLogger(__name__)
 
@@ -66,141 +64,6 @@ class OfferedDriver:
     kind: str
     driver: type[Driver]
     settings: Any
-
-
-class ServedContext:
-    """`DriverContext` of a driver whose session is elsewhere. What holds is told again to a session
-    that comes back.
-    """
-
-    def __init__(self, served: ServedDriver, folder: Path, media: str, feeds: Feeds) -> None:
-        self._driver = served
-        self._folder = folder
-        self._media = folder / (media if not set(media) & set(_UNSAFE) else "session.media")
-        self._feeds = feeds
-        self._lasting: dict[tuple[str, str], dm.FromDriver] = {}
-        self._asked: dict[int, Callable[[bool, str], None]] = {}
-        self._asks = 0
-
-    @property
-    def clock(self) -> Clock:
-        """This computer's clock."""
-        return self._driver.clock
-
-    @property
-    def folder(self) -> Path:
-        """The folder of the robot file here."""
-        return self._folder
-
-    @property
-    def media(self) -> Path:
-        """Called as the session's, in the folder of the robot file here."""
-        return self._media
-
-    def t(self, clock_us: int) -> int:
-        """On the axis of the session's messages, as far as its clock is known."""
-        return self._driver.session_t(clock_us)
-
-    def reading(
-        self,
-        sensor: str,
-        value: float | None,
-        *,
-        text: str = "",
-        unit: str = "",
-        raw: float | None = None,
-    ) -> None:
-        """Send it; the next one replaces it."""
-        self._driver.send(dm.ReadingSent(sensor, value, text, unit, raw), kept=False)
-
-    def sensor(self, sensor: str, state: str, why: str = "", *, every: float = 0.0) -> None:
-        """Send it."""
-        self._last("sensor", sensor, dm.SensorSent(sensor, state, why, every))
-
-    def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
-        """Send it."""
-        self._last("health", "", dm.HealthSent(health.value, detail, remedy))
-
-    def mode(self, mode: str, why: str = "") -> None:
-        """Send it."""
-        self._last("mode", "", dm.ModeSent(mode, why))
-
-    def notice(
-        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
-    ) -> None:
-        """Send it."""
-        self._driver.send(dm.NoticeSent(level, text, remedy, tells))
-
-    def show(self, shown: Shown) -> None:
-        """Send it."""
-        self._last("shown", type(shown).__name__, dm.MessageSent(codec.encode(shown)))
-
-    def tell(self, speech: Speech) -> None:
-        """Send it."""
-        self._driver.send(dm.MessageSent(codec.encode(speech)))
-
-    def feed(self, topic: str, of: str = "") -> Feed:
-        """Of the drivers at this computer."""
-        return self._feeds.feed(of or self._driver.name, topic)
-
-    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
-        """Have the session carry it out."""
-        self._driver.in_loop(functools.partial(self._ask, ask, done))
-
-    def _ask(self, ask: Ask, done: Callable[[bool, str], None] | None) -> None:
-        self._asks += 1
-        if done is not None:
-            self._asked[self._asks] = done
-        sent = self._driver.send(dm.AskSent(self._asks, ask, done is not None))
-        if not sent:
-            self.ask_ended(self._asks, False, "no session uses this driver at the moment")
-
-    def _last(self, kind: str, name: str, body: dm.FromDriver) -> None:
-        self._lasting[kind, name] = body
-        self._driver.send(body)
-
-    # -- the server's side -----------------------------------------------------------------------
-
-    def tell_again(self) -> None:
-        """What holds, to a session that is back."""
-        for body in list(self._lasting.values()):
-            self._driver.send(body)
-
-    def ask_ended(self, number: int, ok: bool, why: str) -> None:
-        """How something ended that was asked for."""
-        done = self._asked.pop(number, None)
-        if done is not None:
-            done(ok, why)
-
-    def session_lost(self) -> None:
-        """Nobody answers any more."""
-        for number in list(self._asked):
-            self.ask_ended(number, False, "the session was lost")
-
-
-@dataclass(frozen=True, slots=True)
-class ServedJob:
-    """A command of the session, for the driver here."""
-
-    command: str
-    verb: str
-    args: Mapping[str, Any]
-    source: str
-    id: int
-    send: Callable[[dm.FromDriver], None]
-
-    def expects(self, seconds: float) -> None:
-        """Told to the session."""
-        self.send(dm.Expects(self.id, float(seconds)))
-
-    def mark(self, sort: str, text: str = "") -> None:
-        """Told to the session."""
-        self.send(dm.MarkSent(self.id, sort, text))
-
-    def goes_on(self) -> Callable[[str], None]:
-        """Told to the session; so is its end."""
-        self.send(dm.MotionGoesOn(self.id))
-        return lambda why: self.send(dm.MotionEnded(self.id, why))
 
 
 class ServedDriver:
@@ -252,6 +115,7 @@ class ServedDriver:
         self._round_trip_us = 0
         self._clocks = ClockComparison()
         self._t_us = 0
+        self._shared = ServedFeeds(feeds, offer.name, clock)
         self._stopped_up_to: dict[Scope, int] = dict.fromkeys(Scope, 0)
         self._running: dict[int, tuple[asyncio.Task[None], Verb | None, str]] = {}
         self._lanes: dict[str, asyncio.Lock] = {}
@@ -260,7 +124,22 @@ class ServedDriver:
     # -- its life --------------------------------------------------------------------------------
 
     async def serve(self) -> None:
-        """Until cancelled: say that it is here, ask the session's clock, notice its silence."""
+        """Until cancelled: say that it is here, ask the session's clock, notice its silence, share
+        feeds.
+        """
+        await asyncio.gather(self._keep(), self._share())
+
+    async def _share(self) -> None:
+        while True:
+            if self._ready:
+                for body in self._shared.news(self._ahead_us):
+                    if is_bulky(body):
+                        self._send_raw(self._epoch, body, bulky=True)
+                    else:
+                        self._send(body, kept=not may_be_lost(body))
+            await asyncio.sleep(LOOK_S)
+
+    async def _keep(self) -> None:
         here_us = 0
         while True:
             now = self.clock.boot_us()
@@ -279,7 +158,7 @@ class ServedDriver:
     def attach(self, line: DriverLine) -> None:
         """Use this line."""
         self._line = line
-        line.receive(self._keys[0], lambda data: self.in_loop(lambda: self._receive(data)))
+        line.receive(self._keys[0], self._receive)
 
     async def close(self) -> None:
         """Stop and let go of the hardware."""
@@ -362,11 +241,21 @@ class ServedDriver:
         self._send_raw(self._epoch, body, self._sent if kept else 0)
 
     def _send_raw(
-        self, epoch: int, body: dm.FromDriver, number: int = 0, *, urgent: bool = False
+        self,
+        epoch: int,
+        body: dm.FromDriver,
+        number: int = 0,
+        *,
+        urgent: bool = False,
+        bulky: bool = False,
     ) -> None:
-        if self._line is not None:
-            frame = dm.FrameFromDriver(self._instance, epoch, number, body)
-            self._line.send(self._keys[1], dm.encode(frame), urgent=urgent)
+        if self._line is None:
+            return
+        frame = dm.encode(dm.FrameFromDriver(self._instance, epoch, number, body))
+        if bulky:
+            self._line.send_bulky(self._keys[1], frame)
+        else:
+            self._line.send(self._keys[1], frame, urgent=urgent)
 
     def _ping(self) -> None:
         self._send_raw(self._epoch, dm.Ping(self.clock.boot_us(), self._sent, self._round_trip_us))
@@ -453,6 +342,8 @@ class ServedDriver:
                 self.lose(f"the session has ended it ({why})")
             case dm.AskEnded(id=number, ok=ok, why=why) if self._context is not None:
                 self._context.ask_ended(number, ok, why)
+            case dm.CameraWanted() | dm.SoundWanted() | dm.SoundSent() if self._ready:
+                self._shared.take(body, self._ahead_us)
 
     def _on_pong(self, pong: dm.Pong) -> None:
         now = self.clock.boot_us()
@@ -471,13 +362,14 @@ class ServedDriver:
 
     def _begin(self) -> None:
         """The session is there and its clock is known."""
+        self._shared.begin()
         self._tell(f"{self.name}: {self._user} uses it")
         if self._driver is not None and self._context is not None:
             self._context.tell_again()
             if not self._stopped:  # we stopped it when the session was lost
                 self._spawn(self._aside("resume", self._driver.resume))
             return
-        context = ServedContext(self, self._folder, self._media, self._feeds)
+        context = ServedContext(self.name, self, self._folder, self._media, self._feeds)
         try:
             driver = self._offer.driver(self._user, self._offer.settings, context)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever a driver raises
@@ -498,8 +390,13 @@ class ServedDriver:
         """A time of this computer's clock on the axis of the session's messages."""
         if not self._clocks:
             return 0
-        boot_us = clock_us + self.clock.boot_us() - self.clock.now_us()
-        return boot_us + self._clocks.best.offset_us + self._t_us
+        return clock_us + self._ahead_us + self._t_us
+
+    @property
+    def _ahead_us(self) -> int:
+        """What is added to this clock's times for CLOCK_BOOTTIME of the session's computer."""
+        ahead = self.clock.boot_us() - self.clock.now_us()
+        return ahead + (self._clocks.best.offset_us if self._clocks else 0)
 
     # -- commands --------------------------------------------------------------------------------
 

@@ -24,11 +24,13 @@ from woz_tui.drivers.contract import (
     Driver,
     DriverContext,
     DriverError,
+    DriverStatement,
     Forecast,
     Health,
     Job,
     RejectedError,
     Scope,
+    SensorStatement,
     StopReport,
 )
 from woz_tui.network import driver_messages as dm
@@ -41,6 +43,7 @@ from woz_tui.network.driver_line import (
     place_key,
     to_key,
 )
+from woz_tui.network.shared_feeds import LOOK_S, SessionFeeds, may_be_lost
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Json, Shown, Speech
 
@@ -148,6 +151,7 @@ class RemoteDriver(Driver):
         self._stops: dict[int, tuple[asyncio.Future[None], asyncio.Future[Any]]] = {}
         self._sensors: dict[str, str] = {}
         self._utterances: list[Mapping[str, Json]] = []
+        self._feeds = SessionFeeds(context.feed, context.clock)
         self._closed = asyncio.Event()
         self._stopped = False
 
@@ -274,11 +278,12 @@ class RemoteDriver(Driver):
                 if await self._closed_within(_RETRY_S):
                     return
         subscriptions = [
-            self._line.receive(self._keys[1], lambda data: in_loop(self._receive, data)),
+            self._line.receive(self._keys[1], self._receive),
             self._line.watch_presence(
                 place_key(self._place), lambda there: in_loop(self._on_presence, there)
             ),
         ]
+        self._spawn(self._share())
         while not await self._closed_within(_WATCH_S):
             if why := self._router.revoked(self._place):
                 for end in subscriptions:
@@ -288,6 +293,13 @@ class RemoteDriver(Driver):
             silent_us = self.context.clock.boot_us() - self._heard_us
             if self._bound and silent_us > self._router.silence_s * 1e6:
                 self._lose(f"{self._place} does not answer")
+
+    async def _share(self) -> None:
+        while not self._closed.is_set() and not self._barred:
+            if self._bound:
+                for body in self._feeds.news():
+                    self._send(body)
+            await asyncio.sleep(LOOK_S)
 
     async def _bar(self, why: str) -> None:
         """The other computer may not come in any more; it is told, and stops what it has begun.
@@ -311,9 +323,10 @@ class RemoteDriver(Driver):
             self._lose(f"{self._place} is gone")
 
     def _send(self, body: dm.ToDriver, *, urgent: bool = False, instance: str = "") -> None:
-        """Numbered, unless it is urgent or an answer to a ping."""
+        """Numbered, unless it is urgent, an answer to a ping, or may be lost."""
         number = 0
-        if not urgent and not isinstance(body, dm.Pong | dm.DriverHello | dm.Left):
+        alone = isinstance(body, dm.Pong | dm.DriverHello | dm.Left) or may_be_lost(body)
+        if not urgent and not alone:
             self._sent += 1
             number = self._sent
         frame = dm.FrameToDriver(instance or self._bound, self._epoch, number, body)
@@ -446,24 +459,17 @@ class RemoteDriver(Driver):
         """What the driver says to its session."""
         context = self.context
         match body:
-            case dm.ReadingSent(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
-                context.reading(sensor, value, text=text, unit=unit, raw=raw)
-            case dm.SensorSent(sensor=sensor, state=state, why=why, every=every):
+            case SensorStatement(sensor=sensor, state=state):
                 self._sensors[sensor] = state
-                context.sensor(sensor, state, why, every=every)
-            case dm.HealthSent(health=health, detail=detail, remedy=remedy):
-                with contextlib.suppress(ValueError):
-                    context.health(Health(health), detail, remedy)
-            case dm.ModeSent(mode=mode, why=why):
-                context.mode(mode, why)
-            case dm.NoticeSent(level=level, text=text, remedy=remedy, tells=tells):
-                context.notice(level, text, remedy, tells=tells)
+                context.publish(body)
+            case DriverStatement():
+                context.publish(body)
             case dm.MessageSent(line=line):
                 message = codec.decode_message(line)
-                if isinstance(message, Shown):
-                    context.show(message)
-                elif isinstance(message, Speech):
-                    context.tell(message)
+                if isinstance(message, Shown | Speech):
+                    context.publish(message)
+            case dm.FeedsNamed() | dm.PictureSent() | dm.SoundSent() | dm.VoiceTaken():
+                self._feeds.take(body)
             case dm.AskSent(id=number, ask=ask, answered=answered):
                 context.ask(
                     ask, (lambda ok, why: self._answer(number, ok, why)) if answered else None
@@ -495,6 +501,7 @@ class RemoteDriver(Driver):
     def _unbind(self, why: str) -> None:
         self._bound = self._greeted = ""
         self._epoch = 0
+        self._feeds.lose()
         self._motions.clear()
         lost = dm.CallFailure(DeviceLostError.__name__, why)
         for future in [*self._ends.values(), *(f for both in self._stops.values() for f in both)]:

@@ -13,7 +13,17 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.bus.hub import Hub
-from woz_tui.drivers.contract import Ask, Health
+from woz_tui.drivers.contract import (
+    Ask,
+    DriverContext,
+    DriverStatement,
+    Health,
+    HealthStatement,
+    ModeStatement,
+    NoticeStatement,
+    ReadingStatement,
+    SensorStatement,
+)
 from woz_tui.drivers.feeds import Feed, Feeds
 from woz_tui.protocol.messages import (
     DriverConnected,
@@ -27,6 +37,9 @@ from woz_tui.protocol.messages import (
     SensorChanged,
     Shown,
     Speech,
+    SpeechEnded,
+    SpeechStarted,
+    SpeechText,
     reading,
 )
 from woz_tui.system.clock import Clock
@@ -52,8 +65,8 @@ DriverRequestHandler = Callable[[str, Ask, OnCompletion | None], None]
 log = logging.getLogger(__name__)
 
 
-class SessionDriverContext:
-    """`drivers.contract.DriverContext` for one driver; repeats of a state are swallowed here.
+class SessionDriverContext(DriverContext):
+    """`DriverContext` for one driver; repeats of a state are swallowed here.
 
     `names` are the names under which its sensors are published, where they differ from its own;
     `feeds` are those of the whole session; `on_request` carries out what the driver asks for.
@@ -109,55 +122,36 @@ class SessionDriverContext:
         """A time of the clock on the axis of the messages' `t`."""
         return self._hub.t(clock_us)
 
-    def reading(
-        self,
-        sensor: str,
-        value: float | None,
-        *,
-        text: str = "",
-        unit: str = "",
-        raw: float | None = None,
-    ) -> None:
-        """Publish a sample."""
-        name = self._names.get(sensor, sensor)
-        self._publish(reading(name, value, text=text, driver=self._driver, unit=unit, raw=raw))
-
-    def sensor(self, sensor: str, state: str, why: str = "", *, every: float = 0.0) -> None:
-        """Publish a sensor's change of state."""
-        was = self._sensors.get(sensor, "")
-        if was != state:
-            self._sensors[sensor] = state
-            name = self._names.get(sensor, sensor)
-            self._publish(SensorChanged(sensor=name, state=state, was=was, why=why, every_s=every))
-
-    def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
-        """Publish the driver's change of health."""
-        if self._health != (health, detail):
-            self._health = (health, detail)
-            self._publish(_HEALTH[health](driver=self._driver, detail=detail, remedy=remedy))
-
-    def mode(self, mode: str, why: str = "") -> None:
-        """Publish the robot's change of mode."""
-        was, self._mode = self._mode, mode
-        if was != mode:
-            self._publish(ModeChanged(driver=self._driver, was=was, now=mode, why=why))
-
-    def notice(
-        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
-    ) -> None:
-        """Publish a sentence for the wizard."""
+    def publish(self, said: DriverStatement | Shown | Speech) -> None:
+        """Publish it as a message of the session."""
         driver = self._driver
-        self._publish(
-            Notice(level=level, text=f"{driver}: {text}", remedy=remedy, driver=driver, tells=tells)
-        )
-
-    def show(self, shown: Shown) -> None:
-        """Publish what there is to be seen at the driver."""
-        self._publish(msgspec.structs.replace(shown, driver=self._driver))
-
-    def tell(self, speech: Speech) -> None:
-        """Publish what somebody says."""
-        self._publish(msgspec.structs.replace(speech, driver=self._driver))
+        match said:
+            case ReadingStatement(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
+                name = self._names.get(sensor, sensor)
+                self._send(reading(name, value, text=text, driver=driver, unit=unit, raw=raw))
+            case SensorStatement(sensor=sensor, state=state, why=why, every=every):
+                was = self._sensors.get(sensor, "")
+                if was != state:
+                    self._sensors[sensor] = state
+                    name = self._names.get(sensor, sensor)
+                    self._send(
+                        SensorChanged(sensor=name, state=state, was=was, why=why, every_s=every)
+                    )
+            case HealthStatement(health=health, detail=detail, remedy=remedy):
+                if self._health != (health, detail):
+                    self._health = (health, detail)
+                    self._send(_HEALTH[health](driver=driver, detail=detail, remedy=remedy))
+            case ModeStatement(mode=mode, why=why):
+                was, self._mode = self._mode, mode
+                if was != mode:
+                    self._send(ModeChanged(driver=driver, was=was, now=mode, why=why))
+            case NoticeStatement(level=level, text=text, remedy=remedy, tells=tells):
+                text = f"{driver}: {text}"
+                self._send(
+                    Notice(level=level, text=text, remedy=remedy, driver=driver, tells=tells)
+                )
+            case Shown() | SpeechStarted() | SpeechEnded() | SpeechText():
+                self._send(msgspec.structs.replace(said, driver=driver))
 
     def feed(self, topic: str, of: str = "") -> Feed:
         """A feed of this driver, or of another one of the same robot."""
@@ -170,7 +164,7 @@ class SessionDriverContext:
         if on_request is not None:
             self._in_loop(lambda: on_request(self._driver, ask, done), keep=True)
 
-    def _publish(self, message: Message) -> None:
+    def _send(self, message: Message) -> None:
         kept = isinstance(message, DriverHealth | Shown | Speech)
         self._in_loop(lambda: self._hub.publish(message), keep=kept)
 

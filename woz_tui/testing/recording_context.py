@@ -7,14 +7,33 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.drivers.contract import Ask, Health
+from woz_tui.drivers.contract import (
+    Ask,
+    DriverContext,
+    DriverStatement,
+    Health,
+    HealthStatement,
+    ModeStatement,
+    NoticeStatement,
+    ReadingStatement,
+    SensorStatement,
+)
 from woz_tui.drivers.feeds import Feed, Feeds
-from woz_tui.protocol.messages import Json, Reading, Shown, Speech, reading
+from woz_tui.protocol.messages import (
+    Json,
+    Reading,
+    Shown,
+    Speech,
+    SpeechEnded,
+    SpeechStarted,
+    SpeechText,
+    reading,
+)
 from woz_tui.system.clock import Clock, RealClock
 
 
-class RecordingContext:
-    """An `DriverContext` that keeps everything a driver publishes and asks for.
+class RecordingContext(DriverContext):
+    """A `DriverContext` that keeps everything a driver publishes and asks for.
 
     Attributes:
         published: How often anything was published.
@@ -56,53 +75,27 @@ class RecordingContext:
         """The session began with the clock."""
         return clock_us
 
-    def reading(
-        self,
-        sensor: str,
-        value: float | None,
-        *,
-        text: str = "",
-        unit: str = "",
-        raw: float | None = None,
-    ) -> None:
-        """Keep it."""
+    def publish(self, said: DriverStatement | Shown | Speech) -> None:
+        """Keep it; of health and mode what is new."""
         self.published += 1
-        self.readings.append(reading(sensor, value, text=text, unit=unit, raw=raw))
-
-    def sensor(self, sensor: str, state: str, why: str = "", *, every: float = 0.0) -> None:
-        """Keep it."""
-        self.published += 1
-        self.periods[sensor] = every
-        self.states.append((sensor, state, why))
-
-    def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
-        """Keep it if it is new."""
-        self.published += 1
-        if not self.healths or self.healths[-1] != (health, detail, remedy):
-            self.healths.append((health, detail, remedy))
-
-    def mode(self, mode: str, why: str = "") -> None:
-        """Keep it if it is new."""
-        self.published += 1
-        if not self.modes or self.modes[-1] != mode:
-            self.modes.append(mode)
-
-    def notice(
-        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
-    ) -> None:
-        """Keep it."""
-        self.published += 1
-        self.notices.append((level, text, remedy))
-
-    def show(self, shown: Shown) -> None:
-        """Keep it."""
-        self.published += 1
-        self.shown.append(shown)
-
-    def tell(self, speech: Speech) -> None:
-        """Keep it."""
-        self.published += 1
-        self.told.append(speech)
+        match said:
+            case ReadingStatement(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
+                self.readings.append(reading(sensor, value, text=text, unit=unit, raw=raw))
+            case SensorStatement(sensor=sensor, state=state, why=why, every=every):
+                self.periods[sensor] = every
+                self.states.append((sensor, state, why))
+            case HealthStatement(health=health, detail=detail, remedy=remedy):
+                if self.healths[-1:] != [(health, detail, remedy)]:
+                    self.healths.append((health, detail, remedy))
+            case ModeStatement(mode=mode):
+                if self.modes[-1:] != [mode]:
+                    self.modes.append(mode)
+            case NoticeStatement(level=level, text=text, remedy=remedy):
+                self.notices.append((level, text, remedy))
+            case Shown():
+                self.shown.append(said)
+            case SpeechStarted() | SpeechEnded() | SpeechText():
+                self.told.append(said)
 
     def feed(self, topic: str, of: str = "") -> Feed:
         """A feed that nobody else writes to, by itself."""

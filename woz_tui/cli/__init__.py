@@ -107,4 +107,8 @@ def _cut_short(why: str) -> int:
 def program() -> NoReturn:
     """The command `woz`: `main`, and the end of the process."""
     gc.set_threshold(*GC_THRESHOLDS)
-    sys.exit(main())
+    try:
+        code = main()
+    finally:
+        gc.freeze()  # the interpreter looks for garbage once more when it ends
+    sys.exit(code)

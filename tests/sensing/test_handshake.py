@@ -234,6 +234,57 @@ def test_nobody_must_tell_their_name() -> None:
     )
 
 
+ASKING = replace(SETTINGS, face_consent="May I keep your face, {name}?")
+
+
+@pytest.mark.parametrize(
+    ("answers", "consent"),
+    [
+        (["yes"], True),
+        (["Yes, of course."], True),
+        (["no"], False),
+        (["No, thank you."], False),
+        (["I'd rather not"], False),
+        (["what do you mean", "ja"], True),
+        (["Anna", "my name is Anna"], False),
+        (["yes and no", "hm"], False),
+    ],
+)
+def test_only_a_clear_yes_lets_the_face_be_learnt(answers: list[str], consent: bool) -> None:
+    visit = Visit(ASKING)
+    visit.say("Anna")
+    assert said(visit.say("yes")) == "May I keep your face, Anna?"
+    for unclear in answers[:-1]:
+        assert said(visit.say(unclear)) == "May I keep your face, Anna?"
+    assert visit.say(answers[-1]) == Learn("Anna", False, consent)
+    assert isinstance(visit.learnt(), NameLearned), "the name counts all the same"
+
+
+def test_silence_about_the_face_is_a_no_and_so_is_the_end_of_the_time() -> None:
+    visit = Visit(ASKING)
+    visit.say("Anna")
+    visit.say("yes")
+    assert said(visit.wait()) == "May I keep your face, Anna?"
+    assert visit.wait() == Learn("Anna", False, False)
+    brief = Visit(replace(ASKING, seconds=10.0))
+    brief.say("Anna")
+    brief.say("yes")
+    assert brief.wait() == Learn("Anna", False, False)
+
+
+def test_a_visitor_from_before_is_asked_too_and_nobody_where_no_face_can_be_learnt() -> None:
+    visit = Visit(ASKING, known=("Anna",))
+    visit.say("Anna")
+    assert said(visit.say("yes")) == "May I keep your face, Anna?"
+    assert visit.say("yes") == Learn("Anna", True, True)
+    blind = Handshake(ASKING, lambda name: False, learns_faces=False)
+    blind.begin(0)
+    blind.robot_finished(0)
+    blind.visitor_said("Anna", 1)
+    blind.robot_finished(2)
+    assert blind.visitor_said("yes", 3) == Learn("Anna", False, None)
+
+
 def test_a_sentence_may_do_without_the_name_and_a_name_may_look_like_a_template() -> None:
     visit = Visit(replace(SETTINGS, confirm="Is that right?"))
     assert said(visit.say("A{name}Z")) == "Is that right?"
@@ -256,12 +307,14 @@ EVENTS = st.one_of(
     st.integers(1, 5),
     st.lists(st.tuples(EVENTS, st.integers(-2, 9)), max_size=40),
     st.sets(st.sampled_from(["Anna", "Bob"])),
+    st.booleans(),
 )
 def test_whatever_happens_it_ends_and_learns_only_what_was_confirmed(
-    attempts: int, events: list[tuple[tuple[str, str], int]], known: set[str]
+    attempts: int, events: list[tuple[tuple[str, str], int]], known: set[str], faces: bool
 ) -> None:
     """Attempts and time are bounded; every name is a valid one and no taken one is given anew."""
-    handshake = Handshake(replace(SETTINGS, attempts=attempts), lambda name: name in known)
+    settings = replace(SETTINGS, attempts=attempts, face_consent="Face?" if faces else "")
+    handshake = Handshake(settings, lambda name: name in known)
     t = 0
     orders: list[Order] = [handshake.begin(0)]
     asked: list[str] = []
@@ -271,7 +324,9 @@ def test_whatever_happens_it_ends_and_learns_only_what_was_confirmed(
         if order is not None:
             orders.append(order)
             if isinstance(order, Learn):
-                assert asked and asked[-1] in (f"{order.name}?", f"The {order.name} I know?")
+                names = [sentence for sentence in asked if sentence != "Face?"]
+                assert names and names[-1] in (f"{order.name}?", f"The {order.name} I know?")
+                assert (order.consent is None) is not ("Face?" in asked)
                 assert name_of(order.name) == order.name
                 assert order.known == (order.name in known)
             asked += [order.text] if isinstance(order, Say) else []
@@ -282,7 +337,7 @@ def test_whatever_happens_it_ends_and_learns_only_what_was_confirmed(
         handshake.robot_finished(due)
         assert due <= 60 * SECOND
     questions = [order for order in orders if isinstance(order, Say)]
-    assert len(questions) <= 2 * attempts
+    assert len(questions) <= 2 * attempts + 2 * faces
     assert sum(isinstance(order, NameLearned | HandshakeFailed) for order in orders) == 1
     assert isinstance(orders[-1], NameLearned | HandshakeFailed)
 

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
+from typing import Any
 
-from tests.session.engaged import PLAIN, Room, guided, in_room
+import pytest
+
+from tests.session.engaged import PLAIN, Guide, Room, guided, in_room
 from woz_tui.config.engagement import HandshakeSettings
+from woz_tui.drivers.contract import Argument, Job, Verb
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import VisitorStore
 
 KNOWN = "EngagedWithKnown"
@@ -140,6 +145,51 @@ def test_the_robot_asks_repeats_and_learns(tmp_path: Path) -> None:
     assert "eng2know" in room.outcomes
     assert stored(tmp_path) == ["Bruno"]
     assert ("visitor", {"code": "Bruno"}) in room.commands
+
+
+class Portraitist(Guide):
+    """Learns the faces of people who consented."""
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        name = Argument("name", "text", required=True)
+        given = Argument("given", "flag", default=True)
+        return (
+            *super().verbs(settings),
+            Verb("face_consent", "", (name, given), lane="consent"),
+            Verb("learn_face", "", (name,), lane="identity"),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        if job.verb == "face_consent":
+            await asyncio.sleep(0.5)  # a slow one
+        return await super().perform(job)
+
+
+@pytest.mark.parametrize("answer", ["Yes, you may.", "No!"])
+def test_a_face_is_learnt_after_a_consent_that_is_in_the_log(tmp_path: Path, answer: str) -> None:
+    question = "May I remember your face, {name}?"
+    settings = replace(ASKING, handshake=replace(ASKING.handshake, face_consent=question))
+    made = guided(tmp_path, settings)
+    spec = replace(made.drivers[0], verbs=Portraitist.verbs(None))
+
+    async def scenario(room: Room) -> None:
+        await answers(room, 1, "My name is Bruno")
+        await answers(room, 2, "Yes!")
+        await answers(room, 3, answer)
+        await asyncio.sleep(3)
+        saves(room)
+
+    room = in_room(tmp_path, stranger(scenario), replace(made, drivers=(spec,)), kind=Portraitist)
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert said[2:] == ["May I remember your face, Bruno?", "Nice to meet you, Bruno!"]
+    told = [verb for verb, _ in room.commands if verb in ("face_consent", "visitor", "learn_face")]
+    yes = answer.startswith("Yes")
+    assert told == (["face_consent", "visitor", "learn_face"] if yes else ["visitor"])
+    if yes:
+        assert ("face_consent", {"name": "Bruno", "given": True}) in room.commands
+    assert stored(tmp_path) == ["Bruno"], "the name is kept in any case"
+    assert not [text for text in room.notices if "did not learn" in text]
 
 
 def test_silence_is_asked_again_and_then_left_alone(tmp_path: Path) -> None:

@@ -138,6 +138,10 @@ class HandshakeSettings:
     another: Annotated[str, Doc("when it is another visitor")] = (
         "Then please tell me another name for you."
     )
+    face_consent: Annotated[
+        str,
+        Doc("asks whether it may learn their face; only a yes lets it; empty: it does not ask"),
+    ] = ""
     welcome: Annotated[str, Doc("at the end")] = "Nice to meet you, {name}!"
     give_up: Annotated[str, Doc("when it did not work")] = "Never mind, let us go on."
     yes: Annotated[tuple[str, ...], Doc("answers that confirm")] = ("yes", "yeah", "right", "ok")

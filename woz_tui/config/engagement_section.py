@@ -311,6 +311,9 @@ def _handshake(
     elif _given_as("identity", published) and LEARN_FACE not in robots.offers:
         said = f"returning visitors are not recognised: no driver offers {quoted(LEARN_FACE)}"
         report.warning_at(path, said)
+    if settings.handshake.face_consent and LEARN_FACE not in robots.offers:
+        said = f"it is not asked: no driver offers {quoted(LEARN_FACE)}"
+        report.warning_at(f"{SECTION}.handshake.face_consent", said)
 
 
 def _given_as(name: str, published: list[str]) -> bool:

@@ -32,6 +32,8 @@ SPEECH = "speech"
 SPEECH_TEXT = "speech.text"
 #: Drivers that offer this verb give names to faces; its main argument is the name.
 LEARN_FACE = "learn_face"
+#: The verb by which such a driver is told that somebody consents, or does not: `name`, `given`.
+FACE_CONSENT = "face_consent"
 
 
 class DriverError(Exception):

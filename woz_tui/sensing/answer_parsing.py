@@ -238,6 +238,16 @@ class NameAnswerParser:
             return NameAnswer(name=self._name(self._led(words)), why=why)
         return self._about(words, proposed)
 
+    def read_consent(self, text: str) -> NameAnswer:
+        """Whether `text` is a yes or a no and nothing of the other."""
+        words = _words(text)
+        if len(text) > LONGEST or not words:
+            return NameAnswer(why="nothing was understood")
+        if _anywhere(words, self._declines):
+            return NameAnswer(declined=True)
+        yes, no = self._is_yes(words) or self._agrees(words), self._denies(words)
+        return _AMBIGUOUS if yes and no else NameAnswer(yes=yes, no=no)
+
     def _about(self, words: _Words, proposed: str) -> NameAnswer:
         """The answer to whether `proposed` is right."""
         if self._is_yes(words):

@@ -12,14 +12,17 @@ Pure: time comes in as whole microseconds, what the robot shall do comes back as
     order = handshake.recognised(name, t)   the recogniser knows them meanwhile
     order = handshake.abandon(why, t)       wizard, machine or stop end it
 
-Orders: `Say(text, why)`; `Learn(name, known)`: store the name (`known`: it is a visitor from
-before; give them the face, leave the profile alone) and answer with `learnt`; `NameLearned(name,
+Orders: `Say(text, why)`; `Learn(name, known, consent)`: store the name (`known`: it is a visitor
+from before; give them the face, leave the profile alone) and answer with `learnt`; `consent`:
+whether the visitor has said that their face may be learnt, None: nobody asked; `NameLearned(name,
 known, say)` and `HandshakeFailed(say, why)` end it, `say` is the robot's last sentence (may be
 empty). Where there is nothing to do, the answer is None. After the end every call returns None.
 
 Bounds: a name is asked for or taken up at most `attempts` times, whoever causes it: silence, an
 answer that holds no name, a denial, another name. The whole takes at most `seconds` from `begin`.
 Nothing is learnt that was not confirmed, and a name that is taken is never given a second time.
+The question for the face comes last and is repeated once; whatever is no clear yes is a no, and the
+name counts all the same.
 """
 
 from __future__ import annotations
@@ -54,6 +57,7 @@ class Learn:
 
     name: str
     known: bool
+    consent: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,14 +88,23 @@ class HandshakeStage(enum.StrEnum):
     NAME = "a name"
     CONFIRMATION = "a confirmation"
     ACQUAINTANCE = "whether it is the visitor of this name"
+    CONSENT = "whether the face may be learnt"
     LEARNING = "the name to be stored"
     OVER = "over"
 
 
 class Handshake:
-    """One handshake with one visitor. `is_taken` tells whether a name belongs to somebody."""
+    """One handshake with one visitor. `is_taken` tells whether a name belongs to somebody;
+    `learns_faces`: somebody can learn the face, so that it is worth asking.
+    """
 
-    def __init__(self, settings: HandshakeSettings, is_taken: Callable[[str], bool]) -> None:
+    def __init__(
+        self,
+        settings: HandshakeSettings,
+        is_taken: Callable[[str], bool],
+        *,
+        learns_faces: bool = True,
+    ) -> None:
         self.stage = HandshakeStage.NEW
         #: How many names were asked for or taken up so far.
         self.attempt = 0
@@ -101,6 +114,9 @@ class Handshake:
         self._is_taken = is_taken
         self._answers = NameAnswerParser(settings.yes, settings.no)
         self._known = False
+        self._asks_for_face = learns_faces and bool(settings.face_consent.strip())
+        #: Whether the question for the face was repeated.
+        self._repeated = False
         self._now = 0
         self._ends = 0
         self._quiet_since = 0
@@ -148,6 +164,8 @@ class Handshake:
         self._speaks = False
         if not self._asks or self._talks or self._now >= self._ends or self._echo(text):
             return self.advance(t)
+        if self.stage is HandshakeStage.CONSENT:
+            return self._consented(self._answers.read_consent(text))
         answer = self._answers.read(text, self.name)
         if answer.declined:
             return self._fail("the visitor does not want to tell")
@@ -160,11 +178,15 @@ class Handshake:
         self._pass(t)
         if self.stage in (HandshakeStage.NEW, HandshakeStage.OVER):
             return None
+        asks_for_face = self.stage is HandshakeStage.CONSENT
         if self._now >= self._ends:
+            if asks_for_face:
+                return self._learn(consent=False)
             return self._fail(f"no name after {self._settings.seconds:g} s")
         quiet = self._quiet_until
         if quiet is not None and self._now >= quiet:
-            return self._again(f"no answer for {self._settings.silence:g} s")
+            why = f"no answer for {self._settings.silence:g} s"
+            return self._ask_for_face_again(why) if asks_for_face else self._again(why)
         return None
 
     def due(self) -> int | None:
@@ -228,9 +250,28 @@ class Handshake:
                 self._next_attempt(f"{quoted_name(self.name)} was taken meanwhile")
                 or self._ask_back()
             )
-        self.stage = HandshakeStage.LEARNING
         self._known = known
-        return Learn(self.name, known)
+        if not self._asks_for_face:
+            return self._learn(consent=None)
+        self.stage = HandshakeStage.CONSENT
+        return self._say(self._settings.face_consent, "asks whether the face may be learnt")
+
+    def _consented(self, answer: NameAnswer) -> Order:
+        """An answer to the question for the face."""
+        if answer.yes or answer.no or answer.declined:
+            return self._learn(consent=answer.yes)
+        return self._ask_for_face_again(answer.why or "neither yes nor no was understood")
+
+    def _ask_for_face_again(self, why: str) -> Order:
+        """Once; then it is a no."""
+        if self._repeated:
+            return self._learn(consent=False)
+        self._repeated = True
+        return self._say(self._settings.face_consent, why)
+
+    def _learn(self, *, consent: bool | None) -> Learn:
+        self.stage = HandshakeStage.LEARNING
+        return Learn(self.name, self._known, consent)
 
     def _take_up(self, answer: NameAnswer) -> Order:
         try:
@@ -271,6 +312,7 @@ class Handshake:
             HandshakeStage.NAME,
             HandshakeStage.CONFIRMATION,
             HandshakeStage.ACQUAINTANCE,
+            HandshakeStage.CONSENT,
         )
 
     @property

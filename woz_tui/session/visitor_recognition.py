@@ -14,7 +14,7 @@ from pathlib import Path
 from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
 from woz_tui.config.experiment import NOWHERE, Call
 from woz_tui.config.session_verbs import ENGAGEMENT
-from woz_tui.drivers.contract import LEARN_FACE, SPEECH_TEXT
+from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, SPEECH_TEXT
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.name_handshake import (
@@ -56,7 +56,13 @@ class RobotHandshake:
         self._robot = robot
         self._settings = settings
         self._voice = voice
-        self._procedure = Handshake(settings, is_taken)
+        learners = drivers_with(robot, LEARN_FACE)
+        self._procedure = Handshake(settings, is_taken, learns_faces=bool(learners))
+        #: Whether the visitor has said that their face may be learnt; None: nobody asked.
+        self.consent: bool | None = None
+        #: Consents on their way to recognisers, and what comes when they have arrived.
+        self._telling = 0
+        self._then: NameLearned | None = None
         self._timer = WakeUpTimer(robot.hub, self._on_timer)
         self._saying = 0
         self._own: set[tuple[str, int]] = set()
@@ -97,6 +103,7 @@ class RobotHandshake:
     def stop(self) -> None:
         """Ask nothing more."""
         self._procedure.abandon("stopped", self._now)
+        self._then = None
         self._timer.cancel()
 
     # -- inside ------------------------------------------------------------------------------------
@@ -109,9 +116,14 @@ class RobotHandshake:
         match order:
             case Say(text=text):
                 self._say(text)
-            case Learn():
+            case Learn(name=name, consent=consent):
+                self.consent = consent
+                if consent:
+                    self._tell_consent(name)
                 # It holds in memory at least; the store tells if the disk does not take it.
                 self._carry_out(self._procedure.learnt(True, self._now))
+            case NameLearned() if self._telling:
+                self._then = order
             case NameLearned(name=name, say=say):
                 if tell:
                     self._command("visitor", code=name)
@@ -120,6 +132,21 @@ class RobotHandshake:
                 self._command("handshake", what="fail")
                 self._say(say)
         self._timer.set(self._procedure.due())
+
+    def _tell_consent(self, name: str) -> None:
+        """The consent is in the log, and at the recognisers, before the face is learnt."""
+        unfilled: dict[str, m.Json] = {"name": "{visitor}"}
+        args: dict[str, m.Json] = {"name": name, "given": True}
+        for driver in drivers_with(self._robot, FACE_CONSENT):
+            self._telling += 1
+            call = Call(FACE_CONSENT, args, driver, NOWHERE, IDENTITY, unfilled)
+            self._robot.send(call, self._on_told)
+
+    def _on_told(self, end: m.End) -> None:
+        self._telling -= 1
+        if not self._telling:
+            then, self._then = self._then, None
+            self._carry_out(then)
 
     def _say(self, text: str) -> None:
         if text and not self._robot.is_over():
@@ -149,9 +176,14 @@ def _learn_faces(robot: EngagementRobot, change: Transition) -> None:
     recognised = change.verdicts.get("identity") not in (None, "", "Unknown")
     if change.outcome != "eng2know" or not change.visitor or recognised:
         return
-    for spec in robot.experiment().drivers:
-        if any(verb.name == LEARN_FACE for verb in spec.verbs):
-            _learn_face(robot, spec.name, change.visitor)
+    for driver in drivers_with(robot, LEARN_FACE):
+        _learn_face(robot, driver, change.visitor)
+
+
+def drivers_with(robot: EngagementRobot, wanted: str) -> list[str]:
+    """The drivers that offer this verb."""
+    drivers = robot.experiment().drivers
+    return [spec.name for spec in drivers if any(verb.name == wanted for verb in spec.verbs)]
 
 
 def _learn_face(robot: EngagementRobot, driver: str, name: str) -> None:
@@ -236,7 +268,8 @@ class VisitorRecognition:
 
     def entered(self, change: Transition) -> None:
         """The machine is in another state."""
-        if not self._robot.is_over():
+        refused = self._introduction is not None and self._introduction.consent is False
+        if not self._robot.is_over() and not refused:
             _learn_faces(self._robot, change)
         if change.was == State.HANDSHAKE and self._introduction is not None:
             introduction, self._introduction = self._introduction, None

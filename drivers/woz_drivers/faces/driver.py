@@ -24,6 +24,7 @@ from woz_drivers.faces.face_tracks import (
 from woz_drivers.faces.feed_camera import FeedCamera
 from woz_drivers.faces.settings import FacesSettings
 from woz_tui.drivers.contract import (
+    FACE_CONSENT,
     LEARN_FACE,
     Argument,
     DeviceLostError,
@@ -54,7 +55,6 @@ _FRESH_US = 150_000
 #: Colours of frames: who is addressed, who looks, everybody else (Okabe and Ito, 2008).
 _GREEN, _YELLOW, _GREY = (0, 158, 115), (240, 228, 66), (200, 200, 200)
 NEXT, RULE = "next", "rule"
-CONSENT = "face_consent"
 
 
 class Faces(PassiveDriver):
@@ -350,7 +350,7 @@ class Faces(PassiveDriver):
         name = str(job.args["name"]).strip()
         if not name:
             raise RejectedError("a face needs a name", "give a code, such as V7")
-        if job.verb == CONSENT:
+        if job.verb == FACE_CONSENT:
             return await identity.consent(name, given=bool(job.args["given"]))
         there = [track for track in self._there if track.id == self._addressed.id]
         return await identity.learn(name, there[0] if there else None)
@@ -417,7 +417,7 @@ def _identity_verbs() -> tuple[Verb, ...]:
     given = Argument("given", "flag", "no: it is withdrawn, what is kept is deleted", default=True)
     return (
         Verb(
-            CONSENT,
+            FACE_CONSENT,
             "the participant has said whether their face may be recognised",
             (name, given),
             lane="consent",

@@ -132,6 +132,29 @@ async def test_what_is_no_broker_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
             await connect_stomp(StompPlace("127.0.0.1", broker.port))
 
 
+async def test_a_broker_that_reads_no_more_is_left() -> None:
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.readuntil(b"\0")
+        writer.write(StompFrame("CONNECTED", {"version": "1.2", "heart-beat": "0,0"}).encode())
+        writer.transport.pause_reading()  # type: ignore[attr-defined]
+
+    server = await asyncio.start_server(serve, "127.0.0.1", 0)
+    try:
+        port = server.sockets[0].getsockname()[1]
+        connection = await connect_stomp(StompPlace("127.0.0.1", port))
+        reading = asyncio.ensure_future(anext(connection.messages()))
+        for _ in range(400):  # 25 MB: more than the kernel takes
+            connection.send("/topic/a", 65536 * "x")
+            await asyncio.sleep(0)
+        await asyncio.wait([reading], timeout=1.0)
+        assert reading.done()
+        with pytest.raises(StompError):
+            await reading
+    finally:
+        server.close()
+        await connection.close()
+
+
 async def _of(data: bytes) -> StompFrame | None:
     reader = asyncio.StreamReader(limit=1 << 16)
     reader.feed_data(data)

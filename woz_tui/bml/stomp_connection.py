@@ -23,6 +23,8 @@ MOST_HEADERS = 100
 HEART_BEAT_S = 2.0
 _CONNECT_S = 5.0
 _GOODBYE_S = 1.0
+#: What waits for a broker that does not read, in bytes.
+_MOST_UNREAD = 4 << 20
 #: Pauses between two attempts, in seconds.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.5, 8.0
 _ESCAPES = (("\\", "\\\\"), ("\r", "\\r"), ("\n", "\\n"), (":", "\\c"))
@@ -166,7 +168,11 @@ class StompConnection:
         self._writer.write(StompFrame("SUBSCRIBE", headers).encode())
 
     def send(self, topic: str, text: str) -> None:
-        """Send a text; what cannot be sent any more is noticed by whoever reads."""
+        """Send a text; what cannot be sent any more is noticed by whoever reads. A broker that
+        reads no more is left.
+        """
+        if self._writer.transport.get_write_buffer_size() > _MOST_UNREAD:
+            self._writer.transport.abort()
         headers = {"destination": topic, "content-type": "text/xml;charset=utf-8"}
         self._writer.write(StompFrame("SEND", headers, text.encode().replace(b"\0", b"")).encode())
 

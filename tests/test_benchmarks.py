@@ -49,6 +49,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "five_robots.py": ("robot process", "simulated nao", "simulated furhat", "console"),
     "live_sound.py": ("heard: microphone", "spoken: standard input", "stop beside live sound"),
     "voices.py": ("the player alone", "espeak-ng: prepared", "espeak-ng: typed"),
+    "bridge_timing.py": ("a message there and back", "start", "stroke", "end"),
     "round_trips.py": (
         "a socket of one's own",
         "client, blocking",

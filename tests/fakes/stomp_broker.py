@@ -85,7 +85,7 @@ class StompBroker:
                 if not self.silent:
                     command, headers, body = _read(frame)
                     self._answers[command](writer, headers, body)
-        except (asyncio.IncompleteReadError, OSError):
+        except (asyncio.IncompleteReadError, OSError, asyncio.CancelledError):
             pass
         finally:
             self._subscribers.pop(writer, None)

@@ -113,9 +113,10 @@ class TopicPlayer:
     # -- sequences -------------------------------------------------------------------------------
 
     async def _take_sequence(self, entry: TakenTopic, read: Mapping[str, Any]) -> None:
+        now = self._client.now()  # what is asked for counts from here, however long this takes
         call = sequence_verb(entry, read)
         if call is None:
-            taken = self._sequences.end_at(self._client.now() + max(0.0, read["request"]))
+            taken = self._sequences.end_at(now + max(0.0, read["request"]))
             self._acknowledge(read, None if taken else NackReason.FLUENCY)
             return
         try:
@@ -136,7 +137,7 @@ class TopicPlayer:
             lasts,
             stroke,
         )
-        placed = self._sequences.queue.add(request, self._client.now())
+        placed = self._sequences.queue.add(request, now)
         if isinstance(placed, NackReason):
             self._acknowledge(read, placed)
             return

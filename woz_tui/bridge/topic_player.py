@@ -30,7 +30,7 @@ from woz_tui.config.topic_table import (
 )
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
-from woz_tui.system.tasks import TaskSet, end_tasks
+from woz_tui.system.tasks import TaskSet, end_tasks, until_first_ends
 
 #: `type`, `message` and `reason` of feedback (`feedbackConstants.hpp` of the robot's own software).
 _FEEDBACK, _PROGRESS = 1, 2
@@ -83,12 +83,10 @@ class TopicPlayer:
 
     async def run(self) -> None:
         """Follow the session until it ends or this is cancelled. Raises `WozConnectionError`."""
-        looking = asyncio.create_task(self._gaze.run(self._sequences.idle), name="bridge gaze")
-        reporting = asyncio.create_task(self._report.run(), name="bridge report")
+        looking, reporting = self._gaze.run(self._sequences.idle), self._report.run()
         try:
-            await self._sequences.follow()
+            await until_first_ends(self._sequences.follow(), looking, reporting)
         finally:
-            await end_tasks(looking, reporting)
             await self._sequences.close()
 
     async def take(self, topic: str, message: Mapping[str, RosValue]) -> None:
@@ -351,14 +349,13 @@ class _Report:
         self._told: dict[str, Mapping[str, RosValue]] = {}
 
     async def run(self) -> None:
-        """Until this is cancelled, or the session ends."""
+        """Until this is cancelled, or the session ends. Raises `WozConnectionError`."""
         told = 0.0
-        with contextlib.suppress(WozError):  # whoever plays says so
-            async for message in self._client.messages(m.BodyChanged, m.Reading, held=True):
-                self._take(message)
-                if self._client.now() - told >= REPORT_EVERY_S:
-                    told = self._client.now()
-                    self._tell()
+        async for message in self._client.messages(m.BodyChanged, m.Reading, held=True):
+            self._take(message)
+            if self._client.now() - told >= REPORT_EVERY_S:
+                told = self._client.now()
+                self._tell()
 
     def _take(self, message: m.Message) -> None:
         match message:

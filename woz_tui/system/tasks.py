@@ -28,8 +28,8 @@ async def end_tasks(*tasks: asyncio.Task[Any] | None) -> None:
 async def until_first_ends(*work: Coroutine[Any, Any, Any]) -> Any:
     """Run all at once until the first of them ends; then the others are cancelled.
 
-    Returns what the first one returned, or raises what it raised. Of what others raise while they
-    end nobody hears.
+    Returns what the first one returned, or raises what it raised; of several that end in the same
+    moment an error counts. Of what others raise while they end nobody hears.
     """
     tasks = [asyncio.ensure_future(each) for each in work]
     try:
@@ -38,7 +38,8 @@ async def until_first_ends(*work: Coroutine[Any, Any, Any]) -> Any:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-    return ended.pop().result()
+    failed = [task for task in ended if task.exception() is not None]
+    return (failed or [*ended])[0].result()
 
 
 class TaskSet:

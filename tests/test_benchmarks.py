@@ -22,6 +22,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "key_latency.py": ("idle: key to perform", "load: key to perform", "50 Hz loop"),
     "stop_latency.py": ("idle: escape + key", "asleep: ctrl+c", "spinning: escape"),
     "midi_latency.py": ("a body at 50 Hz", "a body at 100 Hz", "byte to setpoint"),
+    "bml_timing.py": ("on the simulated robot", "on EyePi", "bare timer", "words begin", "strokes"),
     "blob.py": ("20 x 15 rgb24, a ball", "160 x 120 rgb24, noise", "of a core"),
     "screen_bytes.py": ("calm 80x24", "demo 80x24", "load 80x24"),
     "motion_rate.py": ("robot process", "in the console's process", "bare loop"),
@@ -68,7 +69,7 @@ if libqi.HERE:
 #: Longer than all others together: `make test ARGS="-m benchmarks"` runs them, quickly, too.
 LONG = {
     *("key_latency.py", "screen_bytes.py", "start_up.py", "stop_latency.py"),
-    *("robot_latency.py", "robot_faults.py", "five_robots.py"),
+    *("robot_latency.py", "robot_faults.py", "five_robots.py", "bml_timing.py"),
 }
 MARKS = dict.fromkeys(LONG, pytest.mark.benchmarks) | {"voices.py": pytest.mark.espeak}
 

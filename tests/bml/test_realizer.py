@@ -152,9 +152,21 @@ async def test_two_blocks_of_one_name_and_what_is_none_are_refused(planner: Plan
     await planner.realizer.perform(XML.format("b1", "", ""))
     await planner.realizer.perform("<bml")
     await until(lambda: len(planner.warnings()) == 2, PATIENCE_S)
-    assert [about for _, about in planner.warnings()] == ["b1", "bml"]
+    assert {about for _, about in planner.warnings()} == {"b1", "bml"}
     await planner.realizer.cut("b1")
     await until(lambda: "b1:end" in planner.progress(), PATIENCE_S)
+
+
+async def test_a_block_under_way_is_not_forgotten_over_many_others(
+    planner: Planner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for place in ("session.bml_player", "bml.realizer"):
+        monkeypatch.setattr(f"woz_tui.{place}.REMEMBERED", 1)
+    await planner.realizer.perform(XML.format("long", "", '<wait id="w" end="999"/>'))
+    for number in range(3):
+        await planner.play(f"b{number}", "")
+    await planner.play("last", "", 'composition="REPLACE"')
+    await until(lambda: "long:end" in planner.progress(), PATIENCE_S)
 
 
 def test_feedback_is_xml_whatever_the_names_are() -> None:

@@ -14,7 +14,7 @@ from xml.etree import ElementTree as Xml
 
 NAMESPACE: Final = "http://www.bml-initiative.org/bml/bml-1.0"
 #: A longer block is refused, in bytes.
-LONGEST: Final = 1 << 20
+LONGEST: Final = 1 << 18
 #: More behaviours and constraints than these are refused.
 MOST_BEHAVIOURS: Final = 200
 MOST_CONSTRAINTS: Final = 2000

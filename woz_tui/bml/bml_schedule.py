@@ -50,8 +50,8 @@ _SHARES: Mapping[str, float] = {
 }
 #: A warning names so many of the constraints that cannot be together.
 MOST_NAMED = 5
-#: Steps of arithmetic that a block may take, about a third of a second; with more it is refused.
-MOST_STEPS = 200_000
+#: Steps of arithmetic that a block may take, 0.1 to 0.2 s; with more it is refused.
+MOST_STEPS = 600_000
 #: Characters that a voice says in a second.
 _CHARACTERS_S = 14.0
 

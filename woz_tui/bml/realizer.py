@@ -85,12 +85,18 @@ class BmlRealizer:
         """Hand a block over; returns its id, or nothing if the session did not take it. What is
         wrong with the block itself comes as feedback.
         """
-        name, behaviours = _contents(text)
+        try:
+            block = read_block(text)
+        except BmlError as error:
+            self._warn(error.block or "bml", "PARSING_FAILURE", str(error))
+            return ""
+        name = block.id
+        behaviours = {behaviour.id: behaviour for behaviour in block.behaviours}
         self._asking += 1
         try:
             run = await self._client.begin(VERB, _args(text))
         except WozRefusedError as error:
-            self._warn(name, "PARSING_FAILURE", str(error))
+            self._warn(name, "IMPOSSIBLE_TO_SCHEDULE", str(error))
             return ""
         finally:
             self._asking -= 1
@@ -171,7 +177,9 @@ class BmlRealizer:
         for name in over[:-REMEMBERED]:
             del self._latest[name]
         if requested.plan is None:
-            self._warn(requested.block, "PARSING_FAILURE", end.reason or "it was not begun")
+            wrong = isinstance(end, m.Failed) or (isinstance(end, m.Refused) and end.code == "args")
+            sort = "PARSING_FAILURE" if wrong else "IMPOSSIBLE_TO_SCHEDULE"
+            self._warn(requested.block, sort, end.reason or "it was not begun")
         else:
             if not isinstance(end, m.Done):
                 self._warn(requested.block, "IMPOSSIBLE_TO_SCHEDULE", end.reason)
@@ -185,15 +193,6 @@ class BmlRealizer:
 def _args(text: str) -> dict[str, m.Json]:
     """The block as an argument, in which braces would stand for variables."""
     return {"block": text.replace("{", "{{").replace("}", "}}")}
-
-
-def _contents(text: str) -> tuple[str, Mapping[str, Behaviour]]:
-    """The id of a block, and its behaviours by theirs."""
-    try:
-        block = read_block(text)
-    except BmlError as error:
-        return error.block or "bml", {}
-    return block.id, {behaviour.id: behaviour for behaviour in block.behaviours}
 
 
 def _time(plan: BlockPlanned | None, point: str) -> float | None:

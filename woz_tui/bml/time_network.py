@@ -13,6 +13,11 @@ from dataclasses import dataclass
 
 #: Times nearer than this are the same, in seconds.
 EPSILON = 1e-6
+#: Where a moment is before anything is said of it, in seconds: so late that what is said later
+#: moves it alone, as moments only ever move earlier.
+_AT_FIRST = 1e7
+#: Steps of moving one moment.
+_MOVE = 10
 
 
 class TimeNetworkError(Exception):
@@ -34,7 +39,7 @@ class TimeNetwork:
 
     Args:
         most_steps: How many steps all calls together may take; with more `TimeNetworkError` is
-            raised. A constraint takes one, and one for each moment that it moves.
+            raised. A constraint that is looked at is one, a moment that is moved ten.
     """
 
     def __init__(self, most_steps: int = 1_000_000) -> None:
@@ -46,7 +51,7 @@ class TimeNetwork:
         self._times: list[float] = []
         #: How many steps are left.
         self.steps = most_steps
-        self._number("zero")
+        self._number("zero", 0.0)
 
     def add_moment(self, moment: Hashable) -> None:
         """A moment from zero on."""
@@ -80,17 +85,17 @@ class TimeNetwork:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _number(self, moment: Hashable) -> int:
+    def _number(self, moment: Hashable, time: float = _AT_FIRST) -> int:
         number = self._numbers.get(moment)
         if number is None:
             number = self._numbers[moment] = len(self._times)
-            self._times.append(0.0)
+            self._times.append(time)
             self._from.append([])
             self._to.append([])
         return number
 
-    def _step(self) -> None:
-        self.steps -= 1
+    def _step(self, number: int = 1) -> None:
+        self.steps -= number
         if self.steps < 0:
             raise TimeNetworkError
 
@@ -117,15 +122,15 @@ class TimeNetwork:
         times = self._times
         because: dict[int, _Limit] = {}
         too_late = times[added.earlier] + added.seconds - times[added.later]
+        if added.later == added.earlier and too_late < -EPSILON:
+            return [added.label] if added.label else []
         waiting = [(too_late, added.later, 0, added)]
         pushed = 0
         while waiting:
             move, moment, _, limit = heapq.heappop(waiting)
             if move >= -EPSILON or moment in because:
                 continue
-            self._step()
-            if moment == added.earlier:
-                return self._circle(limit, added, because)
+            self._step(_MOVE + len(self._from[moment]))
             because[moment] = limit
             before.setdefault(moment, times[moment])
             times[moment] += move
@@ -133,6 +138,8 @@ class TimeNetwork:
                 if each.later not in because:
                     pushed += 1
                     move = times[moment] + each.seconds - times[each.later]
+                    if move < -EPSILON and each.later == added.earlier:
+                        return self._circle(each, added, because)
                     if move < -EPSILON:
                         heapq.heappush(waiting, (move, each.later, pushed, each))
         return None
@@ -163,14 +170,16 @@ class TimeNetwork:
             length, moment, way = heapq.heappop(waiting)
             if moment in ways:
                 continue
-            self._step()
             ways[moment] = way
             if moment == target:
                 break
+            self._step(_MOVE + len(limits[moment]))
             for each in limits[moment]:
                 other = each.later if forward else each.earlier
                 if other not in ways:
-                    slack = times[each.earlier] + each.seconds - times[each.later]
-                    entry = (length + max(slack, 0.0), other, way + each.seconds)
-                    heapq.heappush(waiting, entry)
+                    slack = max(times[each.earlier] + each.seconds - times[each.later], 0.0)
+                    if other == target and not slack:  # no way there is shorter
+                        ways[other] = way + each.seconds
+                        return ways
+                    heapq.heappush(waiting, (length + slack, other, way + each.seconds))
         return ways

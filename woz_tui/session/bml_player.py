@@ -192,8 +192,9 @@ class BmlPlayer:
         for other in ending:
             self._cut(other, f"replaced by block {block.id}")
         self._blocks[key] = played
-        while len(self._blocks) > REMEMBERED:
-            self._blocks.pop(next(iter(self._blocks)))
+        over = [key for key, old in self._blocks.items() if old.over.is_set()]
+        for key in over[:-REMEMBERED]:
+            del self._blocks[key]
         return same
 
     def _waits_for(self, played: _Played) -> list[_Played]:

@@ -20,6 +20,8 @@ MOST_BEHAVIOURS: Final = 200
 MOST_CONSTRAINTS: Final = 2000
 #: A speech with more marks is refused.
 MOST_MARKS: Final = 500
+#: A reason is told in so many characters.
+MOST_SHOWN: Final = 400
 #: A time that is farther away is none, in seconds: a day.
 FARTHEST_S: Final = 86_400.0
 
@@ -63,11 +65,16 @@ _OFFSET = re.compile(r"^(.*?)\s*([+-])\s*(\d+(?:\.\d*)?|\.\d+)$", re.DOTALL)
 _NUMBER = re.compile(r"^[+-]?(\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?$", re.IGNORECASE)
 
 
+def _shortened(text: str) -> str:
+    """What a person reads at once: names and times of a planner can be of any length."""
+    return text if len(text) <= MOST_SHOWN else f"{text[: MOST_SHOWN - 4]} ..."
+
+
 class BmlError(Exception):
     """The block cannot be used; the text says why. `block`: its id, if it has one."""
 
     def __init__(self, reason: str, block: str = "") -> None:
-        super().__init__(reason)
+        super().__init__(_shortened(reason))
         self.block = block
 
 
@@ -78,6 +85,9 @@ class BmlWarning:
     kind: WarningKind
     text: str
     about: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "text", _shortened(self.text))
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,12 +14,14 @@ class StompBroker:
     Attributes:
         passcode: Who gives another one is refused.
         silent: It answers nothing.
+        heart_beat: What it says of its own and wants of ours, in milliseconds.
     """
 
     def __init__(self) -> None:
         self.frames: list[bytes] = []
         self.passcode = ""
         self.silent = False
+        self.heart_beat = "0,0"
         self.port = 0
         self._server: asyncio.Server | None = None
         self._subscribers: dict[asyncio.StreamWriter, list[tuple[str, str]]] = {}
@@ -96,7 +98,7 @@ class StompBroker:
             writer.write(b"ERROR\nmessage:Bad CONNECT\n\nAccess refused for user 'me'\n\0")
             writer.close()
             return
-        writer.write(b"CONNECTED\nversion:1.2\nheart-beat:0,0\n\n\0")
+        writer.write(f"CONNECTED\nversion:1.2\nheart-beat:{self.heart_beat}\n\n\0".encode())
 
     def _subscribe(self, writer: asyncio.StreamWriter, headers: dict[str, str], _: bytes) -> None:
         self._subscribers[writer].append((headers["id"], headers["destination"]))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import re
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NoReturn
@@ -17,8 +18,9 @@ from woz_tui.system.tasks import end_tasks
 
 #: A longer frame ends the connection, in bytes.
 LONGEST_FRAME = 4 << 20
-#: More headers than this end the connection.
+#: More headers than this, or longer ones together, end the connection.
 MOST_HEADERS = 100
+LONGEST_HEADERS = 1 << 16
 #: How often each side shows that it lives, in seconds; it counts as gone after twice that.
 HEART_BEAT_S = 2.0
 _CONNECT_S = 5.0
@@ -84,9 +86,11 @@ async def read_frame(reader: asyncio.StreamReader) -> StompFrame | None:
         if not command:
             return None
         headers: dict[str, str] = {}
+        lines = length_of_all = 0
         while line := await _line(reader):
             name, colon, value = line.partition(":")
-            if not colon or len(headers) >= MOST_HEADERS:
+            lines, length_of_all = lines + 1, length_of_all + len(line)
+            if not colon or lines > MOST_HEADERS or length_of_all > LONGEST_HEADERS:
                 raise StompError("what answers there is no STOMP broker")
             if command != "CONNECTED":
                 name, value = _unescape(name), _unescape(value)
@@ -208,6 +212,7 @@ class StompConnection:
                     frame = await read_frame(self._reader)
                 if frame is not None:
                     return frame
+                await asyncio.sleep(0)  # however many have come, others have their turn
         except TimeoutError:
             raise StompError(f"{self._place} is silent; is it still running?") from None
         except (OSError, asyncio.IncompleteReadError):
@@ -263,8 +268,8 @@ async def stay_connected(
 
 def _heart_beat(text: str) -> tuple[int, int]:
     """What the broker sends, and what it wants, in milliseconds; 0: nothing."""
-    parts = [int(part) for part in text.split(",") if part.strip().isdigit()]
-    return (parts[0], parts[1]) if len(parts) == 2 else (0, 0)
+    found = re.fullmatch(r"\s*(\d{1,9})\s*,\s*(\d{1,9})\s*", text, re.ASCII)
+    return (int(found[1]), int(found[2])) if found else (0, 0)
 
 
 def _error_of(frame: StompFrame) -> str:

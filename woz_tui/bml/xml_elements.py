@@ -30,6 +30,8 @@ class XmlElements:
         #: As far as this the data has been looked at.
         self._at = 0
         self._depth = 0
+        #: As far as this the tag at `_at` was found to have no end.
+        self._endless = 0
         #: What ends a comment or the like that has begun.
         self._until = b""
 
@@ -80,11 +82,14 @@ class XmlElements:
                 return False
         if data.startswith(b"<!", begin):
             raise XmlElementsError("a block has no document type and no entities")
-        tag = _TAG.match(data, begin)
+        ended = data.find(b">", max(begin, self._endless)) >= 0
+        tag = _TAG.match(data, begin) if ended else None
         if tag is None:
             if len(data) - begin > LONGEST_TAG:
                 raise XmlElementsError(f"a tag has at most {LONGEST_TAG} bytes")
+            self._endless = len(data)
             return False
+        self._endless = 0
         self._at = tag.end()
         if data.startswith(b"</", begin):
             self._depth -= 1

@@ -33,6 +33,10 @@ SEQUENCE = "ram.animation.hmmm.sequence"
 CATALOGUE: Mapping[str, type[Driver]] = {"body": SteppedBody, "simulated": SimulatedRobot}
 
 
+#: A test that waits looks at all that came again and again.
+_read = functools.cache(read_data)
+
+
 @functools.cache
 def eyepi() -> tuple[Experiment, TopicTable]:
     """The robot and its topics, read once for all tests."""
@@ -68,7 +72,7 @@ class Planner:
 
     def heard(self, topic: str) -> list[dict[str, RosValue]]:
         """The messages that came on a topic."""
-        return [read_data(text) for text in self.texts(topic)]
+        return [_read(text) for text in self.texts(topic)]
 
     def general(self, ident: str) -> list[tuple[RosValue, RosValue, RosValue]]:
         """Type, message and reason of all feedback about an id."""

@@ -19,6 +19,7 @@ NOD, DANCE = 3, 2
 WIZARD = RequestOrigin("key", "h", "con9")
 
 
+@pytest.mark.toolkit("E1")
 async def test_a_nod_is_acknowledged_begins_strikes_and_ends(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         it.send_text(  # as EyePi's engine of AsapRealizer writes it
@@ -68,6 +69,7 @@ async def test_a_stroke_is_where_it_was_asked_for_and_foretold(tmp_path: Path) -
         assert planned[1].at - planned[0].at >= (lasts + stroke) * 1e6 - 1000
 
 
+@pytest.mark.toolkit("E1")
 async def test_what_does_not_fit_is_refused_with_its_reason(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         it.ask("soon", NOD, seconds=0.05)
@@ -94,6 +96,7 @@ async def test_what_does_not_fit_is_refused_with_its_reason(tmp_path: Path) -> N
         }
 
 
+@pytest.mark.toolkit("E1")
 async def test_sequence_one_ends_the_sequence_under_way(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         it.ask("dance", DANCE)
@@ -106,6 +109,7 @@ async def test_sequence_one_ends_the_sequence_under_way(tmp_path: Path) -> None:
         await it.over("nod")
 
 
+@pytest.mark.toolkit("E1")
 async def test_moods_are_shown_and_acknowledged(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         topic = "ram.animation.hmmm.emotion"
@@ -121,6 +125,7 @@ def saliency(x: float, y: float, weight: int, program: str) -> dict[str, RosValu
     return {"inputId": program, "deliberate": 1, **places}
 
 
+@pytest.mark.toolkit("E1")
 async def test_the_most_salient_place_is_looked_at_once(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         topic = "ram.animation.hmmm.saliency"
@@ -146,6 +151,7 @@ async def test_a_look_waits_for_the_sequence_to_end(tmp_path: Path) -> None:
         assert END in it.general("nod")
 
 
+@pytest.mark.toolkit("E1")
 async def test_states_are_played_when_they_change(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         face = {"eyePosX": 64, "eyePosY": 127, "emotionState": 3, "emotionLevel": 127}
@@ -201,6 +207,7 @@ async def test_a_planner_hears_how_the_robot_is(tmp_path: Path) -> None:
         await it.until(lambda: wanted in it.heard(face))
 
 
+@pytest.mark.toolkit("E4")
 async def test_a_planner_is_a_guest(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         it.ask("dance", DANCE)
@@ -263,6 +270,7 @@ async def test_what_a_mode_refuses_is_tried_again_and_a_wizards_hand_stays(tmp_p
         assert len(it.commands("joints")) == asked + 1
 
 
+@pytest.mark.toolkit("E4")
 async def test_a_sequence_gives_way_to_the_wizards_hand(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         it.ask("dance", DANCE)
@@ -298,6 +306,7 @@ async def test_the_bridge_itself_is_asked(tmp_path: Path) -> None:
         assert '<sub-topic isrelayed="True">/ram/animation/hmmm/sequence</sub-topic>' in info
 
 
+@pytest.mark.toolkit("E3")
 async def test_nonsense_is_told_and_the_next_message_is_played(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         for topic in (SEQUENCE, "ram.animation.desired.joint", "ram.animation.hmmm.saliency"):
@@ -309,6 +318,35 @@ async def test_nonsense_is_told_and_the_next_message_is_played(tmp_path: Path) -
         assert any("different lengths" in text for text in it.texts("bridge_status"))
 
 
+@pytest.mark.toolkit("E3")
+async def test_a_flood_and_a_huge_message_are_survived(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        for number in range(250):
+            angle = number / 250
+            it.send("ram.animation.desired.joint", {"position": (angle, 0.6, 0.45)})
+            it.send("ram.animation.hmmm.saliency", saliency(angle, 0.0, 100, str(number)))
+            it.ask(f"s{number}", 99)
+        it.send("ram.animation.hmmm.emotion", {"id": "x" * (1 << 19)})
+        it.ask("nod", NOD)
+        await it.over("nod")
+        assert it.general("s249") == [NACK_INVALID]
+        assert len(it.texts("bridge_status")) <= 20
+
+
+@pytest.mark.toolkit("E3")
+async def test_what_was_accepted_is_played_to_its_end_without_its_planner(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        it.ask("nod", NOD)
+        await it.until(lambda: START in it.general("nod"))
+        await it.broker.stop()
+        [command] = it.commands("play")
+        end = await it.host.published(
+            lambda line: isinstance(line, m.End) and line.command == command.command
+        )
+        assert isinstance(end, m.Done)
+
+
+@pytest.mark.toolkit("E3")
 async def test_a_broker_that_comes_back_is_used_again(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         await it.broker.stop()

@@ -115,6 +115,11 @@ class ControlPanel(PassiveDriver):
         for button in self._buttons.values():
             button.let_go()
 
+    @classmethod
+    def part(cls, settings: Any) -> str:
+        """As its settings say."""
+        return str(settings.part)
+
     def _ask(self, ask: Ask, done: Callable[[bool, str], None]) -> None:
         self.context.ask(ask, done)
 

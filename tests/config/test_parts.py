@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.config.reading import HEAD, errors, read
-from woz_tui.config.experiment import Experiment
+from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.loading import load
 from woz_tui.config.reload_changes import compare
+from woz_tui.drivers.plugins import installed
 
 
 def parted(tmp_path: Path, *of: str) -> Experiment:
@@ -59,3 +61,43 @@ def test_a_slip_of_a_finger_is_told(tmp_path: Path, one: str, other: str, warned
 def test_a_reload_tells_of_another_part(tmp_path: Path) -> None:
     difference = compare(parted(tmp_path, "voice", ""), parted(tmp_path, "body", ""))
     assert list(difference.changes) == ["panel 'P0' is for body"]
+
+
+ROBOTS = """\
+title: T
+robots:
+  left: simulated
+  right:
+    drivers:
+      body: {type: simulated}
+      pad: {type: hands, part: PART}
+panels: [{title: P, for: voice, covers: [COVERS], actions: [{key: a, label: A, mark: a}]}]
+"""
+
+
+@pytest.mark.parametrize("covers", ["gaze", "left.gaze", "right.body.gaze"])
+def test_verbs_of_one_robot_may_be_covered(tmp_path: Path, covers: str) -> None:
+    assert not _errors(tmp_path, covers=covers)
+
+
+@pytest.mark.parametrize("covers", ["middle.gaze", "left.gazes", "right.pad.gaze"])
+def test_a_verb_that_this_robot_does_not_have_is_an_error(tmp_path: Path, covers: str) -> None:
+    (error,) = _errors(tmp_path, covers=covers)
+    assert "panels[0].covers[0]" in error
+    assert f"no driver offers '{covers}'" in error
+
+
+def test_a_pad_of_nobodys_part_is_an_error(tmp_path: Path) -> None:
+    (error,) = _errors(tmp_path, part="vioce")
+    assert "drivers.right.pad.part" in error
+    assert "did you mean 'voice'" in error
+
+
+def _errors(tmp_path: Path, *, covers: str = "gaze", part: str = "voice") -> list[str]:
+    path = tmp_path / "experiment.yaml"
+    path.write_text(ROBOTS.replace("COVERS", covers).replace("PART", part))
+    try:
+        load(path, installed())
+    except ExperimentError as error:
+        return [*map(str, error.problems)]
+    return []

@@ -45,11 +45,13 @@ DRIVE = {"left-stick-y": 1.0, "left-bumper": 1.0}
 
 
 @asynccontextmanager
-async def session(folder: Path, hold: float = 5.0) -> AsyncIterator[tuple[Served, Peer]]:
+async def session(
+    folder: Path, hold: float = 5.0, text: str = FILE
+) -> AsyncIterator[tuple[Served, Peer]]:
     """A session with a wizard who watches, and a program that reads a gamepad. `hold`: as long as
     it may be, so that a busy machine loses nothing.
     """
-    (folder / "it.yaml").write_text(FILE.replace("{hold}", str(hold)))
+    (folder / "it.yaml").write_text(text.replace("{hold}", str(hold)))
     catalogue = plugins.installed()
     made = load(folder / "it.yaml", catalogue)
     async with served(folder, made=made, catalogue=catalogue) as place:
@@ -63,6 +65,25 @@ async def session(folder: Path, hold: float = 5.0) -> AsyncIterator[tuple[Served
 async def move(peer: Peer, values: dict[str, float] | None = None, **fields: Any) -> dict[str, Any]:
     """All that is not at rest now; the reply."""
     return await peer.ask("controls", panel="pad", values=values or {}, **fields)
+
+
+async def test_hands_of_a_part_play_what_its_wizard_plays(tmp_path: Path) -> None:
+    text = FILE.replace("type: hands", "type: hands\n      part: voice")
+    text = text.replace("  - title: P\n", "  - title: P\n    for: voice\n    covers: [gaze]\n", 1)
+    other = "  - title: Q\n    for: body\n    actions: [{key: q, label: Other, say: No}]\n"
+    text = text.replace("east: {key: F13}", "east: {action: Other}") + other
+    async with session(tmp_path, text=text) as (place, hands):
+        body = await place.connect()
+        await body.hello("wizard", part="body")
+        await move(hands, {"east": 1})
+        refused = await place.published(lambda line: isinstance(line, m.ActionRefused))
+        assert isinstance(refused, m.ActionRefused)
+        assert "body (" in refused.reason
+        await move(hands, {"south": 1})
+        await place.published(lambda line: isinstance(line, m.ActionDone))
+        await move(hands, {"right-stick-x": 1})
+        await place.published(lambda line: isinstance(line, m.Command) and line.verb == "gaze")
+        assert not [line for line in place.lines if isinstance(line, m.Refused)]
 
 
 async def test_what_a_hand_plays_is_logged_with_its_control(tmp_path: Path) -> None:

@@ -144,7 +144,7 @@ async def test_who_watches_for_no_part_takes_over_the_one_that_is_silent(tmp_pat
     ("fields", "reason"),
     [
         ({"role": "wizard", "part": "vioce"}, "no part 'vioce'"),
-        ({"role": "program", "part": "voice"}, "only a wizard"),
+        ({"role": "participant", "part": "voice"}, "only a wizard"),
     ],
 )
 async def test_a_part_that_cannot_be_played_is_refused(
@@ -166,6 +166,43 @@ async def test_programs_and_phases_play_no_part(tmp_path: Path) -> None:
         program = await host.connect()
         await program.hello()
         assert await plays(program) == set(OF)
+
+
+async def test_a_program_of_a_part_plays_what_its_wizard_plays(tmp_path: Path) -> None:
+    async with served(tmp_path, made=parted(tmp_path)) as host:
+        await wizard(host, "voice")
+        body = await wizard(host, "body")
+        program = await host.connect()
+        assert (await program.hello(part="voice"))["part"] == "voice"
+        assert await plays(program) == {"Speech", "Lights"}
+        refused = await program.ask("verb", verb="drive", args={"x": 1.0})
+        assert "body (con2)" in refused["reason"]
+        assert (await program.ask("verb", verb="say", args={"text": "Hi"}))["ok"]
+        # It is no wizard: what nobody plays any more is everybody's.
+        body.leave()
+        await program.kind("console.lost")
+        assert await plays(program) == set(OF)
+        assert await plays(await wizard(host, "body")) == {"Base", "Lights"}
+
+
+async def test_a_verb_of_one_robot_belongs_to_who_plays_that_robot(tmp_path: Path) -> None:
+    made = experiment(tmp_path, ("left.body", "right.body"))
+    left, right = (
+        replace(panel, parts=(part,), covers=(f"{part}.say",))
+        for panel, part in zip(made.panels, ("left", "right"), strict=True)
+    )
+    async with served(tmp_path, made=replace(made, panels=(left, right))) as host:
+        one = await wizard(host, "left")
+        await wizard(host, "right")
+        words = {"verb": "say", "args": {"text": "Hi"}}
+        assert (await one.ask("verb", on="left", **words))["ok"]
+        assert "right (con2)" in (await one.ask("verb", on="right", **words))["reason"]
+        # So is the lock of a panel.
+        assert (await one.ask("lock", panel=right.title, locked=True))["ok"]
+        assert (await one.ask("verb", on="left", **words))["ok"]
+        program = await host.connect()
+        await program.hello()
+        assert "locked" in (await program.ask("verb", on="right", **words))["reason"]
 
 
 async def test_a_line_of_the_script_is_played_by_whose_it_is(tmp_path: Path) -> None:

@@ -38,6 +38,7 @@ from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import SPEECH, Argument, Driver, Verb
 from woz_tui.protocol.messages import Json, SignShown
+from woz_tui.protocol.panels import covers_verb
 from woz_tui.sensing.engagement_model import EngagementModel as Model
 
 #: Columns of a page that goes into a file or a pipe.
@@ -223,9 +224,16 @@ def _parts(experiment: Experiment) -> dict[str, list[str]]:
 def _part_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
     for part, titles in _parts(experiment).items():
         yield part or "(no part)", ", ".join(titles)
-    covered = {verb for panel in experiment.panels for verb in panel.covers}
-    drives = {verb.name for spec in experiment.drivers for verb in spec.verbs if verb.drives}
-    if uncovered := sorted(drives - covered):
+    covered = [verb for panel in experiment.panels for verb in panel.covers]
+    uncovered = sorted(
+        {
+            verb.name
+            for spec in experiment.drivers
+            for verb in spec.verbs
+            if verb.drives and not covers_verb(covered, verb.name, spec.name)
+        }
+    )
+    if uncovered:
         yield "(everybody)", f"{', '.join(uncovered)} by hand: no panel `covers` it"
 
 

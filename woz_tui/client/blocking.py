@@ -172,6 +172,7 @@ def connect(
     name: str = "program",
     samples: bool = False,
     sees: Literal["", "all", "wizard"] = "",
+    part: str = "",
 ) -> Iterator[BlockingWozClient]:
     """As `woz_client.connect`, for `with`."""
     loop = asyncio.new_event_loop()
@@ -181,7 +182,7 @@ def connect(
     def wait_for(coroutine: Coroutine[Any, Any, T]) -> T:
         return asyncio.run_coroutine_threadsafe(coroutine, loop).result()
 
-    opened = woz_client.connect(session, name=name, samples=samples, sees=sees)
+    opened = woz_client.connect(session, name=name, samples=samples, sees=sees, part=part)
     try:
         client = wait_for(opened.__aenter__())
         try:

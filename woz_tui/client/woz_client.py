@@ -555,6 +555,7 @@ async def connect(
     name: str = "program",
     samples: bool = False,
     sees: Literal["", "all", "wizard"] = "",
+    part: str = "",
 ) -> AsyncIterator[WozClient]:
     """Connect to a session of this user until the block ends.
 
@@ -563,6 +564,7 @@ async def connect(
         name: What the wizard's screen and the log call this program.
         samples: Whether `messages` has the sensors' readings, too.
         sees: `wizard`: no more than the wizard sees, for a screen that the wizard can read.
+        part: Plays only what the wizard of this part plays (`for` in the experiment); empty: all.
 
     Raises:
         WozConnectionError: Nobody answers there, or it is not clear which session is meant.
@@ -578,9 +580,8 @@ async def connect(
     client = WozClient(reader, writer)
     stream = "everything" if samples else "actions"
     try:
-        await client.open(
-            r.Hello(role="program", name=name, protocol=r.PROTOCOL, stream=stream, sees=sees)
-        )
+        hello = r.Hello(role="program", name=name, protocol=r.PROTOCOL, stream=stream, sees=sees)
+        await client.open(msgspec.structs.replace(hello, part=part))
         yield client
     finally:
         await client.close()

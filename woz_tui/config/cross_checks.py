@@ -52,7 +52,15 @@ def check_across(
 
 
 def _parts(experiment: Experiment, report: ProblemReport) -> None:
-    """Two parts that differ by one slip of a finger are probably meant as one."""
+    """Two parts that differ by one slip of a finger are probably meant as one. A control panel of a
+    part that is nobody's could play nothing.
+    """
+    parts = experiment.parts
+    for spec in experiment.drivers:
+        if parts and spec.part and spec.part not in parts:
+            near = report.hint(spec.part, parts, or_list="parts are")
+            what = f"no panel is for the part {quoted(spec.part)}{near}"
+            report.error(spec.place, f"drivers.{spec.name}.part", what)
     first: dict[str, Panel] = {}
     for index, panel in enumerate(experiment.panels):
         for part in panel.parts:
@@ -92,12 +100,21 @@ def _ports(experiment: Experiment, report: ProblemReport) -> None:
 def check_covers(
     experiment: Experiment, verbs: Collection[str] | None, report: ProblemReport
 ) -> None:
-    """Verbs that a panel's lock covers are offered by somebody; None: not all are known."""
+    """Verbs that a panel's lock covers (`gaze`, `left.gaze`) are offered by somebody; None: not all
+    are known.
+    """
+    offered = {
+        f"{whose}.{verb.name}"
+        for spec in experiment.drivers
+        for whose in (spec.name, spec.name.partition(".")[0])
+        for verb in spec.verbs
+    }
     for index, panel in enumerate(experiment.panels):
         for number, verb in enumerate(panel.covers):
-            if verbs is not None and verb not in verbs:
+            known = verbs and offered if "." in verb else verbs
+            if known is not None and verb not in known:
                 path = f"panels[{index}].covers[{number}]"
-                report.error_at(path, f"no driver offers {quoted(verb)}{report.hint(verb, verbs)}")
+                report.error_at(path, f"no driver offers {quoted(verb)}{report.hint(verb, known)}")
 
 
 def _keys(drafts: Sequence[ActionDraft], layout: str) -> None:

@@ -74,7 +74,7 @@ class DriverPlace(Entry):
 class DriverSpec:
     """One driver of a robot: its name (`head`, or `left.head` with several robots), the entry
     point it comes from, its decoded settings, what it offers with them; `at`: its hardware is at
-    another computer.
+    another computer; `part`: whose hands lie on it, where several wizards play.
     """
 
     name: str
@@ -84,6 +84,7 @@ class DriverSpec:
     sensors: tuple[str, ...]
     place: FilePosition
     at: DriverPlace | None = None
+    part: str = ""
 
     @property
     def kind(self) -> str:

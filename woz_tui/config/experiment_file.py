@@ -80,8 +80,8 @@ class PanelEntry(Entry):
     covers: Annotated[
         tuple[str, ...],
         Doc(
-            "verbs that cannot be sent by hand while the panel is locked, or by wizards who play"
-            " another part"
+            "verbs (of one robot: left.gaze) that cannot be sent by hand while the panel is locked,"
+            " or by wizards who play another part"
         ),
     ] = ()
     for_: Annotated[

@@ -327,6 +327,7 @@ class RobotReader:
                 sensors=tuple(driver.sensors(settings)),
                 place=cursor.place,
                 at=at,
+                part=driver.part(settings),
             )
             joints = driver.joints(settings)
             asks = tuple(driver.asks(settings))

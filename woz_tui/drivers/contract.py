@@ -510,6 +510,13 @@ class Driver(Performer):
         return ()
 
     @classmethod
+    def part(cls, settings: Any) -> str:
+        """The part of the panels (`for:` in an experiment) whose wizard's hands lie on it; empty:
+        everybody's.
+        """
+        return ""
+
+    @classmethod
     def outline(cls, settings: Any) -> dict[str, Json]:
         """What a console needs to draw it and never changes; empty: nothing.
 

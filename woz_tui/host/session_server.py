@@ -277,8 +277,8 @@ class SessionServer:
 
     def _no_part(self, hello: Hello) -> str:
         """Why this client cannot play the part that it names."""
-        if hello.role not in ("wizard", "watcher"):
-            return "only a wizard plays a part"
+        if hello.role not in ("wizard", "watcher", "program"):
+            return "only a wizard or a program plays a part"
         if hello.part not in self.session.experiment.parts:
             return f"the experiment has no part {hello.part!r}"
         return ""
@@ -381,7 +381,8 @@ class SessionServer:
             self.session.hub.publish(
                 m.ConsoleLost(console=client.name, role=client.role, why=why, part=client.part)
             )
-            gone = f"{console_of(client.part)} is not attached any more" if client.part else NOBODY
+            played = client.part and client.role != "program"
+            gone = f"{console_of(client.part)} is not attached any more" if played else NOBODY
             self._switch.update(gone)
         if self.alone and client.role != PARTICIPANT:
             self._alone_us = self.session.hub.now()

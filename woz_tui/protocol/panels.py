@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import msgspec
 
 
@@ -20,6 +22,17 @@ class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     locked: bool = False
     then: list[str] = []
     without: list[str] = []
+
+
+def covers_verb(covers: Iterable[str], verb: str, driver: str = "") -> bool:
+    """Whether one of `covers` means this verb of this driver: `gaze` that of every robot,
+    `left.gaze` that of one robot or driver. An empty `driver`: of any.
+    """
+    for each in covers:
+        whose, _, name = each.rpartition(".")
+        if name == verb and (not whose or not driver or f"{driver}.".startswith(f"{whose}.")):
+            return True
+    return False
 
 
 class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -100,7 +100,7 @@ class BmlPlayer:
         *,
         read: Callable[[], Experiment],
         catalogue: Mapping[str, type[Driver]],
-        refusal: Callable[[str, Mapping[str, Json], RequestOrigin], CommandRefusal | None],
+        refusal: Callable[[Call, RequestOrigin], CommandRefusal | None],
     ) -> None:
         self._hub = hub
         self._state = state
@@ -328,7 +328,7 @@ class BmlPlayer:
         refusal = None
         if played.is_guest:
             origin = RequestOrigin(request.source, request.key, request.console)
-            refusal = self._refusal(part.verb, part.args, origin)
+            refusal = self._refusal(part, origin)
         ended: asyncio.Future[m.End] = asyncio.get_running_loop().create_future()
 
         def end(message: m.End) -> None:

@@ -13,6 +13,7 @@ from woz_tui.config.session_verbs import BML
 from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
+from woz_tui.protocol.panels import covers_verb
 from woz_tui.session.action_runner import CommandRefusal
 from woz_tui.session.participant_identity import RequestError
 
@@ -84,11 +85,13 @@ def is_by_hand(ask: Ask) -> bool:
 
 
 def panel_refusal(
-    experiment: Experiment, locked: Mapping[str, bool], verb: str
+    experiment: Experiment, locked: Mapping[str, bool], verb: str, driver: str
 ) -> CommandRefusal | None:
-    """Why nobody may send `verb` by itself while panels are locked (by title); None: they may."""
+    """Why nobody may send `verb` to `driver` by itself while panels are locked (by title); None:
+    they may.
+    """
     for panel in experiment.panels:
-        if verb in panel.covers and locked.get(panel.title, panel.locked):
+        if covers_verb(panel.covers, verb, driver) and locked.get(panel.title, panel.locked):
             return CommandRefusal(
                 "locked", f"the panel {panel.title!r} is locked, and with it {verb!r}"
             )

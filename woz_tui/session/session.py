@@ -135,7 +135,7 @@ class Session:
         logs = self.recorder.path.parent
         self.engagement = EngagementController(robot, self.state, self.locked, logs)
         self.profiles = ProfileLimits(self.hub.publish)
-        self.parts = PartLimits(lambda: self.experiment, lambda: self.state.wizards)
+        self.parts = PartLimits(lambda: self.experiment, lambda: self.state.wizards, self._helpers)
         self.study = StudyController(
             self.hub,
             self.state,
@@ -160,9 +160,7 @@ class Session:
             self.drivers,
             read=lambda: self.experiment,
             catalogue=self.catalogue,
-            refusal=lambda verb, args, origin: (
-                self._no_verb(verb, args) or self.parts.no_verb(verb, origin)
-            ),
+            refusal=self._no_verb,
         )
         self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}
         performers: dict[str, Performer] = {
@@ -385,14 +383,11 @@ class Session:
         `unfilled` as in `messages.Command`. `at` as for `play`.
         """
         call = replace(self._call(verb, args, on), tells=tells, unfilled=unfilled or {})
-        refusal = CommandRefusal("stale", stale) if stale else self._no_verb(verb, args)
-        refusal = refusal or self.parts.no_verb(verb, origin)
+        refusal = CommandRefusal("stale", stale) if stale else self._no_verb(call, origin)
         later = None
         if at and refusal is None:
             refusal = self._no_later_verb(call, at)
-            later = LaterStart(
-                at, lambda: self._no_verb(verb, args) or self.parts.no_verb(verb, origin)
-            )
+            later = LaterStart(at, lambda: self._no_verb(call, origin))
         command = self.runner.send(call, origin, when_busy or "queue", refusal, later=later).command
         if refusal is not None:
             raise RequestError(refusal.reason, AGAIN if stale else "")
@@ -447,11 +442,21 @@ class Session:
         self.texts.publish_all()
         return True
 
-    def _no_verb(self, verb: str, args: Mapping[str, m.Json]) -> CommandRefusal | None:
-        """Why nobody's hand may send it at the moment; None: it may."""
-        return self.profiles.no_verb(verb, args) or panel_refusal(
-            self.experiment, self.locked, verb
+    def _no_verb(self, call: Call, origin: RequestOrigin) -> CommandRefusal | None:
+        """Why this hand may not send it at the moment; None: it may."""
+        return (
+            self.profiles.no_verb(call.verb, call.args)
+            or panel_refusal(self.experiment, self.locked, call.verb, call.driver)
+            or self.parts.no_verb(call.verb, call.driver, origin)
         )
+
+    def _helpers(self) -> dict[str, str]:
+        """Programs and control panels that belong to a part, with it."""
+        programs = (each for each in self.state.consoles.values() if each.role == "program")
+        return {
+            **{each.console: each.part for each in programs},
+            **{spec.name: spec.part for spec in self.experiment.drivers},
+        }
 
     def _old(self, ask: Ask) -> str:
         """Why a hand's ask is too old: a driver reads late what waited while nobody read."""
@@ -627,16 +632,15 @@ class Session:
 
     def _send_for(self, driver: str, ask: Ask, done: OnCompletion) -> None:
         call = self._call(ask.name, ask.args, self._driver_of_same_robot(driver, ask.on))
-        refusal = None
+        origin, refusal = RequestOrigin(ask.source, ask.key, driver), None
         if stale := self._old(ask):
             refusal = CommandRefusal("stale", stale)
         elif is_by_hand(ask):
-            refusal = self._no_verb(ask.name, ask.args)
+            refusal = self._no_verb(call, origin)
 
         def ended(end: m.End) -> None:
             done(isinstance(end, m.Done), end.reason)
 
-        origin = RequestOrigin(ask.source, ask.key, driver)
         sent = self.runner.send(call, origin, ask.when_busy or "queue", refusal, ended)
         if ask.key:
             self._held[driver, ask.key] = sent.command

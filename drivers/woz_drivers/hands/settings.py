@@ -62,6 +62,9 @@ class HandsSettings(Section):
         OneOf((SOFT, JUMP)),
         Doc("soft: a body's control counts once it has passed the robot's value; jump: at once"),
     ] = SOFT
+    part: Annotated[
+        str, Doc("plays only what the wizard of this part plays (`for` of panels); empty: all")
+    ] = ""
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together: pairs of a setting's path and a sentence."""

@@ -39,6 +39,9 @@ class MidiSettings(Section):
         Doc("soft: a control counts once it has passed the robot's value; jump: at once"),
     ] = SOFT
     lights: Annotated[bool, Doc("switch the lights of buttons")] = True
+    part: Annotated[
+        str, Doc("plays only what the wizard of this part plays (`for` of panels); empty: all")
+    ] = ""
 
     @property
     def panel(self) -> PanelMap:

@@ -21,6 +21,7 @@ from woz_tui.console.robot_settings.setting_values import allowed_values, color_
 from woz_tui.console.robot_settings.settings_status import is_stale, trouble_words
 from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.protocol.messages import Json, SettingsShown
+from woz_tui.protocol.panels import covers_verb
 from woz_tui.protocol.robot_outline import RobotOutline
 
 
@@ -77,11 +78,11 @@ class SettingViewer:
         name = "robot" if line.kind is LineKind.ADDRESS else line.setting.name
         return self._robot(driver).values.get(name) if awaited is None else awaited
 
-    def locked(self, line: SettingLine) -> str:
-        """The panel whose lock covers the line's verb, or nothing."""
+    def locked(self, driver: str, line: SettingLine) -> str:
+        """The panel whose lock covers the line's verb of this driver, or nothing."""
         if line.kind is LineKind.STEP or not line.setting.verb:
             return ""
-        return locked_by(self._picture, line.setting.verb)
+        return locked_by(self._picture, line.setting.verb, driver)
 
     def see(self, driver: str, outline: RobotOutline, now: int) -> RobotView:
         """The robot as it is at `now`, session time."""
@@ -159,7 +160,7 @@ class SettingViewer:
         sentences: list[Piece] = []
         if refusal:
             sentences.append((f"{glyphs.refused} Not done: {refusal}", "bad"))
-        if panel := self.locked(line):
+        if panel := self.locked(driver, line):
             signs = [(f"{glyphs.locked} locked with {panel}", "warn")]
             sentences.append((f"{glyphs.locked} Unlock {panel} to change it.", "warn"))
         if wanted:
@@ -200,7 +201,7 @@ def _label(line: SettingLine) -> str:
     return label if line.kind is LineKind.ROBOT else label[:1].upper() + label[1:]
 
 
-def locked_by(state: ConsoleState, verb: str) -> str:
-    """The title of a locked panel that covers `verb`, or nothing."""
-    covering = (panel for panel in state.panels if verb in panel.covers)
+def locked_by(state: ConsoleState, verb: str, driver: str) -> str:
+    """The title of a locked panel that covers `verb` of `driver`, or nothing."""
+    covering = (panel for panel in state.panels if covers_verb(panel.covers, verb, driver))
     return next((clean(panel.title) for panel in covering if state.is_locked(panel)), "")

@@ -187,7 +187,7 @@ class RobotDialog(DrawingDialog):
         """The chosen line, if something may be done there."""
         lines = self._lines()
         line = lines[self._line] if self._line < len(lines) else None
-        return None if line is None or self._viewer.locked(line) else line
+        return None if line is None or self._viewer.locked(self._driver, line) else line
 
     def _step(self, by: int) -> None:
         """An arrow to the left or right."""
@@ -221,7 +221,7 @@ class RobotDialog(DrawingDialog):
 
     def typed(self, driver: str, line: SettingLine, value: Json) -> None:
         """A value was typed."""
-        if self._viewer.locked(line):
+        if self._viewer.locked(driver, line):
             return
         self._change(line, value, driver)
         self.refreshed()

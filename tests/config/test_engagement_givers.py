@@ -59,7 +59,7 @@ def test_a_robot_that_asks_for_names_needs_a_voice_and_an_ear(tmp_path: Path) ->
     assert forgets == [
         f"{path}returning visitors are not recognised: no driver offers 'learn_face'"
     ]
-    faces = "{handshake: {by: robot, face_consent: May I?}}"
+    faces = "{signs: [gaze], handshake: {by: robot, face_consent: May I?}}"
     assert warned(tmp_path, faces, sees="gaze, speech.text") == [
         "engagement.handshake.face_consent: it is not asked: no driver offers 'learn_face'"
     ]

@@ -246,13 +246,20 @@ async def test_that_it_is_switched_off_is_told(bench: Bench) -> None:
     assert "talk" in await line_with(running, "off")
 
 
-async def test_a_file_comes_whole_and_in_time(bench: Bench, tmp_path: Path) -> None:
+@pytest.mark.parametrize("piped", [False, True])
+async def test_a_recording_comes_whole_and_in_time(
+    bench: Bench, tmp_path: Path, piped: bool
+) -> None:
+    """Longer than a piece may be, and than what waits of somebody who speaks."""
     reader = loudspeaker(bench.host, on=True)
     file = tmp_path / "voice.wav"
-    pcm = b"".join(bytes([n, n]) * 320 for n in range(30))
+    pcm = b"".join(bytes([n, n]) * 320 for n in range(60))
     file.write_bytes(wav(pcm))
     with file.open("rb") as voice:
-        running = await bench.woz("talk", stdin=voice)
+        running = await bench.woz("talk", stdin=PIPE if piped else voice)
+        if running.stdin is not None:  # as through ssh, which sends all of it at once
+            running.stdin.write(file.read_bytes())
+            running.stdin.close()
         assert await got(reader, len(pcm)) == pcm
         assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
 

@@ -34,8 +34,10 @@ _WIDTH = 2
 #: differs by to be told, as a share.
 _MEASURED_S, _ODD = 5.0, 0.15
 _READ = 1 << 16
-#: A WAV file's header is not longer than this.
-_HEADER = 1 << 16
+#: A WAV file's header is not longer than this; so much of it is read at once.
+_HEADER, _HEAD_READ = 1 << 16, 512
+#: A WAV file that says to be longer does not know its length, in bytes: it is being recorded.
+_UNKNOWN_LENGTH = 1 << 30
 
 
 def add(parser: ArgumentParser) -> None:
@@ -72,7 +74,8 @@ class _Talker:
         self._rate: int = arguments.rate
         self._status = StatusLine("woz talk")
         self._in = sys.stdin.fileno()
-        self._is_file = stat.S_ISREG(os.fstat(self._in).st_mode)
+        #: What was recorded before is read at the speed at which it was spoken; nothing is dropped.
+        self._recorded = stat.S_ISREG(os.fstat(self._in).st_mode)
         self._begun = self._ended = False
         #: What has been read and not been sent, and when the last of it came.
         self._voice = bytearray()
@@ -85,7 +88,7 @@ class _Talker:
 
     def idle(self) -> None:
         """The line is lost: what is said meanwhile is heard by nobody."""
-        if self._is_file or self._ended or not select.select([self._in], [], [], 0.1)[0]:
+        if self._recorded or self._ended or not select.select([self._in], [], [], 0.1)[0]:
             time.sleep(0.05)
             return
         data = os.read(self._in, _READ)
@@ -109,7 +112,7 @@ class _Talker:
             if not self._begun:
                 self._rate = self._checked(head, wanted["rate"])
                 self._begun = True
-            while not (head or self._is_file or self._ended) and self._has_more():
+            while not (head or self._recorded or self._ended) and self._has_more():
                 self.idle()  # what was said before the line was back
             self._began = self._came = time.monotonic()
             self._read_bytes = 0
@@ -135,11 +138,11 @@ class _Talker:
         """What comes first: enough to know whether it is a WAV file."""
         head = bytearray()
         while len(head) < 12 or (is_wav(head) and sound_begins(head) is None):
-            data = os.read(self._in, _READ)
+            data = os.read(self._in, _HEAD_READ)
             if not data:
                 raise SoundEndError("nothing came on standard input")
             head += data
-            if len(head) > _HEADER + _READ:
+            if len(head) > _HEADER:
                 raise SoundEndError("the WAV file's sound does not begin", "send bare samples")
         return head
 
@@ -159,6 +162,7 @@ class _Talker:
                 raise SoundEndError(f"the robot takes {wanted} Hz, not {self._rate} Hz", remedy)
             return wanted
         begins = sound_begins(head)
+        self._recorded = self._recorded or 0 < sound_length(head) < _UNKNOWN_LENGTH
         tag, channels, rate, bits = wav_shape(head)
         if tag not in (1, 0xFFFE) or (channels, rate, bits) != (1, wanted, 16):
             raise SoundEndError(
@@ -174,16 +178,15 @@ class _Talker:
 
     def _wait(self) -> None:
         """Until something can be read, at most a moment."""
-        # A file is read at the speed at which it was spoken.
         ahead_s = self._read_bytes / (_WIDTH * self._rate) - (time.monotonic() - self._began)
         full = len(self._voice) >= self._bytes(_PIECE_S)
-        held = self._is_file and (ahead_s > 0 or full)
+        held = self._recorded and (ahead_s > 0 or full)
         reads = [self._client.socket, *([] if self._ended or held else [self._in])]
         ready = select.select(reads, [], [], _PIECE_S / 2 if held else 1.0)[0]
         if self._client.socket in ready:
             self._client.receive()
         if self._in in ready:
-            size = self._bytes(_PIECE_S) if self._is_file else _READ
+            size = self._bytes(_PIECE_S) if self._recorded else _READ
             data = os.read(self._in, size)
             self._ended = not data
             self._take(data)
@@ -193,13 +196,13 @@ class _Talker:
         """Keep what is new, and of what waits only the newest."""
         if not data:
             return
-        if not self._is_file and time.monotonic() - self._came > _WAITING_S:
+        if not self._recorded and time.monotonic() - self._came > _WAITING_S:
             self._drop(len(self._voice) // _WIDTH * _WIDTH)  # it was said long before
         self._came = time.monotonic()
         self._read_bytes += len(data)
         self._voice += data
         most = self._bytes(_WAITING_S)
-        if not self._is_file and len(self._voice) > most:
+        if not self._recorded and len(self._voice) > most:
             self._drop(-(-(len(self._voice) - most) // _WIDTH) * _WIDTH)
 
     # -- out ---------------------------------------------------------------------------------
@@ -211,7 +214,7 @@ class _Talker:
             return
         data, self._voice = bytes(self._voice[:whole]), self._voice[whole:]
         lasted_s = whole / (_WIDTH * self._rate)
-        age_s = time.monotonic() - self._came + (0 if self._is_file else lasted_s)
+        age_s = time.monotonic() - self._came + (0 if self._recorded else lasted_s)
         self._client.ask(
             lambda ref: AskTalk(
                 ref=ref,
@@ -243,7 +246,7 @@ class _Talker:
         now, (since, before) = time.monotonic(), self._measured
         if before == 0 and now - self._began > 1:
             self._measured = now, self._read_bytes
-        if self._is_file or before == 0 or now - since < _MEASURED_S:
+        if self._recorded or before == 0 or now - since < _MEASURED_S:
             return
         measured = (self._read_bytes - before) / _WIDTH / (now - since)
         self._measured = now, self._read_bytes
@@ -277,6 +280,12 @@ def _chunk(head: bytes | bytearray, wanted: bytes) -> int | None:
 def sound_begins(head: bytes | bytearray) -> int | None:
     """The byte at which a WAV file's samples begin; None: they have not come yet."""
     return _chunk(head, b"data")
+
+
+def sound_length(head: bytes | bytearray) -> int:
+    """The bytes of samples that a WAV file says to have; 0: it does not say."""
+    at = sound_begins(head)
+    return 0 if at is None else int(struct.unpack_from("<I", head, at - 4)[0])
 
 
 def wav_shape(head: bytes | bytearray) -> tuple[int, int, int, int]:

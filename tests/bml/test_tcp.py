@@ -17,7 +17,7 @@ from tests.host.rig import Served, served
 from woz_tui.bml.bml_block import LONGEST
 from woz_tui.bml.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
 from woz_tui.bml.xml_elements import LONGEST_TAG, XmlElements, XmlElementsError
-from woz_tui.client import connect
+from woz_tui.client import WozConnectionError, connect
 from woz_tui.testing import until
 
 PATIENCE_S = 40.0
@@ -163,6 +163,17 @@ async def test_a_planner_that_does_not_read_gets_no_more(
         planner.send(BLOCK.format("b1"))
         await until(lambda: len(it.host.puppet().calls) > 1, PATIENCE_S)
         planner.reads = True
+
+
+async def test_it_ends_with_the_session(tmp_path: Path) -> None:
+    async with served(tmp_path) as host, connect(host.path) as client:
+        sentences: list[str] = []
+        running = asyncio.create_task(TcpPlanner(client, _ports(), sentences.append).run())
+        await until(lambda: bool(sentences), PATIENCE_S)
+        await host.host.close()
+        with pytest.raises(WozConnectionError):
+            async with asyncio.timeout(PATIENCE_S):
+                await running
 
 
 async def test_a_port_that_is_taken_is_told(tmp_path: Path) -> None:

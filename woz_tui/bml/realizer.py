@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 from xml.sax.saxutils import quoteattr
 
 from woz_tui.bml.bml_block import NAMESPACE, Behaviour, BmlError, read_block
@@ -17,7 +17,7 @@ from woz_tui.client import WozClient, WozError, WozRefusedError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.messages import BlockPlanned
-from woz_tui.system.tasks import end_tasks
+from woz_tui.system.tasks import end_tasks, until_first_ends
 
 T = TypeVar("T")
 
@@ -130,6 +130,15 @@ class BmlRealizer:
             with contextlib.suppress(WozRefusedError):  # it is over
                 await self._client.request(r.AskCancel(run=requested.command))
             await requested.over.wait()
+
+    async def while_session_lasts(self, work: Coroutine[Any, Any, None]) -> None:
+        """Do `work`. Raises `WozConnectionError` as soon as the session has ended."""
+
+        async def follow() -> None:
+            async for _ in self._client.messages(m.BlockPlanned):
+                pass
+
+        await until_first_ends(work, follow())
 
     async def close(self) -> None:
         """End all blocks; nothing is told any more."""

@@ -46,9 +46,12 @@ class StompPlanner:
         self._realizer = BmlRealizer(client, self._tell)
 
     async def run(self) -> None:
-        """Serve. Raises `StompRefusedError` when the broker does not let us in."""
+        """Serve. Raises `StompRefusedError` when the broker does not let us in, and
+        `WozConnectionError` when the session has ended.
+        """
         try:
-            await stay_connected(self._place, self._serve, self._tell_person)
+            connected = stay_connected(self._place, self._serve, self._tell_person)
+            await self._realizer.while_session_lasts(connected)
         finally:
             await self._realizer.close()
 

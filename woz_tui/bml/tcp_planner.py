@@ -60,7 +60,7 @@ class TcpPlanner:
         self._realizer = BmlRealizer(client, self._tell)
 
     async def run(self) -> None:
-        """Serve. Raises `PlannerPortError`."""
+        """Serve. Raises `PlannerPortError`, and `WozConnectionError` when the session has ended."""
         ports = self._ports
         try:
             server = await asyncio.start_server(self._arrive, _HERE, ports.request)
@@ -73,11 +73,14 @@ class TcpPlanner:
             f" their port {ports.feedback}"
         )
         try:
-            while True:
-                await self._serve(*await self._arrived.get())
+            await self._realizer.while_session_lasts(self._serve_all())
         finally:
             server.close()
             await self._realizer.close()
+
+    async def _serve_all(self) -> None:
+        while True:
+            await self._serve(*await self._arrived.get())
 
     def _arrive(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         try:

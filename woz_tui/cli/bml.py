@@ -110,15 +110,19 @@ def _joined(arguments: Namespace) -> int:
         return asyncio.run(work(arguments))
 
 
+def _say(text: str) -> None:
+    print(text, flush=True)
+
+
 async def _planner(arguments: Namespace) -> int:
     place = broker_place(arguments.stomp, arguments) if arguments.stomp else None
     async with connect(arguments.session, name="planner") as client:
         if place is None:
             ports = PlannerPorts(arguments.listen, arguments.feedback_port)
-            await TcpPlanner(client, ports, print).run()
+            await TcpPlanner(client, ports, _say).run()
         else:
             topics = PlannerTopics(arguments.request, arguments.told)
-            await StompPlanner(client, place, topics, print).run()
+            await StompPlanner(client, place, topics, _say).run()
     return 0
 
 

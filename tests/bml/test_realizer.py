@@ -274,3 +274,39 @@ def test_the_timetable_is_printed_without_a_session(
     file.write_text("nothing")
     assert cli.main(["bml", "--dry-run", str(file)]) == 1
     assert "greet.xml" in capsys.readouterr().err
+
+
+def test_the_timetable_says_what_a_robot_does_and_shows_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "greet.xml"
+    file.write_text(XML.format("b1", "", SAY + NOD + '<faceLexeme id="f" lexeme="SMILE"/>'))
+    for robot, does in (("pepper", "Yes_1"), ("reachy-mini", "play nod"), ("furhat", "happy")):
+        assert cli.main(["bml", "--dry-run", "--robot", robot, str(file)]) == 0
+        printed = capsys.readouterr().out
+        assert does in printed
+        assert "left out" not in printed
+        [speech] = [line for line in printed.splitlines() if line.startswith("s ") and "╋" in line]
+        assert "━" in speech
+        assert any(line.startswith("n") and "◆" in line for line in printed.splitlines())
+    assert cli.main(["bml", "--dry-run", "--robot", "servo-head", str(file)]) == 0
+    assert "BEHAVIOR_TYPE_NOT_SUPPORTED" in capsys.readouterr().out
+    assert cli.main(["bml", "--dry-run", "--robot", "peper", str(file)]) == 1
+    assert "pepper" in capsys.readouterr().err
+
+
+async def test_a_session_foretells_what_it_would_do(planner: Planner) -> None:
+    block = await planner.realizer.predict(XML.format("b1", "", SAY + NOD + "<head/>"))
+    assert [each.does for each in block.behaviours] == ["say Hello you.", "play nod"]
+    assert [problem.sort for problem in block.problems] == ["PARSING_FAILURE"]
+    assert not planner.verbs()
+
+
+async def test_a_planner_that_leaves_takes_its_blocks_along(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        async with connect(host.path, name="planner") as client:
+            realizer = BmlRealizer(client, lambda feedback: None)
+            await realizer.perform(XML.format("b1", "", '<wait id="w" end="99"/>'))
+        over = await host.published(lambda line: isinstance(line, m.Stopped))
+        assert isinstance(over, m.Stopped)
+        assert over.driver == "bml"

@@ -201,9 +201,12 @@ class BehaviourCalls:
         table: BmlTable | None = None,
         accepts: Accepts = lambda driver, verb, args: True,
     ) -> None:
+        #: Of several drivers with one verb the first; `_every` has all.
         self._verbs: dict[str, tuple[str, Verb]] = {}
+        self._every: dict[tuple[str, str], Verb] = {}
         for driver, verb in verbs:
             self._verbs.setdefault(verb.name, (driver, verb))
+            self._every[driver, verb.name] = verb
         self._table = table or BmlTable()
         self._accepts = accepts
         self._targets = {**TARGETS, **{n.lower(): at for n, at in self._table.targets.items()}}
@@ -267,9 +270,7 @@ class BehaviourCalls:
         return call.driver, self._verb_of(call).lane
 
     def _verb_of(self, call: VerbCall) -> Verb:
-        driver, verb = self._verbs[call.verb]
-        assert driver is not None
-        return verb
+        return self._every[call.driver, call.verb]
 
     # -- by the table, or by what is usual -------------------------------------------------------
 

@@ -312,7 +312,8 @@ def _block(state: ConsoleState, frame: PaintFrame, key: str, width: int) -> Row:
     name = command_words(block.request).removeprefix("block ")
     more = f" +{len(blocks) - 1}" if len(blocks) > 1 else ""
     left = run.timing(frame.now)[0]
-    back: Row = ((f" {seconds(left)} left " if left is not None else " waits ", "run"),)
+    waits = "" if run.running else " waits "
+    back: Row = ((f" {seconds(left)} left " if left is not None else waits, "run"),)
     if key and runs.active[-1] == run.id:
         back += ((f" {key} ", "key"), (" cuts ", "muted"))
     front: Row = (

@@ -279,6 +279,7 @@ class ActionRunner:
             self._command(call, origin, run=run, when_busy=when_busy),
             action=whole.action,
             panel=whole.panel,
+            console=whole.console,
             tells=whole.tells,
             unfilled=dict.fromkeys(call.args, "...") if whole.tells else {},
         )

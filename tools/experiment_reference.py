@@ -15,6 +15,7 @@ import yaml
 from tools import EXPERIMENTS
 from tools.driver_settings import bundled
 from woz_tui.config.actions import ACTION_FIELDS
+from woz_tui.config.bml_section import KEYS, TOPICS, TOPICS_WORDS
 from woz_tui.config.engagement import SIGNS
 from woz_tui.config.engagement_section import ENTERED
 from woz_tui.config.json_schema import experiment_schema
@@ -125,6 +126,26 @@ MEANINGS = {
     "engagement.handshake": "how somebody without a name is asked for it",
     "engagement.attention": "what the robot turns to",
 }
+BLOCKS = """\
+## `bml` in a robot file
+
+What behaviours of [BML](../how-to/bml.md) stand for on this robot: a word (a move, an emotion, a
+posture) or verbs as in an action. What is not said is as usual.
+
+| key | on the left | example |
+|---|---|---|
+"""
+_BML_EXAMPLES = {
+    "gesture": "{BEAT: Explain_1, GREET: {play: wave, speed: 0.8}}",
+    "head": "{NOD: Yes_1}",
+    "pointing": "{left: point-left, door: {play: point-left}}",
+    "faceLexeme": "{SMILE: {eyes: green}, NEUTRAL: {eyes: white}}",
+    "faceFacs": "{12: {emotion: happy, intensity: 0.5}}",
+    "posture": "{SITTING: {posture: Sit}}",
+    "locomotion": "{kitchen: {goto: kitchen}}",
+    "targets": "{door: [60, -5]}",
+    TOPICS: "eyepi",
+}
 _VERB_WORDS = {
     "wait": 0.5,
     "mark": "smile",
@@ -150,6 +171,7 @@ def page() -> str:
             own = {field: action[field] for field in ACTION_FIELDS if field in action}
             parts.append(_section("An action", "actions", own, schema, found))
             parts.append(VERBS + "".join(_verbs()))
+    parts.append(BLOCKS + "".join(_bml()))
     return "\n".join(parts)
 
 
@@ -297,6 +319,12 @@ def _collect(path: str, value: Any, found: dict[str, Any]) -> None:
                 for name, inner in entry.items():
                     below = "actions" if path == "panels.actions" else path
                     _collect(f"{below}.{name}", inner, found)
+
+
+def _bml() -> Iterator[str]:
+    for name, words in {**KEYS, TOPICS: TOPICS_WORDS}.items():
+        example = _BML_EXAMPLES[name]
+        yield f"| `{name}` | {words} | `{example}` |\n"
 
 
 def _verbs() -> Iterator[str]:

@@ -13,7 +13,7 @@ import pytest
 from tests.host.rig import Served, served
 from woz_tui import cli
 from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
-from woz_tui.bml.bml_block import NAMESPACE, Behaviour
+from woz_tui.bml.bml_block import LONGEST, NAMESPACE, Behaviour
 from woz_tui.bml.realizer import BmlRealizer, Feedback
 from woz_tui.client import connect
 from woz_tui.drivers.contract import Argument, Verb
@@ -167,6 +167,18 @@ async def test_a_block_under_way_is_not_forgotten_over_many_others(
         await planner.play(f"b{number}", "")
     await planner.play("last", "", 'composition="REPLACE"')
     await until(lambda: "long:end" in planner.progress(), PATIENCE_S)
+
+
+async def test_the_longest_block_is_played_and_a_longer_one_keeps_the_connection(
+    planner: Planner,
+) -> None:
+    said = '"' * (LONGEST - len(XML.format("b1", "", "")) - 80)
+    await planner.realizer.perform(XML.format("b1", "", f"<!--{said}-->"))
+    await until(lambda: "b1:end" in planner.progress(), PATIENCE_S)
+    assert await planner.realizer.perform(XML.format("b2", "", "x" * (1 << 20))) == ""
+    assert [sort for sort, _ in planner.warnings()] == ["PARSING_FAILURE"]
+    await planner.play("b3", SAY)
+    assert "b3:s:end" in planner.progress()
 
 
 def test_feedback_is_xml_whatever_the_names_are() -> None:

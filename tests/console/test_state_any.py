@@ -37,6 +37,7 @@ _SPECIAL: dict[str, st.SearchStrategy[object]] = {
     "state": st.sampled_from(["ok", "stale", "speaking", "odd"]),
     "scope": st.sampled_from(["all", "drive", "odd"]),
 }
+_problems = st.builds(m.BlockProblem, sort=texts, text=texts, about=names)
 #: By type: what another version may have written, as far as the codec lets it through.
 _SORTS: dict[object, st.SearchStrategy[object]] = {
     str: st.one_of(names, texts),
@@ -76,6 +77,18 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
         names, st.builds(m.SignShown, filter=texts), max_size=2
     ),
     list[PanelView]: st.just([]),
+    m.BlockProblem: _problems,
+    list[m.BlockProblem]: st.lists(_problems, max_size=2),
+    list[m.PlannedBehaviour]: st.lists(
+        st.builds(
+            m.PlannedBehaviour,
+            id=names,
+            sort=texts,
+            does=texts,
+            points=st.dictionaries(names, times, max_size=2),
+        ),
+        max_size=2,
+    ),
     list[m.SpokenWord]: st.lists(
         st.builds(m.SpokenWord, text=texts, began=times, ended=times), max_size=3
     ),

@@ -13,10 +13,10 @@ from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage, action, call, experiment, together
 from tests.session.test_superseding import Guide
 from woz_tui.config.experiment import Action, Panel, Profile, TextVariants
+from woz_tui.drivers.contract import RejectedError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.session.action_runner import RequestOrigin
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.redactor import Redactor
 from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode
 from woz_tui.timeline.timeline import Timeline
@@ -241,7 +241,7 @@ def test_what_cannot_be_played_is_refused_and_foretold(tmp_path: Path) -> None:
 
     async def play(stage: Stage) -> None:
         await planner((0, "<bml"), (0, required))(stage)
-        block = await stage.session.blocks.predict({"block": GREET})
+        block = await stage.session.blocks.foretell({"block": GREET})
         assert block.duration_us > 4_000_000
         assert [each.does for each in block.behaviours] == [
             "say Hello you.",
@@ -249,8 +249,13 @@ def test_what_cannot_be_played_is_refused_and_foretold(tmp_path: Path) -> None:
             "say Goodbye.",
         ]
         for args in ({}, {"file": "greet.xml", "block": GREET}):
-            with pytest.raises(RequestError):
-                await stage.session.blocks.predict(args)
+            with pytest.raises(RejectedError):
+                await stage.session.blocks.foretell(args)
+        foretold = await stage.session.predict_action("Greet", lambda call: False)
+        [command] = foretold.commands
+        assert command.duration_us == foretold.duration_us == block.duration_us
+        assert command.marks is not None
+        assert {"s:m", "n:stroke", "t:end"} <= {mark.text for mark in command.marks}
 
     stage = scene(tmp_path, play)
     refused = ended(stage)

@@ -25,6 +25,7 @@ from woz_tui.protocol.messages import Json
 TARGETS = "targets"
 #: The table of the topics to which EyePi's extension of BML refers.
 TOPICS = "topics"
+TOPICS_WORDS = "a table of topics, to which EyePi's extension of BML refers: its name or file"
 #: What the section may say.
 FIELDS = (*WORD_VERBS, TARGETS, TOPICS)
 #: What each of its tables has on its left, for people.

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
-from woz_tui.config.bml_section import KEYS, TARGETS, TOPICS
+from woz_tui.config.bml_section import KEYS, TARGETS, TOPICS, TOPICS_WORDS
 from woz_tui.config.condition_texts import ANY
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, ON_ENTER
@@ -289,7 +289,7 @@ def _bml() -> Schema:
                 }
                 for name, words in KEYS.items()
             }
-            | {TOPICS: {**TEXT, "description": "table of the topics of EyePi's own planners"}}
+            | {TOPICS: {**TEXT, "description": TOPICS_WORDS}}
         ),
         "description": "what behaviours of BML stand for; what is not said is as usual",
     }

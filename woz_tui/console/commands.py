@@ -202,7 +202,7 @@ COMMANDS = (
         "cut",
         _cut,
         opens=False,
-        hint=KeyHint(0, "cut", lambda state: bool(state.runs.blocks)),
+        hint=KeyHint(0.5, "cut", lambda state: bool(state.runs.blocks)),
     ),
     _row(
         "queue",

@@ -29,7 +29,7 @@ PHASE = 18
 #: Cells between the drivers and what stands at the right.
 GAP = 3
 #: Cells that drivers keep beside a planner's block, and cells that this has at least.
-DRIVERS, LEAST_BLOCK = 14, 40
+DRIVERS, LEAST_BLOCK = 18, 40
 #: Cells that a long title keeps beside a trial.
 TITLE = 8
 
@@ -317,7 +317,7 @@ def _block(state: ConsoleState, frame: PaintFrame, key: str, width: int) -> Row:
     if key and runs.active[-1] == run.id:
         back += ((f" {key} ", "key"), (" cuts ", "muted"))
     front: Row = (
-        (f"{glyphs.running} {clean(name)}{more}", "run"),
+        (f"  {glyphs.running} {clean(name)}{more}", "run"),
         (f" {glyphs.middle} {clean(who.name)}" if who is not None and who.name else "", "muted"),
     )
     parts = sorted(runs.parts(block), key=lambda each: not spoken_text(each.request))

@@ -134,12 +134,19 @@ class BmlPlayer:
     async def stop(self, scope: Scope) -> None:
         """What a block consists of are commands that are stopped by themselves."""
 
-    async def predict(self, args: Mapping[str, Json]) -> m.BlockPlanned:
-        """What a block would do if it began now. Raises `RequestError`."""
-        try:
-            return (await self._plan(self._block(args))).message()
-        except RejectedError as error:
-            raise RequestError(error.what, error.remedy) from error
+    async def foretell(self, args: Mapping[str, Json]) -> m.BlockPlanned:
+        """What a block would do if it began now. Raises `RejectedError`."""
+        return (await self._plan(self._block(args))).message()
+
+    async def predict(self, verb: str, args: Mapping[str, Json]) -> Forecast:
+        """The same as of a driver's command. Raises `RejectedError`."""
+        planned = await self.foretell(args)
+        marks = [
+            (at / 1e6, "sync", f"{behaviour.id}:{point}")
+            for behaviour in planned.behaviours
+            for point, at in behaviour.points.items()
+        ]
+        return Forecast(planned.duration_us / 1e6, tuple(sorted(marks)))
 
     def calls_in(self, file: str) -> list[VerbCall]:
         """What a file that was read with the experiment plays, the earliest first; nothing if it

@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Mapping
+from typing import Any, Protocol
 
 from woz_tui.bus.lane import guarded
 from woz_tui.config.experiment import Call
 from woz_tui.drivers.argument_check import ArgumentError, checked
-from woz_tui.drivers.contract import Driver, DriverError, Forecast, Verb
+from woz_tui.drivers.contract import DriverError, Forecast, Verb
 from woz_tui.protocol.description import PredictedCommand, PredictedMark, Prediction
 from woz_tui.session.action_texts import Steps
 from woz_tui.session.participant_identity import RequestError
@@ -19,13 +20,21 @@ Kept = Callable[[Call], bool]
 #: A driver that does not know by then does not know, in seconds.
 PATIENCE_S = 10.0
 
+
+class Forecaster(Protocol):
+    """A driver, or who else can foretell commands (see `Driver.predict`)."""
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """How a command would go."""
+
+
 log = logging.getLogger(__name__)
 
 
 async def predicted(
     steps: Steps,
     verb_of: Callable[[str, str], Verb | None],
-    drivers: Mapping[str, Driver],
+    drivers: Mapping[str, Forecaster],
     kept: Kept,
 ) -> Prediction:
     """How these steps would go, one after the other, if they began now on an idle robot.
@@ -51,7 +60,7 @@ async def predicted(
     return Prediction(duration_us=_us(_later(over, begins)), commands=commands)
 
 
-async def forecast(call: Call, verb: Verb | None, drivers: Mapping[str, Driver]) -> Forecast:
+async def forecast(call: Call, verb: Verb | None, drivers: Mapping[str, Forecaster]) -> Forecast:
     """How one call would go. Raises `RequestError` if it would be refused."""
     driver = drivers.get(call.driver)
     if driver is None or verb is None:  # the session or its model: done at once

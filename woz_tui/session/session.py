@@ -47,7 +47,7 @@ from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.part_limits import PartLimits
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
-from woz_tui.session.prediction import Kept, predicted
+from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, panel_refusal
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.repair_control import RepairController
@@ -416,13 +416,17 @@ class Session:
             steps = self.texts.preview(action)
         except MissingValueError as error:
             raise no_value(str(error)) from error
-        return await predicted(steps, self.bus.verb, self.drivers, kept)
+        drivers: dict[str, Forecaster] = {**self.drivers, BML: self.blocks}
+        return await predicted(steps, self.bus.verb, drivers, kept)
 
     async def predict_verb(self, call: Call, kept: Kept) -> Prediction:
         """How one verb, filled in, would go if it were sent now. Raises `RequestError`."""
         call = replace(call, driver=self._driver_for(call.verb, call.driver))
         if call.driver == BML:
-            block = await self.blocks.predict(call.args)
+            try:
+                block = await self.blocks.foretell(call.args)
+            except RejectedError as error:
+                raise RequestError(error.what, error.remedy) from error
             return Prediction(duration_us=block.duration_us, commands=[], block=block)
         return await predicted([(call,)], self.bus.verb, self.drivers, kept)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Mapping
+from typing import Any
 
 from woz_drivers import confirmed_stop
 from woz_drivers.background import Background, BackgroundTasks
@@ -28,6 +29,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     DriverFacts,
     Finding,
+    Forecast,
     Job,
     Probe,
     RejectedError,
@@ -167,6 +169,11 @@ class Furhat(Driver):
     async def open(self) -> None:
         """Begin to look for the robot."""
         self._link.start()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """As its part says; speech and the robot's own gestures about so long."""
+        part = self._by_verb.get(verb)
+        return Forecast() if part is None else await part.predict(verb, args)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb by its part. Raises `DeviceLostError` while no robot is connected."""

@@ -38,6 +38,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    Forecast,
     Job,
     RejectedError,
     Verb,
@@ -91,8 +92,8 @@ class FurhatFace(FurhatPart):
         moves = offered_moves(settings.gestures)
         return (
             common_verb("play", choices=moves),
-            common_verb("pose", "set face parameters", _SECONDS),
-            common_verb("poses", "pass through face parameters over time"),
+            common_verb("pose", "set face parameters", _SECONDS, arrives=True),
+            common_verb("poses", "pass through face parameters over time", arrives=True),
             common_verb("home", "a neutral face that looks straight on", _SECONDS),
             common_verb("emotion", choices=tuple(EMOTIONS)),
             Verb(
@@ -105,6 +106,17 @@ class FurhatFace(FurhatPart):
                 lane="face",
             ),
         )
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """What this driver times; the robot's own gestures about so long."""
+        if verb == "play":
+            move = word(args, "move", offered_moves(self._settings.gestures))
+            frames = self._own_frames(move)
+            seconds = sum(frame.seconds for frame in frames) if frames else _LASTS_S
+            return Forecast(seconds / number(args, "speed", 1.0), () if frames else None)
+        if verb in ("pose", "poses"):
+            return Forecast(sum(seconds for _, seconds in _timed_poses(verb, args)), ())
+        return Forecast(positive(args, "seconds", 0.0), ()) if verb == "home" else Forecast()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Ends when it is over."""
@@ -157,20 +169,23 @@ class FurhatFace(FurhatPart):
     # -- gestures ------------------------------------------------------------------------------
 
     async def _play(self, job: Job) -> dict[str, Json]:
-        own = self._settings.gestures
-        move = word(job.args, "move", offered_moves(own))
+        move = word(job.args, "move", offered_moves(self._settings.gestures))
         speed = number(job.args, "speed", 1.0)
         amplitude = number(job.args, "amplitude", 1.0)
-        if move in own:
-            await self._frames(job, self._settings.frames(move), speed, amplitude)
-        elif move in HEAD_MOVES:
-            await self._frames(job, HEAD_MOVES[move], speed, amplitude)
+        if frames := self._own_frames(move):
+            await self._frames(job, frames, speed, amplitude)
         else:
             gesture = COMMON_GESTURES.get(move, move)
             job.expects(_LASTS_S / speed)
             await self._robot_gesture(gesture, 1.0 / speed, amplitude)
             return {"move": move, "gesture": gesture}
         return {"move": move}
+
+    def _own_frames(self, move: str) -> Sequence[FaceFrame]:
+        """Of a gesture of the robot file, or one of ours; none: the robot has it."""
+        if move in self._settings.gestures:
+            return self._settings.frames(move)
+        return HEAD_MOVES.get(move, ())
 
     async def _robot_gesture(self, name: str, duration: float, intensity: float) -> None:
         assert name in GESTURES
@@ -234,10 +249,7 @@ class FurhatFace(FurhatPart):
                     await self._send_face()
 
     async def _poses(self, job: Job) -> dict[str, Json]:
-        poses = [job.args] if job.verb == "pose" else job.args.get("poses") or []
-        steps = [(_checked(one.get("joints")), positive(one, "seconds")) for one in poses]
-        if not steps:
-            raise RejectedError("there are no poses", "write at least one")
+        steps = _timed_poses(job.verb, job.args)
         job.expects(sum(seconds for _, seconds in steps))
         stops = self._stops
         for wanted, seconds in steps:
@@ -362,3 +374,12 @@ def _checked(joints: Any) -> Mapping[str, float]:
     if not isinstance(joints, Mapping) or not joints:
         raise RejectedError("no face parameter was named", "such as JAW_OPEN: 0.5")
     return _bounded(known_joints(joints, FACE_PARAMETERS))
+
+
+def _timed_poses(verb: str, args: Mapping[str, Any]) -> list[tuple[Mapping[str, float], float]]:
+    """Each with its seconds."""
+    poses = [args] if verb == "pose" else args.get("poses") or []
+    steps = [(_checked(one.get("joints")), positive(one, "seconds")) for one in poses]
+    if not steps:
+        raise RejectedError("there are no poses", "write at least one")
+    return steps

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_tui.drivers.contract import DriverContext, Job, RejectedError, Verb
+from woz_tui.drivers.contract import DriverContext, Forecast, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json
 
 
@@ -32,6 +32,10 @@ class FurhatPart:
     def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:
         """The sensors that it publishes."""
         return ()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """How one of its verbs would go; by itself nothing is known."""
+        return Forecast()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out one of its verbs."""

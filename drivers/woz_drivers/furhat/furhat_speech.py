@@ -34,6 +34,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    Forecast,
     Job,
     RejectedError,
     Verb,
@@ -212,6 +213,15 @@ class FurhatSpeech(FurhatPart):
         finally:
             self._live = None
             await live.close()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """Speech about so long: the robot tells of each word only when it comes."""
+        if verb == "say":
+            return Forecast(len(text(args, "text")) / _LETTERS_PER_S)
+        wanted = file(args, "file", self._context.folder) if verb == "sound" else "://"
+        if "://" in wanted:
+            return Forecast()
+        return Forecast((await asyncio.to_thread(_read, wanted, 1.0)).seconds, ())
 
     # -- speaking ------------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from woz_drivers.naoqi_robot.memory import items
 from woz_drivers.naoqi_robot.memory import number as number_of
@@ -14,6 +14,7 @@ from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, answers
 from woz_drivers.simulated.argument_values import number
 from woz_tui.drivers.contract import (
     DriverError,
+    Forecast,
     Job,
     RejectedError,
     Scope,
@@ -42,18 +43,23 @@ class BasePart(NaoqiPart):
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`drive`."""
-        return (common_verb("drive", cls.SUMMARY),)
+        return (common_verb("drive", cls.SUMMARY, arrives=True),)
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """About: it starts and brakes gently."""
+        return Forecast(self._seconds(*_way(args)), ())
+
+    def _seconds(self, x: float, y: float, turn: float) -> float:
+        return max(math.hypot(x, y) / self.M_S, abs(math.radians(turn)) / self.RAD_S)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Drive there; fails with a sentence when something is in the way."""
-        x, y, turn = (number(job.args, name) for name in ("x", "y", "turn"))
-        if x == y == turn == 0.0:
-            raise RejectedError("no distance and no turn is given", "give x, y or turn")
+        x, y, turn = _way(job.args)
         await self._cleaned_up()
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.probe()
         await self._ready()
-        seconds = max(math.hypot(x, y) / self.M_S, abs(math.radians(turn)) / self.RAD_S)
+        seconds = self._seconds(x, y, turn)
         job.expects(seconds)
         arrived = await self._drive(x, y, math.radians(turn), seconds * SLACK_FACTOR + SLACK_S)
         if arrived is False:
@@ -114,3 +120,11 @@ def still(velocity: object) -> bool:
     if not known or len(known) < len(speeds):
         raise DriverError("the robot does not report its speed", "check whether it stands still")
     return all(abs(speed) < STILL for speed in known)
+
+
+def _way(args: Mapping[str, Any]) -> tuple[float, float, float]:
+    """Metres forward and to the left, degrees to the left."""
+    x, y, turn = (number(args, name) for name in ("x", "y", "turn"))
+    if x == y == turn == 0.0:
+        raise RejectedError("no distance and no turn is given", "give x, y or turn")
+    return x, y, turn

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.joint_table import JointTable, native
@@ -15,6 +16,7 @@ from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverError,
+    Forecast,
     Job,
     RejectedError,
     Scope,
@@ -77,8 +79,7 @@ class BodyPart(NaoqiPart):
             case "pose":
                 return await self._pose(job)
             case "home":
-                seconds = max(positive(job.args, "seconds", 1.0), SHORTEST_S)
-                speed = min(max(DEFAULT_SPEED / seconds, SPEED.low or 0.0), 1.0)
+                speed = min(max(DEFAULT_SPEED / _seconds(job.args), SPEED.low or 0.0), 1.0)
                 return await self.take_posture("Stand", round(speed, 3))
             case "torque":
                 return await self._torque(job)
@@ -98,6 +99,13 @@ class BodyPart(NaoqiPart):
                 "wake the robot up (`torque: true`), give its arms room, and check the name",
             )
         return {"name": posture, "speed": speed}
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """Of a pose; the way to a posture is the robot's own."""
+        if verb != "pose":
+            return Forecast()
+        self._settings.model.joints.checked(args.get("joints"))
+        return Forecast(_seconds(args), ())
 
     async def rest(self) -> None:
         """How the robot is left alone: the posture of the robot file, otherwise at rest."""
@@ -120,7 +128,7 @@ class BodyPart(NaoqiPart):
     async def _pose(self, job: Job) -> dict[str, Json]:
         joints = self._settings.model.joints
         pose = joints.checked(job.args.get("joints"))
-        seconds = max(positive(job.args, "seconds", 1.0), SHORTEST_S)
+        seconds = _seconds(job.args)
         names = list(pose)
         await hold(self._robot, joints, names)
         job.expects(seconds)
@@ -169,6 +177,10 @@ class BodyPart(NaoqiPart):
     async def _halt(self) -> None:
         """End every movement, whoever began it."""
         await self._robot.call(MOTION, "killAll")
+
+
+def _seconds(args: Mapping[str, Any]) -> float:
+    return max(positive(args, "seconds", 1.0), SHORTEST_S)
 
 
 async def hold(robot: RobotCalls, joints: JointTable, names: list[str]) -> None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from woz_drivers.background import forget_outcome
 from woz_drivers.naoqi_robot import memory
@@ -24,6 +25,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    Forecast,
     Job,
     RejectedError,
     Scope,
@@ -163,6 +165,12 @@ class EyesPart(NaoqiPart):
         if loop is not None:
             await asyncio.wait([loop])
         await super().close()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """How long a fade or an animation takes."""
+        default = 3.0 if verb == "eyes_animation" else 0.0
+        known = verb in ("eyes", "eyes_animation")
+        return Forecast(positive(args, "seconds", default), ()) if known else Forecast()
 
     # -- verbs -----------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ import asyncio
 import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from woz_drivers import confirmed_stop
 from woz_drivers.background import Background, BackgroundTasks
@@ -31,6 +31,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Finding,
+    Forecast,
     Job,
     RejectedError,
     Scope,
@@ -148,6 +149,11 @@ class NaoqiRobot(Driver):
     async def open(self) -> None:
         """Begin to look for the robot."""
         self._connection.start()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """As its part says; speech and driving about so long."""
+        part = self._by_verb.get(verb)
+        return Forecast() if part is None else await part.predict(verb, args)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb by its part; what was asked for is compared with the robot from now on.

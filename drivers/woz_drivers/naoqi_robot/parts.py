@@ -19,6 +19,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    Forecast,
     Job,
     RejectedError,
     Scope,
@@ -127,6 +128,10 @@ class NaoqiPart:
     def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
         """The sensors that it publishes."""
         return ()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """How one of its verbs would go. What the robot itself decides is not known."""
+        return Forecast()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out one of its verbs; cancelled by the stop: then end it on the robot, too, but do

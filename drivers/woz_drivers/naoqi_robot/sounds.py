@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from woz_drivers.naoqi_robot.memory import within
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
@@ -26,6 +27,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    Forecast,
     Job,
     RejectedError,
     Scope,
@@ -70,6 +72,11 @@ class SoundsPart(NaoqiPart):
         """`sound`."""
         loud = Argument("volume", "number", "0 mute, 1 full", False, 1.0, Range(0, 1))
         return (common_verb("sound", "", Argument("file", "text", _FILE, required=True), loud),)
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """Of a file of this machine."""
+        local = local_file(text(args, "file"), self._folder)
+        return Forecast() if local is None else Forecast(sound_seconds(str(local)), ())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Play it; ends when the sound has ended."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from typing import Any
 
 from woz_drivers.naoqi_robot import tags
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
@@ -27,6 +28,7 @@ from woz_tui.drivers.contract import (
     Argument,
     DriverContext,
     DriverError,
+    Forecast,
     Job,
     RejectedError,
     Scope,
@@ -116,6 +118,18 @@ class VoicePart(NaoqiPart):
         return read
 
     # -- speaking --------------------------------------------------------------------------------
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """About: the robot says neither how long a text takes nor when its words come."""
+        spoken = ""
+        if verb == "say":
+            spoken = text(args, "text")
+        elif verb == "read":
+            spoken = await asyncio.to_thread(
+                tags.read_text, self._context.folder / text(args, "file")
+            )
+        parts = tags.paragraphs(spoken)
+        return Forecast(sum(tags.seconds(part, self._speed) for part in parts) if parts else None)
 
     async def _speak(self, job: Job) -> dict[str, Json]:
         spoken = text(job.args, "text")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import functools
-from collections.abc import Awaitable, Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 from woz_drivers import confirmed_stop, live_talk
 from woz_drivers.background import Background, BackgroundTasks
@@ -14,8 +15,14 @@ from woz_drivers.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.reachy_mini import doctor, reachy_pose
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_body import ReachyBody
-from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, LIBRARIES, MOVES, data_set_and_name
-from woz_drivers.reachy_mini.reachy_pose import ASLEEP, HOME
+from woz_drivers.reachy_mini.reachy_moves import (
+    EMOTIONS,
+    LIBRARIES,
+    MOVES,
+    PoseFrame,
+    data_set_and_name,
+)
+from woz_drivers.reachy_mini.reachy_pose import ASLEEP, HOME, Pose
 from woz_drivers.reachy_mini.reachy_senses import ReachySenses
 from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
 from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
@@ -31,6 +38,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     DriverFacts,
     Finding,
+    Forecast,
     Job,
     Probe,
     RejectedError,
@@ -491,6 +499,23 @@ class ReachyMini(Driver):
             "give the robot a network once, and it fetches them" if absent else "",
         )
 
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """What this driver times from where the robot stands: not the daemon's own moves."""
+        body = self._body
+        match verb:
+            case "pose":
+                wanted = reachy_pose.wanted_joints(args["joints"])
+                return Forecast(body.seconds_for(wanted, args["seconds"]), ())
+            case "home":
+                return Forecast(body.seconds_for(HOME, args["seconds"]), ())
+            case "poses":
+                return Forecast(sum(seconds for _, seconds in _timed_poses(args)), ())
+            case "play" if args["move"] not in self.settings.recorded:
+                return Forecast(body.gesture_s(*self._gesture(args)), ())
+            case "say" | "sound":
+                return Forecast(await self._sounds.seconds(verb, args))
+        return Forecast()
+
     # -- moving ----------------------------------------------------------------------------------
 
     async def _pose(self, job: Job) -> Sent:
@@ -504,10 +529,7 @@ class ReachyMini(Driver):
         return await self._body.go(wanted, job.args["seconds"])
 
     async def _poses(self, job: Job) -> Sent:
-        poses = [
-            (reachy_pose.wanted_joints(pose["joints"]), max(float(pose.get("seconds", 0.5)), 0.0))
-            for pose in job.args["poses"]
-        ]
+        poses = _timed_poses(job.args)
         job.expects(sum(seconds for _, seconds in poses))
         total = 0.0
         joints: dict[str, float] = {}
@@ -523,10 +545,13 @@ class ReachyMini(Driver):
         return {"move": name, **await self._own_move(job, name)}
 
     async def _own_move(self, job: Job, name: str) -> Sent:
-        how = (MOVES[name], self._body.pose, job.args["amplitude"], job.args["speed"])
+        how = self._gesture({**job.args, "move": name})
         job.expects(self._body.gesture_s(*how))
         seconds = await self._body.gesture(*how)
         return {"seconds": round(seconds, 3), "amplitude": job.args["amplitude"]}
+
+    def _gesture(self, args: Mapping[str, Any]) -> tuple[Sequence[PoseFrame], Pose, float, float]:
+        return MOVES[args["move"]], self._body.pose, args["amplitude"], args["speed"]
 
     async def _recorded(self, job: Job) -> Sent:
         return await self._play_recorded(str(job.args["move"]))
@@ -685,3 +710,11 @@ _ENDS_DEMO = frozenset(
 
 def _able(on: bool) -> str:
     return "enable" if on else "disable"
+
+
+def _timed_poses(args: Mapping[str, Any]) -> list[tuple[Pose, float]]:
+    """Each with its seconds."""
+    return [
+        (reachy_pose.wanted_joints(pose["joints"]), max(float(pose.get("seconds", 0.5)), 0.0))
+        for pose in args["poses"]
+    ]

@@ -69,6 +69,13 @@ class ReachySounds:
         wav = await asyncio.to_thread(read_wav, self._context.folder / Path(file))
         return {"file": file} | await self._play(job, wav)
 
+    async def seconds(self, verb: str, args: Mapping[str, Any]) -> float:
+        """How long an utterance or a file of this machine is; speech is made ready for that."""
+        if verb == "say":
+            text = spoken_text(str(args["text"]))
+            return (await self._synthesis.utterance(text, self._choice(args))).sound.seconds
+        return (await asyncio.to_thread(read_wav, self._context.folder / str(args["file"]))).seconds
+
     def _choice(self, args: Mapping[str, Any]) -> VoiceChoice:
         return self._voice.choice().changed(args)
 

@@ -34,6 +34,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     DriverFacts,
     Finding,
+    Forecast,
     Job,
     Probe,
     RejectedError,
@@ -159,6 +160,16 @@ class Ros(Driver):
         self._robot.start()
         if self._sensors:
             self._watch.start(self._watch_sensors())
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """As far as the file says how long it takes: by time, or a drive at its speeds."""
+        if verb == "drive" and self._base is not None:
+            return Forecast(self._base.seconds(args), ())
+        if verb == "poses":
+            return Forecast(sum(float(pose.get("seconds") or 1.0) for pose in args["poses"]), ())
+        declared = self._declared.get(verb)
+        seconds = declared.usual_s(args) if declared is not None else 0.0
+        return Forecast(seconds or None)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Send what the file says, and return when it has ended. Raises as the contract says."""
@@ -449,10 +460,14 @@ class DeclaredVerb:
             values["color"] = color(values, "color")
         return values
 
-    async def _until_end(self, job: Job, args: Mapping[str, Any]) -> None:
+    def usual_s(self, args: Mapping[str, Any]) -> float:
+        """How long it takes, in seconds; 0: the file does not say."""
         ends = self._declared.ends
         length = len(str(args.get(self._text) or "")) if self._text else 0
-        seconds = ends.seconds + ends.per_character * length
+        return ends.seconds + ends.per_character * length
+
+    async def _until_end(self, job: Job, args: Mapping[str, Any]) -> None:
+        seconds = self.usual_s(args)
         if seconds:
             job.expects(seconds)
         if self._ends is None:

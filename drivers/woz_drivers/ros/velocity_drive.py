@@ -45,13 +45,20 @@ class VelocityDrive:
         """Whether its odometry says that it moves, though no command drives."""
         return self._still is False and not self.moving
 
+    def seconds(self, args: Mapping[str, Any]) -> float:
+        """How long the distance takes at the speed of the file. Raises `RejectedError`."""
+        x, y, turn = (number(args, name) for name in ("x", "y", "turn"))
+        declared = self._declared
+        seconds = max(math.hypot(x, y) / declared.speed, abs(turn) / declared.turn_speed)
+        if seconds == 0:
+            raise RejectedError("no distance and no turn is given", "give x, y or turn")
+        return seconds
+
     async def drive(self, job: Job) -> Mapping[str, Json]:
         """Drive by time: as long as the distance takes at the speed of the file."""
         declared = self._declared
         x, y, turn = (number(job.args, name) for name in ("x", "y", "turn"))
-        seconds = max(math.hypot(x, y) / declared.speed, abs(turn) / declared.turn_speed)
-        if seconds == 0:
-            raise RejectedError("no distance and no turn is given", "give x, y or turn")
+        seconds = self.seconds(job.args)
         job.expects(seconds)
         # All three end together: what is shorter goes slower.
         velocity = self._twist(x / seconds, y / seconds, math.radians(turn) / seconds)

@@ -100,6 +100,6 @@ def offered(
 
 
 def _drive(declared: DriveDeclaration) -> Verb:
-    drive = common_verb(DRIVE, limit_s=600.0)
+    drive = common_verb(DRIVE, limit_s=600.0, arrives=True)
     ways = [each for each in drive.arguments if declared.sideways or each.name != "y"]
     return replace(drive, arguments=tuple(ways))

@@ -15,6 +15,7 @@ from woz_drivers.furhat.settings import FurhatGazeSettings, FurhatSensesSettings
 
 from tests.drivers.furhat.acted import SOMEBODY, Acted, acted, looks_often
 from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.protocol.messages import Json
 from woz_tui.testing import until
 
 
@@ -188,3 +189,25 @@ async def test_eyes_colour_the_ring(it: Acted, color: str, led: str) -> None:
     await until(lambda: it.robot.led == "#ff0000")
     await it.do("eyes", color=color)
     await until(lambda: it.robot.led == led)
+
+
+# -- how long it will take -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("verb", "args"),
+    [
+        ("say", {"text": "Hello there."}),
+        ("play", {"move": "nod", "speed": 2.0}),
+        ("play", {"move": "look-around", "speed": 1.5}),
+        ("poses", {"poses": [{"joints": {"BROW_DOWN_LEFT": 0.5}, "seconds": 0.4}] * 2}),
+        ("home", {"seconds": 0.5}),
+    ],
+)
+async def test_what_is_foretold_is_what_the_wizard_sees_counted_down(
+    it: Acted, verb: str, args: dict[str, Json]
+) -> None:
+    foretold = await it.driver.predict(verb, args)
+    await it.do(verb, **args)
+    assert foretold.seconds == pytest.approx(it.jobs[-1].expected[0])
+    assert (await it.driver.predict("gaze", {"yaw": 10.0})).seconds is None

@@ -214,3 +214,31 @@ async def test_motors_that_stay_as_they_are_are_told(
             await it.do("torque", on=True)
         assert "emergency stop" in told.value.remedy
         assert await it.do("torque", on=False) == {"on": False}
+
+
+# -- how long it will take ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("verb", "args"),
+    [
+        ("say", {"text": "Hello there."}),
+        ("pose", {"joints": {"HeadYaw": 10.0}, "seconds": 2.0}),
+        ("drive", {"x": 0.4, "turn": 20.0}),
+        ("eyes", {"color": "red", "seconds": 1.5}),
+    ],
+)
+async def test_what_is_foretold_is_what_the_wizard_sees_counted_down(
+    it: Played, verb: str, args: dict[str, Json]
+) -> None:
+    await it.do("torque", on=True)
+    foretold = await it.driver.predict(verb, args)
+    await it.do(verb, **args)
+    assert foretold.seconds == pytest.approx(it.jobs[-1].announced[0])
+
+
+async def test_of_what_the_robot_decides_nothing_is_foretold(it: Played) -> None:
+    assert (await it.driver.predict("play", {"move": "Hey_1"})).seconds is None
+    assert (await it.driver.predict("posture", {"name": "Stand"})).seconds is None
+    with pytest.raises(RejectedError):
+        await it.driver.predict("drive", {})

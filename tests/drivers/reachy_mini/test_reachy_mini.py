@@ -722,3 +722,22 @@ def test_the_table_of_calls_names_tests_that_there_are() -> None:
     rows = re.findall(r"^\| `?[A-Z/].*\| `(test_\w+)` \|$", page, re.MULTILINE)
     assert len(rows) > 15
     assert [name for name in rows if name not in globals()] == []
+
+
+@pytest.mark.parametrize(
+    ("verb", "args"),
+    [
+        ("say", {"text": "Hello."}),
+        ("pose", {"joints": {"pan": 90.0}, "seconds": 0.0}),
+        ("poses", {"poses": [{"joints": {"pan": 20.0}, "seconds": 1}, {"joints": {"pan": 0.0}}]}),
+        ("home", {"seconds": 1.0}),
+        ("play", {"move": "nod", "speed": 2.0}),
+    ],
+)
+async def test_what_is_foretold_is_what_the_wizard_sees_counted_down(
+    it: PlayedReachy, verb: str, args: dict[str, Json]
+) -> None:
+    foretold = await it.driver.predict(verb, it.job(verb, **args).args)
+    await it.do(verb, **args)
+    assert foretold.seconds == pytest.approx(it.jobs[-1].expected[0])
+    assert (await it.driver.predict("gaze", {"yaw": 3.0})).seconds is None

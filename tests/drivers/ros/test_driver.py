@@ -717,3 +717,21 @@ def test_a_draft_of_a_robot_that_nobody_knows_says_so(
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.startswith("no host is called robot.invalid; ")
+
+
+async def test_how_long_a_command_takes_is_foretold_as_far_as_the_file_says() -> None:
+    commands: dict[str, dict[str, Any]] = {
+        "drive": {"x": 1.0, "turn": 90.0},
+        "emotion": {"emotion": "happy"},
+        "poses": {"poses": [{"joints": {"pan": 5}, "seconds": 2}, {"joints": {"pan": 0}}]},
+        "say": {"text": "Hello"},
+        "play": {"move": "wave"},
+    }
+    async with played() as it:
+        foretold = {
+            verb: (await it.driver.predict(verb, args)).seconds for verb, args in commands.items()
+        }
+        known = {"drive": 2.0, "emotion": pytest.approx(0.25), "poses": 3.0}
+        assert foretold == {**known, "say": None, "play": None}
+        with pytest.raises(RejectedError):
+            await it.driver.predict("drive", {"x": 0.0})

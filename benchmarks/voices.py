@@ -4,7 +4,8 @@
 
 *Ready* is the time from a text to its sound, or from the end of a sound to its text. *First sound*
 is the time from `say` to the start of the player, which writes down when it runs; its floor is the
-start of the same player without us. Piper and faster-whisper are measured where `make peers` has
+start of the same player without us. What a busy machine adds to a time is not in the time that the
+program has used a processor. Piper and faster-whisper are measured where `make peers` has
 installed them (`.ci/peers --install piper`, `.ci/peers --install whisper`): as a program started
 for each sentence, as the bare program or library that stays loaded (the floor), and through
 `resident_voice` and `resident_transcriber`. All in turns, in the same run.
@@ -25,6 +26,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import psutil
 from woz_drivers.microphone import whisper_transcriber
 from woz_drivers.microphone.transcriber import Transcript
 from woz_drivers.resident_program import ResidentProgram
@@ -63,6 +65,7 @@ GOALS = {
     "typed, two sentences": 300.0,
     "typed, 24 words": 300.0,
 }
+FIRST_PART = "piper: bare, its first part"
 #: How many times the bare resident program a resident voice or transcriber may take.
 OVER_BARE = 1.5
 
@@ -140,6 +143,12 @@ class BareLines:
             if re.search(fits, line):
                 return line
         raise RuntimeError("the bare program ended")
+
+    @property
+    def processor_ms(self) -> float:
+        """How long it has used a processor so far."""
+        times = psutil.Process(self._process.pid).cpu_times()
+        return (times.user + times.system) * 1000
 
     def end(self) -> None:
         self._process.kill()
@@ -233,9 +242,14 @@ async def piper(clocked: Clocked, folder: Path, count: int) -> list[Path]:
         if number < max(2, count // 4):
             cold = [*command, "-f", str(folder / "cold.wav")]
             clocked.add("piper: started for each", ran_for(cold, text))
-        began = time.perf_counter()
-        bare.ask(text)
-        clocked.add("piper: bare, loaded", (time.perf_counter() - began) * 1000)
+        for name, said in (
+            ("piper: bare, loaded", text),
+            (FIRST_PART, resident.parts(text, resident.choice({}))[0]),
+        ):
+            began, used = time.perf_counter(), bare.processor_ms
+            bare.ask(said)
+            clocked.add(name, (time.perf_counter() - began) * 1000)
+            clocked.add(f"{name} (processor)", bare.processor_ms - used)
         began = time.perf_counter()
         made = await resident.utterance(text)
         clocked.add("piper: resident_voice", (time.perf_counter() - began) * 1000)
@@ -307,6 +321,8 @@ async def measure(folder: Path, count: int, peers: bool) -> None:
             under = Spread.of(clocked.values[floor]).p50
             rows.append(clocked.row(f"{engine}: {ours}", floor))
             rows[-1][-1] = verdict(ratio / under, OVER_BARE)
+            for name in (FIRST_PART, f"{floor} (processor)", f"{FIRST_PART} (processor)"):
+                rows += [clocked.row(name, floor)] if engine == "piper" else []
     if rows:
         table("A sentence of 14 words is ready (ms)", ["", "p50", "worst", "x floor", "goal"], rows)
     for one in missing:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import tempfile
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.client.test_client import PATIENCE_S
 from tests.host.rig import Served, served
-from woz_tui.client import WozClient, WozRefusedError, connect
+from woz_tui.client import WozClient, WozError, WozRefusedError, connect
 from woz_tui.client.tools import LOOK, PLAY, STOP, ToolCaller, tools_of
+from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import ArgumentDescription, VerbDescription
 
 
@@ -45,6 +50,65 @@ async def test_a_call_returns_when_it_is_done(host: Served, woz: WozClient) -> N
     assert [verb for verb, _ in host.puppet().calls].count("say") == 2
     with pytest.raises(WozRefusedError):
         await caller.call("release", {})
+
+
+@pytest.mark.parametrize(
+    ("name", "args"),
+    [
+        ("set", {}),
+        ("lock", {"panel": "P"}),
+        ("unlock", {"panel": "P"}),
+        ("say", {"text": "Hi", "driver": "session"}),
+        ("say", {"text": "Hi", "driver": "nobody"}),
+        ("release", {}),
+        ("", {}),
+    ],
+)
+async def test_what_is_no_tool_cannot_be_called_by_name(
+    host: Served, woz: WozClient, name: str, args: dict[str, Any]
+) -> None:
+    """The session's own verbs are the wizard's."""
+    with pytest.raises(WozRefusedError, match="no tool"):
+        await ToolCaller(woz).call(name, args)
+    assert not [line for line in host.lines if isinstance(line, m.Command)]
+
+
+#: What a program may send as JSON.
+_JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=50),
+    lambda inner: (
+        st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=9), inner, max_size=4)
+    ),
+    max_leaves=20,
+)
+_CALLS = st.lists(
+    st.tuples(
+        st.sampled_from(["say", "play", PLAY, "set", "release", "__class__"])
+        | st.text(max_size=20),
+        st.dictionaries(st.sampled_from(["nonsense", "driver", "move", "at"]), _JSON, min_size=1),
+    ),
+    min_size=20,
+    max_size=20,
+)
+
+
+@settings(max_examples=settings().max_examples if settings().max_examples >= 1000 else 5)
+@given(calls=_CALLS)
+def test_hostile_calls_are_refused_and_the_session_plays_on(
+    calls: list[tuple[str, dict[str, Any]]],
+) -> None:
+    async def run() -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            async with served(Path(folder)) as host, connect(host.path) as woz:
+                caller = ToolCaller(woz)
+                for name, args in calls:
+                    if name not in (STOP, LOOK):
+                        with pytest.raises(WozError):
+                            await caller.call(name, {"nonsense": 1, **args})
+                assert not host.puppet().calls
+                assert (await caller.call("say", {"text": "Hi"}))["done"]
+
+    asyncio.run(run())
 
 
 async def test_a_stop_holds_until_a_person_releases_it(host: Served, woz: WozClient) -> None:

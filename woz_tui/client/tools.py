@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from woz_tui.client import WozClient
+from woz_tui.client import WozClient, WozRefusedError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import ArgumentDescription, VerbDescription
 from woz_tui.protocol.panels import PanelView
@@ -131,6 +131,13 @@ class ToolCaller:
         if name == PLAY:
             await self._client.press(str(args.get("action", "")))
             return {"done": True}
+        driver = str(args.get(DRIVER, ""))
+        verbs = [verb for verb in self._client.description.verbs if verb.name == name]
+        offered = [verb.driver for verb in verbs if verb.driver not in OWN_DRIVERS]
+        if not offered or driver not in ("", *offered):
+            raise WozRefusedError(f"there is no tool {name[:100]!r}{driver and f' of {driver!r}'}")
+        if len(offered) == 1:  # and none of the session's own of that name
+            driver = offered[0]
         rest = {key: value for key, value in args.items() if key != DRIVER}
-        done = await self._client.perform(name, rest, driver=str(args.get(DRIVER, "")))
+        done = await self._client.perform(name, rest, driver=driver)
         return {"done": True, "sent": {**done.sent}}

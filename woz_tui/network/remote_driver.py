@@ -465,9 +465,10 @@ class RemoteDriver(Driver):
             case DriverStatement():
                 context.publish(body)
             case dm.MessageSent(line=line):
-                message = codec.decode_message(line)
-                if isinstance(message, Shown | Speech):
-                    context.publish(message)
+                with contextlib.suppress(codec.WireError):
+                    message = codec.decode_message(line)
+                    if isinstance(message, Shown | Speech):
+                        context.publish(message)
             case dm.FeedsNamed() | dm.PictureSent() | dm.SoundSent() | dm.VoiceTaken():
                 self._feeds.take(body)
             case dm.AskSent(id=number, ask=ask, answered=answered):

@@ -133,6 +133,9 @@ async def test_a_voice_goes_on_when_a_cut_line_is_back(bench: Bench) -> None:
         if (taken := reader.take()) is not None:
             heard.extend(taken[0].pcm)
     assert heard.startswith(WORD)
+    running.terminate()
+    assert running.stderr is not None
+    assert b"Traceback" not in await asyncio.wait_for(running.stderr.read(), 30)
 
 
 async def test_who_is_revoked_is_told_and_the_command_ends(bench: Bench) -> None:

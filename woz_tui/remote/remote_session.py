@@ -265,6 +265,10 @@ class RemoteSession:
                     )
                 finally:
                     await other.close()
+        except asyncio.CancelledError:
+            # The line is lost. Python 3.11 would print that a task of its server was cancelled, on
+            # the wizard's screen.
+            pass
         finally:
             self._open.discard(task)
             writer.close()

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.bridge.rig import CATALOGUE, EXPERIMENT, bridged, eyepi
 from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
 from woz_tui.bml.bml_block import Behaviour, read_block
 from woz_tui.bml.realizer import BmlRealizer, Feedback
+from woz_tui.bml.ros_data import RosDataError
 from woz_tui.client import connect
 from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.experiment import ExperimentError
@@ -160,3 +165,20 @@ def test_a_wrong_table_is_told_with_its_place(tmp_path: Path, table: str, why: s
     with pytest.raises(ExperimentError, match=why) as caught:
         load(experiment, CATALOGUE)
     assert str(file) in str(caught.value)
+
+
+@pytest.mark.hypothesis
+@given(data=st.data())
+def test_whatever_a_message_holds_it_is_verbs_or_refused(data: st.DataObject) -> None:
+    _, table = eyepi()
+    topic = data.draw(st.sampled_from([*table.takes]))
+    names = st.sampled_from([*table.takes[topic].fields])
+    numbers = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(2**62), 2**62)
+    values = (
+        numbers | st.text(max_size=5) | st.booleans() | st.lists(numbers, max_size=4).map(tuple)
+    )
+    message = data.draw(st.dictionaries(names, values))
+    with contextlib.suppress(RosDataError):
+        for call in table.calls(topic, message):
+            assert call.verb
+            json.dumps(call.args, allow_nan=False)

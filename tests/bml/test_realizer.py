@@ -117,6 +117,29 @@ async def test_blocks_wait_join_in_and_take_over_as_they_say(planner: Planner) -
     assert "b4:w:end" not in planner.progress()
 
 
+async def test_what_is_appended_waits_for_the_blocks_that_it_names_and_for_no_others(
+    planner: Planner,
+) -> None:
+    long = '<wait id="w" end="999"/>'
+    await planner.realizer.perform(XML.format("b1", "", long))
+    await planner.realizer.perform(XML.format("b2", "", long))
+    await planner.realizer.perform(XML.format("after", 'composition="APPEND-AFTER(b2)"', ""))
+    await planner.realizer.perform(XML.format("both", 'composition="APPEND-AFTER(b1, b2)"', ""))
+    await planner.realizer.perform(XML.format("all", 'composition="APPEND"', ""))
+    await planner.play("gone", "", 'composition="APPEND-AFTER(b0)"')
+    assert not {"after:start", "both:start", "all:start"} & {*planner.progress()}
+    await planner.realizer.cut("b2")
+    async with asyncio.timeout(PATIENCE_S):
+        await planner.realizer.until_over("after")
+    assert not {"both:start", "all:start"} & {*planner.progress()}
+    await planner.realizer.cut("b1")
+    async with asyncio.timeout(PATIENCE_S):
+        await planner.realizer.until_over("both")
+        await planner.realizer.until_over("all")
+    progress = planner.progress()
+    assert progress.index("both:end") < progress.index("all:start")
+
+
 async def test_what_the_robot_cannot_do_is_told_and_the_rest_is_played(planner: Planner) -> None:
     gaze = '<gaze id="g" target="moon"/>'
     await planner.play("b1", SAY + gaze)

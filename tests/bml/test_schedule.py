@@ -216,6 +216,21 @@ def test_a_block_that_is_none_is_told(text: str, words: str) -> None:
         read_block(text)
 
 
+def test_what_is_required_comes_before_what_is_wished() -> None:
+    at = '<constraint><synchronize ref="w:end"><sync ref="{}"/></synchronize></constraint>'
+    found = planned(f'<wait id="w"/>{at.format(3)}<required>{at.format(5)}</required>')
+    assert found.times["w", "end"] == 5
+    assert ["w:end = 3" in warning.text for warning in found.warnings] == [True]
+
+
+def test_a_behaviour_of_another_block_is_not_one_of_this_name() -> None:
+    inner = '<wait id="a" start="9" end="8"/>' + NOD.format('start="z:a:end"')
+    found = schedule(
+        read_block(XML.format(inner)), elsewhere={SyncRef("a", "end", 0.0, "z"): 4.0}.get
+    )
+    assert found.times["n", "start"] == 4
+
+
 def test_other_blocks_times_count() -> None:
     block = read_block(XML.format(NOD.format('start="b0:s:end+1"')))
     other = {SyncRef("s", "end", 1.0, "b0"): 3.0}
@@ -358,8 +373,8 @@ ELEMENTS = {
     "s": '<speech id="s" {}><text>Hello.</text></speech>',
 }
 SPEECH_S = 2.0
-#: A block whose times are known.
-ELSEWHERE = {("z", "a", "end"): 4.0}
+#: Blocks whose times are known; `y` has ended before.
+ELSEWHERE: dict[tuple[str, ...], float] = {("z", "a", "end"): 4.0, ("y", "a", "end"): -2.0}
 
 
 def _point(text: str) -> tuple[Point, float]:
@@ -369,9 +384,9 @@ def _point(text: str) -> tuple[Point, float]:
     sign = next((each for each in "+-" if each in text), "")
     name, _, number = text.partition(sign) if sign else (text, "", "0")
     offset = float(sign + number)
-    parts = tuple(name.split(":"))
-    if parts[0] == "z":
-        return ("", "start"), ELSEWHERE["z", "a", "end"] + offset
+    parts = (*name.split(":"),)
+    if len(parts) == 3:
+        return ("", "start"), ELSEWHERE[parts] + offset
     return (parts[0], parts[1]), offset
 
 
@@ -413,7 +428,7 @@ REFS = st.one_of(
         ),
         OFFSETS,
     ).map("".join),
-    st.tuples(st.just("z:a:end"), OFFSETS).map("".join),
+    st.tuples(st.sampled_from(["z:a:end", "y:a:end"]), OFFSETS).map("".join),
 )
 OWNED = st.sampled_from(
     [(name, point) for name, kind in KINDS.items() for point in SYNC_POINTS[kind]]

@@ -218,7 +218,9 @@ async def test_its_sentences_are_one_utterance_and_a_prepared_one_is_made_whole(
 ) -> None:
     driver = await opened(desk, journal, "ok")
     whole = "Who is Dr. Who? One more."
-    sent = await driver.perform(say(whole))
+    job = say(whole)
+    sent = await driver.perform(job)
+    assert job.announced == [pytest.approx(0.16), pytest.approx(0.1)], "both, then the rest"
     assert (sent["text"], sent["seconds"], sent["source"]) == (whole, 0.2, "synthesised")
     heard = msgspec.convert(sent["words"], list[tuple[str, float, float]])
     assert [word for word, _, _ in heard] == ["hello", "hello"]

@@ -346,8 +346,12 @@ class Speech(Driver):
                     for one in utterance.words
                 ]
                 spoken.append(utterance)
+                letters_s = sum(one.sound.seconds for one in spoken) / sum(
+                    map(len, parts[:following])
+                )
+                left_s = letters_s * sum(map(len, parts[following:]))
                 with _telling(job, utterance):
-                    await self._play(job, utterance.path, utterance.sound, volume)
+                    await self._play(job, utterance.path, utterance.sound, volume, left_s)
         finally:
             await end_tasks(*making)
         new = [utterance for utterance in spoken if utterance.source == "synthesised"]
@@ -381,12 +385,15 @@ class Speech(Driver):
             "volume": volume,
         }
 
-    async def _play(self, job: Job, path: Path | None, content: Wav, volume: float) -> None:
+    async def _play(
+        self, job: Job, path: Path | None, content: Wav, volume: float, left_s: float = 0.0
+    ) -> None:
+        """`left_s`: so long the job goes on behind it."""
         words = self.settings.play_words()
         values = self.settings.values(self._voice.choice(job.args), volume)
         own_volume = any("{volume}" in word for word in words)
         async with _at_volume(path, content, 1.0 if own_volume else volume) as played:
-            job.expects(content.seconds)
+            job.expects(content.seconds + left_s)
             await self._run(
                 command_lines.fill(words, {**values, "wav": str(played)}),
                 content.seconds + self.settings.margin,

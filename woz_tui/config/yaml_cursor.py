@@ -125,9 +125,9 @@ def read_text(cursor: Cursor, expected: str = "text") -> str | None:
     return cursor.node.text
 
 
-def read_filled(cursor: Cursor | None, expected: str = "text") -> str | None:
+def read_filled(cursor: Cursor | None) -> str | None:
     """Text that is more than blanks, if it is there; blanks are reported, and come back."""
-    text = read_text(cursor, expected) if cursor is not None else None
+    text = read_text(cursor) if cursor is not None else None
     if cursor is not None and text is not None and not text.strip():
         cursor.error("is empty")
     return text
@@ -157,10 +157,10 @@ def check_different(
         first.setdefault(name, entry.place.line)
 
 
-def read_word(cursor: Cursor, choices: Iterable[str], expected: str = "one of") -> str | None:
+def read_word(cursor: Cursor, choices: Iterable[str]) -> str | None:
     """One of `choices`."""
     words = tuple(choices)
-    listed = f"{expected} {', '.join(words)}"
+    listed = f"one of {', '.join(words)}"
     text = read_text(cursor, listed if len(listed) < 120 else "one of the known words")
     if text is None or text in words:
         return text

@@ -68,7 +68,6 @@ class ExitHandler:
         line: What the beats say about the line.
         stop: Stops everything; for SIGINT.
         leave: Asks the app to close, given the exit code; must not wait.
-        grace_s: Seconds until the process is gone by force.
     """
 
     def __init__(
@@ -78,15 +77,12 @@ class ExitHandler:
         line: TerminalMonitor,
         stop: Callable[[], None],
         leave: Callable[[int], None],
-        *,
-        grace_s: float = GRACE_S,
     ) -> None:
         self._terminal = terminal
         self._feed = feed
         self._line = line
         self._stop = stop
         self._leave = leave
-        self._grace_s = grace_s
         self._once = threading.Lock()
         self._suspended = False
 
@@ -108,7 +104,7 @@ class ExitHandler:
         self._leave(code)
 
     def _exit_by_force(self, code: int) -> None:
-        time.sleep(self._grace_s)
+        time.sleep(GRACE_S)
         os._exit(code)
 
     # -- handlers, in the main thread -----------------------------------------------------------

@@ -227,12 +227,11 @@ def colour_count(environ: Mapping[str, str]) -> int:
 def choose_appearance(
     environ: Mapping[str, str],
     encoding: str,
-    colours: int | None = None,
     *,
     theme: str = "",
     light: Callable[[], bool | None] = lambda: None,
 ) -> Appearance:
-    """What suits a terminal: `colours` is how many it has, by default what it says itself.
+    """What suits a terminal, by what it says itself.
 
     NO_COLOR and terminals of 16 colours get the terminal's own colours, so that nothing but its
     palette is used. Otherwise it is the theme that was chosen last (`save_theme`), or what
@@ -243,8 +242,8 @@ def choose_appearance(
     wanted = theme or environ.get("WOZ_THEME", "")
     if wanted in CHOICES:
         return Appearance(glyphs, f"woz-{wanted}")
-    colours = colour_count(environ) if colours is None else colours
-    if "NO_COLOR" in environ or environ.get("TERM", "") == "linux" or colours <= 16:
+    few = environ.get("TERM", "") == "linux" or colour_count(environ) <= 16
+    if "NO_COLOR" in environ or few:
         return Appearance(glyphs, "woz-16")
     if chosen := saved_theme(environ):
         return Appearance(glyphs, f"woz-{chosen}")

@@ -39,7 +39,7 @@ from woz_tui.protocol.requests import (
 )
 from woz_tui.session.part_limits import player_names
 from woz_tui.session.questionnaire_control import PARTICIPANT
-from woz_tui.session.redactor import ParticipantRedactor, Redactor, redactor_for
+from woz_tui.session.redactor import ParticipantRedactor, Redactor, sees_everything
 from woz_tui.session.session import Session
 from woz_tui.session.session_plan import panels_changed, study_settings, welcome
 from woz_tui.system import session_sockets
@@ -256,7 +256,7 @@ class SessionServer:
             return
         client.hello, client.part = hello, hello.part
         client.role = self._role(client, hello)
-        sees_all = redactor_for(client.role, hello.sees) is None
+        sees_all = sees_everything(client.role, hello.sees)
         client.view = None if sees_all else self._views.get(client.role, self._views["wizard"])
         client.beat_us = self.session.hub.now()
         self._clients.append(client)

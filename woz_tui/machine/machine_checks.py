@@ -202,6 +202,8 @@ def read_throttling(answer: str) -> list[Finding]:
 #: The group that owns serial ports on Debian and its children.
 GROUP = "dialout"
 DEV = Path("/dev")
+#: Writing to the disk is measured for so long at most, in seconds.
+SYNC_S = 2.0
 USB_SERIAL = Path("/sys/bus/usb-serial/devices")
 
 _UDEV_RULE = 'ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{latency_timer}="1"'
@@ -301,14 +303,14 @@ def free_space(folder: Path) -> Finding:
     return Finding("ok", "disk", text)
 
 
-def sync_time(folder: Path, writes: int = 20, seconds: float = 2.0) -> Finding:
+def sync_time(folder: Path, writes: int = 20) -> Finding:
     """How long a written line takes until it is safe: `fdatasync` of up to `writes` blocks.
 
-    Ends after `seconds`, if there was one measurement by then. Leaves nothing behind.
+    Ends after `SYNC_S`, if there was one measurement by then. Leaves nothing behind.
     """
     place = nearest(folder)
     try:
-        times = _measure(place, writes, seconds)
+        times = _measure(place, writes)
     except OSError as error:
         remedy = "choose another folder with --recordings, or change its rights"
         return Finding(
@@ -324,9 +326,9 @@ def sync_time(folder: Path, writes: int = 20, seconds: float = 2.0) -> Finding:
     return Finding("error" if worst >= ALARMING_SYNC else "warning", "recordings", text, remedy)
 
 
-def _measure(folder: Path, writes: int, seconds: float) -> list[float]:
+def _measure(folder: Path, writes: int) -> list[float]:
     times: list[float] = []
-    until = time.monotonic() + seconds
+    until = time.monotonic() + SYNC_S
     with tempfile.TemporaryFile(dir=folder) as file:
         while len(times) < writes and (not times or time.monotonic() < until):
             begin = time.monotonic()

@@ -145,11 +145,11 @@ class ReplayPlayer:
             lines = sorted([*lines, *samples], key=_number)
         return [each for line in lines for each in _incoming(line)]
 
-    def _restart_at(self, t: int, now: int, index: int | None = None) -> list[Incoming]:
+    def _restart_at(self, t: int, now: int) -> list[Incoming]:
         """Begin anew at `t`."""
         recording = self.recording
         self.t = max(recording.begin_us, min(t, recording.length_us))
-        self._index = recording.index(self.t) if index is None else index
+        self._index = recording.index(self.t)
         self._local = now
         moment = recording.moment(self._index, self.t)
         told = welcome(

@@ -155,7 +155,7 @@ def device_name(path: str) -> str:
         return ""
 
 
-def present_gamepads(dev: Path = DEV) -> list[str]:
+def present_gamepads() -> list[str]:
     """The paths of gamepads that are plugged in, in the order of their numbers."""
-    found = [path for path in dev.glob("js*") if path.name[2:].isdigit()]
+    found = [path for path in DEV.glob("js*") if path.name[2:].isdigit()]
     return [str(path) for path in sorted(found, key=lambda path: int(path.name[2:]))]

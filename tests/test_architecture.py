@@ -62,13 +62,16 @@ ALIKE = re.compile(
 
 #: Loading the left side must not load the right side.
 UNLOADED = [
-    ("woz_tui.host.robot_process", {"textual", "numpy", "serial", "dynamixel_sdk", "woz_drivers"}),
-    ("woz_tui.host.robot_process", {"woz_tui.replay", "woz_tui.training", "woz_tui.analysis"}),
-    ("woz_tui.host.session_server", {"textual", "rich", "numpy", "serial", "woz_drivers"}),
+    (
+        "woz_tui.host.robot_process",
+        {
+            *("textual", "rich", "numpy", "serial", "dynamixel_sdk", "aiohttp", "woz_drivers"),
+            *("woz_tui.replay", "woz_tui.training", "woz_tui.analysis"),
+        },
+    ),
     ("woz_tui.cli", {"textual", "rich", "numpy", "serial", "msgspec", "woz_drivers"}),
     ("woz_tui.console.app", {"numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"}),
     ("woz_tui.drivers.plugins", {"textual", "numpy", "serial", "woz_drivers"}),
-    ("woz_tui.host.robot_process", {"aiohttp"}),
     ("woz_tui.client.blocking", {"textual", "numpy", "yaml", "woz_drivers", "woz_tui.drivers"}),
 ]
 

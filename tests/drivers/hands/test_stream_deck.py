@@ -42,6 +42,8 @@ class Usb(Dummy.Device):  # type: ignore[misc]
         self.reports.put(None)
 
     def read(self, length: int) -> bytes | None:
+        if not self.is_open():  # which ends the library's thread
+            raise TransportError("no such device")
         try:
             report = self.reports.get_nowait()
         except queue.Empty:

@@ -69,7 +69,7 @@ if libqi.HERE:
 #: Longer than all others together: `make test ARGS="-m benchmarks"` runs them, quickly, too.
 LONG = {
     *("key_latency.py", "screen_bytes.py", "start_up.py", "stop_latency.py"),
-    *("robot_latency.py", "robot_faults.py", "five_robots.py", "bml_timing.py"),
+    *("robot_latency.py", "robot_faults.py", "five_robots.py", "bridge_timing.py", "bml_timing.py"),
 }
 MARKS = dict.fromkeys(LONG, pytest.mark.benchmarks) | {"voices.py": pytest.mark.espeak}
 

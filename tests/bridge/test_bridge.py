@@ -303,6 +303,10 @@ async def test_the_bridge_itself_is_asked(tmp_path: Path) -> None:
         assert all(status.find("error") is not None for status in statuses[2:])
         [info] = it.texts("bridge_info")
         assert '<duration type="float">0.0</duration>' in info
+        request = '<request type="list-pubs-subs-services"/>'
+        it.send_text("bridge_info", f"<info>{request * 1000}</info>")
+        await it.until(lambda: len(it.texts("bridge_info")) == 2)
+        assert it.texts("bridge_info")[1].count("<response") == 100
         assert '<sub-topic isrelayed="True">/ram/animation/hmmm/sequence</sub-topic>' in info
 
 

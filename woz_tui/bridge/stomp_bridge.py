@@ -8,6 +8,7 @@ topic of the table is relayed from the beginning, so a planner goes on when the 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from itertools import islice
 from xml.etree import ElementTree as Xml
 
 from woz_tui.bml.ros_data import (
@@ -31,6 +32,8 @@ _CONFIG, _STATUS = "bridge_config", "bridge_status"
 _INFO, _SERVICE = "bridge_info", "bridge_service"
 #: Who a planner says sends a topic's messages: planners (the broker's side), or the robot.
 _PLANNER, _ROBOT = "apollo", "ros"
+#: So many of the requests in one message are answered.
+_MOST_REQUESTS = 100
 #: The same sentence is told again only after so many seconds.
 _AGAIN_S = 10.0
 #: More different ones than this are not told in that time.
@@ -53,13 +56,13 @@ class BridgeControl:
             if root.tag != kind:
                 raise RosDataError(f"expected <{kind}>, not <{str(root.tag)[:40]}>")
             if topic == _CONFIG:
-                for relay in root.iterfind("relay"):
+                for relay in islice(root.iterfind("relay"), _MOST_REQUESTS):
                     self._relay(relay, status)
             elif topic == _INFO:
-                for request in root.iterfind("request"):
+                for request in islice(root.iterfind("request"), _MOST_REQUESTS):
                     self._inform(request, answer, status)
             else:
-                for request in root.iterfind("request"):
+                for request in islice(root.iterfind("request"), _MOST_REQUESTS):
                     name = request.get("name", "")
                     _error(status, f"this robot has no service {name[:80]!r}")
         except RosDataError as error:

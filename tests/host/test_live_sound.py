@@ -369,3 +369,25 @@ async def test_a_locked_panel_keeps_it_off(tmp_path: Path) -> None:
         reply = await wizard.ask("action", action="Talk", source="key", key="t")
         assert not reply["ok"]
         assert not any(isinstance(line, m.Dispatched) for line in host.lines)
+
+
+async def test_who_is_far_away_asks_for_several_pieces_at_once(host: Served) -> None:
+    window = microphone(host)
+    peer = await host.connect()
+    await peer.hello("watcher")
+    for ref in range(1, 5):
+        await peer.say(kind="sound", ref=ref, after=-1 if ref > 1 else 0)
+    ends = []
+    for ref in range(1, 5):
+        wish = host.session.feeds.feed("robot", LISTENED)
+        while not isinstance(wish.latest().value, SoundListened):  # noqa: ASYNC110
+            await asyncio.sleep(0.002)
+        window.add(WORD, now(host))
+        line = await peer.until(lambda line: line["kind"] == "sound")
+        assert line["ref"] == ref
+        ends.append(line["end"])
+    assert ends == [320, 640, 960, 1280]
+    for ref in range(10, 50):
+        await peer.say(kind="sound", ref=ref, after=-1)
+    refused = await peer.until(lambda line: line["kind"] == "reply")
+    assert not refused["ok"]

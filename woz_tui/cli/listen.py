@@ -91,10 +91,11 @@ class _Listener:
             client.socket.close()
 
     def _listen(self) -> None:
-        end = 0
+        end, way_s = 0, 0.0
         while True:
-            after = end
-            self._client.ask(lambda ref: AskSound(ref=ref, driver=self._on, after=after))  # noqa: B023
+            while self._client.may_ask(2 * way_s):
+                after = end if self._client.asked_at is None else -1
+                self._client.ask(lambda ref: AskSound(ref=ref, driver=self._on, after=after))  # noqa: B023
             heard = self._wait()
             arrived = time.monotonic()
             if not heard.data:
@@ -125,13 +126,13 @@ class _Listener:
 
     def _wait(self) -> SoundHeard:
         while True:
+            answer = self._client.answer()
+            if isinstance(answer, SoundHeard):
+                return answer
             for descriptor, events in self._poll.poll(1000):
                 if descriptor == self._out and events:
                     raise BrokenPipeError
                 self._client.receive()
-            answer = self._client.answer()
-            if isinstance(answer, SoundHeard):
-                return answer
             self._status.late(self._client)
 
     def _begin(self, heard: SoundHeard) -> None:

@@ -19,6 +19,8 @@ from woz_tui.protocol.requests import AnyRequest, Hello, Reply, Welcome
 
 #: How often the line with the delay comes again where nothing else changes, in seconds.
 REPORT_S = 10.0
+#: Pieces that may be under way at once, and how long one is, in seconds.
+_AHEAD, _PIECE_S = 32, 0.02
 #: A robot process that has not answered for so long is told of, in seconds.
 LATE_S = 2.0
 
@@ -69,7 +71,7 @@ def print_end(command: str, end: SoundEndError) -> int:
 
 
 class SoundClient:
-    """A client of the session's socket that asks one thing at a time.
+    """A client of the session's socket; what it asks is answered in order.
 
     Raises `SoundEndError` where the robot process refuses or leaves.
     """
@@ -78,7 +80,10 @@ class SoundClient:
         self._ref = 0
         self._rest = bytearray()
         self._answers: deque[Any] = deque()
-        self.asked_at: float | None = None
+        #: What has not been answered: its number, and when it was asked.
+        self._asked: deque[tuple[int, float]] = deque()
+        #: How long the last answer took, in seconds.
+        self.took_s = 0.0
         try:
             self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             self.socket.connect(str(path))
@@ -98,16 +103,27 @@ class SoundClient:
     def ask(self, request: Callable[[int], AnyRequest]) -> None:
         """Send `request(ref)`; its answer comes by `answer`."""
         self._ref += 1
-        self.asked_at = time.monotonic()
+        self._asked.append((self._ref, time.monotonic()))
         self._send(request(self._ref))
 
+    @property
+    def asked_at(self) -> float | None:
+        """When the oldest was asked that has not been answered; None: there is none."""
+        return self._asked[0][1] if self._asked else None
+
+    def may_ask(self, way_s: float) -> bool:
+        """Whether one more may be asked, where a question and its answer are under way for so long:
+        as many pieces as come meanwhile.
+        """
+        return len(self._asked) < min(_AHEAD, 1 + round(way_s / _PIECE_S))
+
     def answer(self) -> Any:
-        """The answer to what was asked last; None: it is not there yet."""
+        """The answer to the oldest question; None: it is not there yet."""
         while self._answers:
             answer = self._answers.popleft()
             self._check(answer)
-            if getattr(answer, "ref", 0) == self._ref:
-                self.asked_at = None
+            if self._asked and getattr(answer, "ref", 0) == self._asked[0][0]:
+                self.took_s = time.monotonic() - self._asked.popleft()[1]
                 return answer
         return None
 

@@ -125,11 +125,10 @@ class _Talker:
     def _talk(self) -> None:
         while self._voice or not self._ended or self._client.asked_at is not None:
             self._wait()
-            answer = self._client.answer()
-            if isinstance(answer, Reply):
+            while isinstance(answer := self._client.answer(), Reply):
                 self._report(answer.data)
             enough = len(self._voice) >= self._bytes(_PIECE_S) or (self._ended and self._voice)
-            if enough and self._client.asked_at is None:
+            if enough and self._client.may_ask(self._client.took_s):
                 self._send()
 
     # -- in ----------------------------------------------------------------------------------

@@ -36,6 +36,8 @@ from woz_tui.session.session import Session
 
 #: How long new sound is waited for, and how often it is looked for, in seconds.
 WAIT_S, LOOK_S = 1.0, 0.01
+#: Pieces of sound that may be asked for at once, by who is far away.
+AHEAD = 32
 #: A microphone is told that somebody listens for so much longer than the longest wait, in seconds.
 LISTENED_S = 2.5
 #: Who may hear it: it is people who speak. Who may speak: whoever may play the robot.
@@ -57,6 +59,9 @@ class _Listening:
     began_us: int
     lost: int = 0
     rate: int = 0
+    #: The frame up to which it has got sound, and how many answers it waits for.
+    end: int = 0
+    waiting: int = 0
 
 
 @dataclass(slots=True)
@@ -112,13 +117,13 @@ class SoundService:
                 "live sound could reveal what this study hides from you",
                 "listen after the session to what the file has recorded",
             )
-        if client in self._asking:
-            raise RequestError("the previous piece of sound has not arrived yet")
         driver = self._driver(request.driver, SOUND, "microphone with live sound", LISTEN)
         listening = self._listening.get(client)
         if listening is None or listening.driver != driver:
             self._end(client)
-            self._begin(client, driver)
+            listening = self._begin(client, driver)
+        if listening.waiting >= AHEAD:
+            raise RequestError(f"{AHEAD} pieces of sound have been asked for and did not come yet")
         sound = self._session.feeds.feed(driver, SOUND).latest().value
         after = request.after
         if after <= 0 and isinstance(sound, LiveSound):  # what is left is of who listened earlier
@@ -126,11 +131,30 @@ class SoundService:
         now = self._session.clock.now_us()
         listened = SoundListened(now + round(LISTENED_S * 1_000_000))
         self._session.feeds.feed(driver, LISTENED).put(listened)
-        task = asyncio.get_running_loop().create_task(
-            self._send(client, driver, request.ref, after)
+        listening.waiting += 1
+        before, follows = self._asking.get(client), request.after < 0
+        self._asking[client] = asyncio.get_running_loop().create_task(
+            self._in_order(client, listening, before, replace(request, after=after), follows)
         )
-        self._asking[client] = task
-        task.add_done_callback(lambda done: self._asking.pop(client, None))
+
+    async def _in_order(
+        self,
+        client: ClientConnection,
+        listening: _Listening,
+        before: asyncio.Task[None] | None,
+        request: AskSound,
+        follows: bool,
+    ) -> None:
+        """Answer when what was asked before has been answered; `follows`: with what comes then."""
+        try:
+            if before is not None:
+                await asyncio.wait([before])
+            after = (listening.end if follows else 0) or request.after
+            await self._send(client, listening.driver, request.ref, after)
+        finally:
+            listening.waiting -= 1
+            if self._asking.get(client) is asyncio.current_task():
+                del self._asking[client]
 
     def _may_hear(self, client: ClientConnection) -> bool:
         """Whether sound tells this client nothing that is kept from it."""
@@ -138,11 +162,12 @@ class SoundService:
         words = bool(self._session.experiment.by_condition)
         return client.view.redactor.may_hear(words_tell=words)
 
-    def _begin(self, client: ClientConnection, driver: str) -> None:
+    def _begin(self, client: ClientConnection, driver: str) -> _Listening:
         if client not in self._listening:
             client.closed.add_done_callback(lambda closed: self._end(client))
-        self._listening[client] = _Listening(driver, self._session.clock.now_us())
+        began = self._listening[client] = _Listening(driver, self._session.clock.now_us())
         self._publish(ListenerJoined(console=client.name, driver=driver))
+        return began
 
     def _end(self, client: ClientConnection) -> None:
         listening = self._listening.pop(client, None)
@@ -171,7 +196,7 @@ class SoundService:
             return
         rate, piece = found
         if (listening := self._listening.get(client)) is not None:
-            listening.rate = rate
+            listening.rate, listening.end = rate, piece.end
             listening.lost += piece.lost
         client.send(
             replace(

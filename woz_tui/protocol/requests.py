@@ -351,8 +351,9 @@ class AskPicture(Request, frozen=True, kw_only=True, tag="picture"):
 
 class AskSound(Request, frozen=True, kw_only=True, tag="sound"):
     """The newest sound of the microphone of `driver` (empty: of the first one), after frame `after`
-    of it; the answer is a `live_sound.SoundHeard`. From the first to the last of them the log says
-    that somebody listens.
+    of it; the answer is a `live_sound.SoundHeard`. Who is far away asks for several pieces at once,
+    up to 32; an `after` of -1 means what follows the piece before. From the first to the last of
+    them the log says that somebody listens.
     """
 
     driver: str = ""

@@ -121,3 +121,31 @@ async def test_one_wizard_sees_nothing_of_parts() -> None:
         assert locks(seat, "Hello", "Nod", "Happy") == set()
         assert not {"voice", "body", "with"} & {*seat.text("ActionPanels").split()}
         assert "with" not in seat.text("StatusLines").split()
+
+
+async def test_arrows_move_ones_own_robot_as_long_as_others_play_the_other() -> None:
+    first = welcome("voice", there("con2", "body"))
+    panels = [
+        msgspec.structs.replace(panel, parts=[part], covers=covers)
+        for panel, part, covers in zip(
+            first.panels,
+            ("voice", "body"),
+            (["left.nudge", "left.say"], ["right.nudge", "right.say"]),
+            strict=False,
+        )
+    ]
+    verbs = {"right.body": ["nudge", "say"], "left.body": ["nudge", "say"]}
+    first = msgspec.structs.replace(first, panels=panels, verbs=verbs, drivers=[*verbs])
+    async with sitting(first) as seat:
+        await seat.press("up")
+        asked = seat.feed.asked[-1]
+        assert isinstance(asked, r.AskVerb)
+        assert (asked.verb, asked.on) == ("nudge", "left.body")
+        await seat.press("slash")
+        assert "voice: left.body" in seat.drawn()
+        await seat.press("ctrl+q")
+        await seat.tell(m.ConsoleLost(console="con2", role="wizard", why="closed", t=NOW))
+        sent = len(seat.feed.asked)
+        await seat.press("up")
+        assert len(seat.feed.asked) == sent
+        assert "right, left: use a" in seat.text("StopBar")

@@ -34,7 +34,13 @@ from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
 from woz_tui.console.status_rows import StatusInfo
 from woz_tui.console.study.study_view import StudyNews
 from woz_tui.protocol.camera_pictures import PictureShown
-from woz_tui.protocol.messages import DriverHealth, StopPressed, TrainingChanged
+from woz_tui.protocol.messages import (
+    ConsoleAttached,
+    ConsoleLost,
+    DriverHealth,
+    StopPressed,
+    TrainingChanged,
+)
 from woz_tui.protocol.requests import Reply, Welcome
 
 if TYPE_CHECKING:
@@ -177,6 +183,8 @@ class Console(ScreenApp):
                 elif isinstance(message, DriverHealth):
                     if message.driver == self._news_driver:
                         self._news = News()  # it refused in another state
+                elif isinstance(message, ConsoleAttached | ConsoleLost):
+                    self._bind_arrows()
                 elif isinstance(message, StopPressed) and message.scope == "all":
                     self._stop_asked = None  # also where its release came in the same batch
         self._follow_training()
@@ -256,10 +264,16 @@ class Console(ScreenApp):
         glyphs = self.look.glyphs
         state.keys = {name: caption(cap, glyphs) for name, cap in self.caps.items() if cap.chord}
         self.keyboard.bind(self.keymap.table, self._own_keys())
-        self.keyboard.verbs = state.verbs
+        self._bind_arrows()
         self.requests.arrows.adopt(state.settings.steps)
         if self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
+
+    def _bind_arrows(self) -> None:
+        """Arrows move the robot of this wizard, where others play other ones."""
+        own = self.state.own_verbs
+        self.keyboard.names_driver = own != self.state.verbs
+        self.keyboard.verbs = own
 
     def _own_keys(self) -> dict[str, ConsoleKey]:
         """What arrives, and which command it is the key of."""
@@ -451,7 +465,8 @@ class Console(ScreenApp):
     def _arrow_words(self, verb: str) -> str:
         """Why an arrow key moves nothing: no robot has the verb, or several have."""
         short = self.state.short_names
-        able = [short.get(name, name) for name, verbs in self.state.verbs.items() if verb in verbs]
+        own = self.state.own_verbs
+        able = [short.get(name, name) for name, verbs in own.items() if verb in verbs]
         if able:
             return f"Arrow keys move one robot alone, and here are {', '.join(able)}: use a button"
         robots = {name.partition(".")[0] for name in short} if "." in "".join(short) else {""}

@@ -95,6 +95,7 @@ def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> ConsoleC
             verb=verb,
             args={argument: way * float(getattr(press.steps, step))},
             source="key",
+            on=press.on,
             # A key held down moves on smoothly and leaves no steps behind when let go.
             when_busy="replace",
             **press.fields,

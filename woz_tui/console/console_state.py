@@ -34,7 +34,7 @@ from woz_tui.protocol.codec import WireError, decode_message
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import Allowance, WelcomeSettings
-from woz_tui.session.part_limits import panel_players, part_names
+from woz_tui.session.part_limits import panel_players, part_names, verb_players
 from woz_tui.session.redactor import PerceptionFilter, Redactor
 from woz_tui.timeline.episodes import LostDriverEpisode, StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
@@ -632,6 +632,28 @@ class ConsoleState:
             return ""
         found = panel_players(panel, self.panels, wizards)
         return "" if self.console in found else part_names(found, wizards)
+
+    @property
+    def own_verbs(self) -> Mapping[str, Sequence[str]]:
+        """Driver -> its verbs, without those that another wizard plays on this driver and this one
+        on another.
+        """
+        wizards = self.session.wizards
+        if self.role != "wizard" or len(wizards) < 2:
+            return self.verbs
+        own = {
+            driver: [
+                verb
+                for verb in verbs
+                if self.console in verb_players(verb, self.panels, wizards, driver)
+            ]
+            for driver, verbs in self.verbs.items()
+        }
+        found = {verb for verbs in own.values() for verb in verbs}
+        return {
+            driver: [verb for verb in verbs if verb in own[driver] or verb not in found]
+            for driver, verbs in self.verbs.items()
+        }
 
     def is_of_others(self, panel: PanelView) -> bool:
         """Whether this wizard's keys of the panel are refused, because another one plays it."""

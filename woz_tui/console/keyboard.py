@@ -54,6 +54,8 @@ class KeyPress(NamedTuple):
     age_us: int = 0
     stale: bool = False
     steps: ArrowSizes = ArrowSizes()
+    #: The driver that is meant, where several offer the verb.
+    on: str = ""
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -104,8 +106,10 @@ class Keyboard:
         self, feed: MessageFeed, clock: Clock | None = None, steps: ArrowSizes | None = None
     ) -> None:
         self.feed = feed
-        #: The verbs that each driver offers, from the welcome: arrows work only where one moves.
+        #: The verbs that each driver offers to this wizard: arrows work only where one moves.
         self.verbs: Mapping[str, Collection[str]] = {}
+        #: Whether other drivers offer them to other wizards, so that its name has to be said.
+        self.names_driver = False
         self.on_pressed: OnPress = _ignore
         #: A press too old to be played. What would have moved the robot is logged as refused,
         #: under the given `ref`.
@@ -294,9 +298,11 @@ class Keyboard:
         own = self._own.get(chord)
         if own is None or own.sends is None:
             return False
-        if own.verb and sum(own.verb in offered for offered in self.verbs.values()) != 1:
+        offering = [name for name, offered in self.verbs.items() if own.verb in offered]
+        if own.verb and len(offering) != 1:
             return False  # nobody, or nobody knows whom: the screen says so
-        request = own.sends(KeyPress(chord, age_us, stale, self.steps))
+        on = offering[0] if own.verb and self.names_driver else ""
+        request = own.sends(KeyPress(chord, age_us, stale, self.steps, on))
         if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))
         elif isinstance(

@@ -79,7 +79,9 @@ class SayDialog(CompletionDialog):
         self._show_voice()
 
     def _voices(self) -> list[str]:
-        return [name for name, verbs in self.state.verbs.items() if "say" in verbs]
+        own = self.state.own_verbs
+        offering = [name for name, verbs in self.state.verbs.items() if "say" in verbs]
+        return sorted(offering, key=lambda name: "say" not in own[name])  # one's own robot first
 
     def _show_voice(self) -> None:
         voices = self._voices()

@@ -340,6 +340,8 @@ class LiveTalk:
         self._state = context.feed(VOICE_STATE)
         self._state.put(VoiceState(settings.rate))
         self._outlet: TalkOutlet | None = None
+        #: Why it has to end, though the loudspeaker says nothing of that.
+        self._failure: DriverError | None = None
         self._ending: asyncio.Event | None = None
         self._through: ByteStream | None = None
         #: Why the program that changes the voice cannot be used; None: it can.
@@ -463,6 +465,7 @@ class LiveTalk:
                 self._trouble.remedy or "press the key again in a moment",
             )
         clock, rate = self._context.clock, self._settings.rate
+        self._failure = None
         tally = VoiceTally(clock.now_us(), rate)
         ending = self._ending = asyncio.Event()
         why = "stopped"
@@ -497,6 +500,8 @@ class LiveTalk:
             if now - tally.began_us > settings.longest * 1_000_000:
                 return f"it was on for {settings.longest:g} s"
             await outlet.check()
+            if self._failure is not None:
+                raise self._failure
             if (taken := reader.take()) is not None:
                 piece, sound = taken
                 tally.came_us, tally.by, tally.lost_s = now, sound.source, sound.lost_s
@@ -540,6 +545,12 @@ class LiveTalk:
             raise RejectedError("nobody talks", "press the key of `talk` first")
         self._ending.set()
         return {}
+
+    def fail(self, failure: DriverError) -> None:
+        """The robot is gone: who talks is not heard any more, and has to press the key again."""
+        self._failure = failure
+        if self._outlet is not None:
+            self._outlet.silence()
 
     async def stop(self) -> None:
         """Fall silent at once, for what is on its way, too."""

@@ -172,8 +172,8 @@ class FurhatSpeech(FurhatPart):
 
     def lost(self) -> None:
         """Who talks is not heard any more, and has to press the key again."""
-        if self._live is not None:
-            self._live.voice.fail(DeviceLostError("the robot is disconnected"))
+        if self._talk is not None:
+            self._talk.fail(DeviceLostError("the robot is disconnected"))
 
     async def close(self) -> None:
         """End the program that changes a voice."""

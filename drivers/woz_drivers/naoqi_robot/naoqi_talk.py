@@ -34,7 +34,6 @@ class TalkPart(NaoqiPart):
         self._talk: LiveTalk | None = None
         if settings.talk is not None:
             self._talk = LiveTalk(settings.talk, context, self._open)
-        self._voice: SentVoice | None = None
         #: Whether the robot has had some of a voice since it was connected.
         self._sent = False
 
@@ -71,8 +70,8 @@ class TalkPart(NaoqiPart):
     def lost(self) -> None:
         """Who talks is not heard any more, and has to press the key again."""
         self._sent = False
-        if self._voice is not None:
-            self._voice.fail(DeviceLostError("the robot is disconnected"))
+        if self._talk is not None:
+            self._talk.fail(DeviceLostError("the robot is disconnected"))
 
     async def close(self) -> None:
         """End the program."""
@@ -83,7 +82,7 @@ class TalkPart(NaoqiPart):
     @contextlib.asynccontextmanager
     async def _open(self, tally: VoiceTally) -> AsyncIterator[SentVoice]:
         await self._robot.call(_DEVICE, "setParameter", "outputSampleRate", tally.rate)
-        voice = self._voice = SentVoice(tally, self._send)
+        voice = SentVoice(tally, self._send)
         try:
             yield voice
         except BaseException:
@@ -92,7 +91,6 @@ class TalkPart(NaoqiPart):
                 self._clean_up.start(self._flush())
             raise
         finally:
-            self._voice = None
             await voice.close()
 
     async def _send(self, pcm: bytes) -> bool:

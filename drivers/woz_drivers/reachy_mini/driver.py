@@ -463,6 +463,8 @@ class ReachyMini(Driver):
     def _when_lost(self, error: DeviceLostError) -> None:
         self._mode = MODES[0]
         self._lost = True
+        if self._talk is not None:
+            self._talk.fail(error)
         self._demo.cancel()
         self._body.forget()
         self._senses.lost()

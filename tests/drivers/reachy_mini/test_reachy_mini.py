@@ -22,7 +22,7 @@ from woz_drivers.reachy_mini.settings import LOUDSPEAKER
 from woz_drivers.speech.settings import PlayedTalkSettings
 
 from tests.drivers.reachy_mini.conftest import PACE, VOICE, PlayedReachy, reachy
-from woz_tui.drivers.contract import DriverError, RejectedError, Scope, Written
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope, Written
 from woz_tui.drivers.sound_feeds import VOICE as VOICE_SOUND
 from woz_tui.drivers.sound_feeds import VOICE_STATE, SoundWindow, VoiceState
 from woz_tui.motion.body_feeds import PRESENT, SEEN, SETPOINTS, JointPositions, Setpoints, Sighting
@@ -643,6 +643,14 @@ async def test_a_stop_ends_a_live_voice(folder: Path, scope: Scope) -> None:
         talk.cancel()
         await asyncio.wait([talk])
         assert it.context.feed(VOICE_STATE).latest().value == VoiceState(16_000)
+
+
+async def test_a_daemon_that_goes_ends_a_live_voice(folder: Path) -> None:
+    async with reachy(folder, talk=talk_settings(folder)) as it:
+        talk = await talking(it)
+        await it.robot.close()
+        with pytest.raises(DeviceLostError):
+            await talk
 
 
 def test_a_live_voice_goes_to_the_robots_loudspeaker_where_the_file_says_so() -> None:

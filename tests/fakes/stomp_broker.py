@@ -46,7 +46,9 @@ class StompBroker:
 
     async def start(self) -> None:
         """Listen; at the same port as before."""
-        self._server = await asyncio.start_server(self._serve, "127.0.0.1", self.port)
+        self._server = await asyncio.start_server(
+            self._serve, "127.0.0.1", self.port, limit=1 << 22
+        )
         self.port = self._server.sockets[0].getsockname()[1]
 
     async def stop(self) -> None:

@@ -553,6 +553,11 @@ async def test_a_name_that_is_revoked_while_it_is_connected_is_cut_and_stopped(
             await until(lambda: context.healths[-1][0] is Health.FAULTED)  # noqa: B023
             await until(lambda: arm.others == ["stop all"])  # noqa: B023
             assert any("revoked" in line for line in other.lines)
+            here = driver_messages.Here(driver_messages.LINK, "1", 7, "somebody")
+            remote._receive(  # it was on its way
+                driver_messages.encode(driver_messages.FrameFromDriver("x", 0, 0, here))
+            )
+            assert "revoked" in context.healths[-1][1]
             arm.context.notice("info", "still here")
             with pytest.raises(DeviceLostError, match="revoked"):
                 await remote.perform(LIFT)

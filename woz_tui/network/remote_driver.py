@@ -334,7 +334,7 @@ class RemoteDriver(Driver):
             self._line.send(self._keys[0], dm.encode(frame), urgent=urgent)
 
     def _receive(self, data: bytes) -> None:
-        if self._closed.is_set() and not self._ends:
+        if self._barred or (self._closed.is_set() and not self._ends):
             return
         try:
             frame = dm.from_driver.decode(data)

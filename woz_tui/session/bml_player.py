@@ -188,9 +188,8 @@ class BmlPlayer:
         """Take a block in; what of the same name has to end before it."""
         request, block = played.request, played.block
         key = (request.console if played.is_guest else "", block.id)
-        same = [old for old in (self._blocks.pop(key, None),) if old and not old.over.is_set()]
+        same = [old for old in (self._blocks.get(key),) if old and not old.over.is_set()]
         if same and (played.is_guest or request.when_busy == "refuse"):
-            self._blocks[key] = same[0]
             raise RejectedError(f"block {block.id} is still under way")
         ending = same if request.when_busy == "replace" else []
         if block.composition == "REPLACE":  # a guest does not reach the wizard's
@@ -198,6 +197,7 @@ class BmlPlayer:
             ending = [other for other in going if other.is_guest or not played.is_guest]
         for other in ending:
             self._cut(other, f"replaced by block {block.id}")
+        self._blocks.pop(key, None)  # the latest is the last
         self._blocks[key] = played
         over = [key for key, old in self._blocks.items() if old.over.is_set()]
         for key in over[:-REMEMBERED]:

@@ -244,7 +244,10 @@ class Console(ScreenApp):
             if ended.how == "refused" and ended.t > self._lost_t
         }
         back = self._loss.part.back
-        if late:
+        if self._stop_asked is not None and self.state.stop is None:
+            self._stop_asked = None
+            self.news(f"{back}; the stop is not pressed: press it again", "warn")
+        elif late:
             why = next(reversed(late.values()))
             self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")
         else:

@@ -63,7 +63,7 @@ def access(two: Machines, who: str) -> AccessFile | None:
 # -- doors -----------------------------------------------------------------------------------------
 
 
-async def web_socket(two: Machines, given: AccessFile | None) -> str:
+async def web_socket(two: Machines, given: AccessFile | None, patience: float) -> str:
     """As a program of its own that speaks WebSocket."""
     if given is None:
         context = ssl.create_default_context(cadata=two.access("x", "wizard").authority)
@@ -94,7 +94,7 @@ async def web_socket(two: Machines, given: AccessFile | None) -> str:
     return "refused"
 
 
-async def served_drivers(two: Machines, given: AccessFile | None) -> str:
+async def served_drivers(two: Machines, given: AccessFile | None, patience: float) -> str:
     """As a computer that calls itself by the name of the one with the drivers."""
     if not any(each.name == PLACE for each in two.authority.names()):
         two.access(PLACE, None)
@@ -109,9 +109,9 @@ async def served_drivers(two: Machines, given: AccessFile | None) -> str:
             await until(lambda: router._line is not None)
             return await _handshake(port, two.access("x", None).authority)
         await until(lambda: router._line is not None or context.healths[-1][0] is Health.FAULTED)
-        async with asyncio.timeout(NOTHING_S * 3):
+        async with asyncio.timeout(patience * 3):
             await other.start(f"127.0.0.1:{port}", replace(given, name=PLACE))
-            await until(lambda: context.healths[-1][0] is Health.CONNECTED, NOTHING_S)
+            await until(lambda: context.healths[-1][0] is Health.CONNECTED, patience)
         assert await remote.perform(PlainJob("wave")) == {"waved": 1}
         return "its own drivers"
     except LineError:
@@ -135,14 +135,16 @@ async def _handshake(port: int, authority: str) -> str:
     return "refused"
 
 
-async def assistant(two: Machines, given: AccessFile | None) -> str:
+async def assistant(two: Machines, given: AccessFile | None, patience: float) -> str:
     """`woz mcp --access`."""
     if given is None:
         return "refused"  # there is no file to name
     remote = RemoteSession(given, two.address, two.clock)
     running, usable = asyncio.create_task(remote.run()), asyncio.create_task(remote.usable())
     try:
-        await asyncio.wait([running, usable], return_when=asyncio.FIRST_COMPLETED, timeout=4)
+        await asyncio.wait(
+            [running, usable], return_when=asyncio.FIRST_COMPLETED, timeout=3 * patience
+        )
         if not usable.done():
             return "refused"
         tools = SessionTools(str(usable.result()))
@@ -169,7 +171,9 @@ async def test_who_may_do_what_at_each_door(tmp_path: Path, row: list[str]) -> N
         folder = tmp_path / door.__name__
         folder.mkdir()
         async with machines(folder, RealClock()) as two:
-            assert await door(two, access(two, who)) == expected, (who, door.__name__)
+            patience = NOTHING_S if expected in ("refused", "hears nothing") else 20.0
+            found = await door(two, access(two, who), patience)
+            assert found == expected, (who, door.__name__)
             if expected != "plays":
                 assert {verb for verb, _ in two.robot.puppet().calls} <= {"stop"}
 

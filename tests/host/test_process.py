@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
 import signal
@@ -82,7 +83,7 @@ class RobotProcess:
             time.sleep(0.02)
 
     def ask(self, *lines: str) -> list[dict[str, Any]]:
-        """Say hello and these lines; as many answers."""
+        """Say hello and these lines; as many answers, without what it tells everybody."""
         with socket.socket(socket.AF_UNIX) as peer:
             peer.settimeout(WAIT_S)
             peer.connect(str(self.socket))
@@ -90,7 +91,9 @@ class RobotProcess:
             stream.write(b'{"kind":"hello","role":"program","stream":"nothing"}\n')
             stream.write("".join(f"{line}\n" for line in lines).encode())
             stream.flush()
-            return [json.loads(stream.readline()) for _ in range(len(lines) + 1)]
+            told = (json.loads(line) for line in stream)
+            answers = (line for line in told if line["kind"] in ("welcome", "reply"))
+            return list(itertools.islice(answers, len(lines) + 1))
 
     def ended(self) -> int:
         return self.process.wait(WAIT_S)

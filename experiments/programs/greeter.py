@@ -13,8 +13,8 @@ from woz_tui.protocol.messages import EngagementChanged
 async def main() -> None:
     async with connect(name="greeter") as woz:
         async for change in woz.messages(EngagementChanged):
-            if not change.now.startswith("Engaged"):
-                continue
+            if change.was != "PersonDetected" or not change.now.startswith("Engaged"):
+                continue  # engaged already: it is so again after each sentence, also after ours
             try:
                 await woz.say("Hello! Shall I tell you about the whale?")
             except WozError as error:  # the stop, a lost voice, the wizard was quicker ...

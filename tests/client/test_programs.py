@@ -55,18 +55,23 @@ async def output(program: asyncio.subprocess.Process) -> str:
     return text.decode()
 
 
-def engaged(now: str) -> m.EngagementChanged:
-    return m.EngagementChanged(was="Wait", now=now, outcome="x", why="x", verdicts={})
+def engaged(was: str, now: str) -> m.EngagementChanged:
+    return m.EngagementChanged(was=was, now=now, outcome="x", why="x", verdicts={})
 
 
 async def test_the_greeter_greets_whoever_engages(tmp_path: Path) -> None:
     async with served(tmp_path) as host, running(host, "greeter.py"):
         # It may be connected and not follow yet: somebody engages until it has seen it.
+        times = 0
         while not any(isinstance(line, m.Done) for line in host.lines):
-            host.session.hub.publish(engaged("PersonDetected"))
-            host.session.hub.publish(engaged("EngagedWithUnknown"))
+            host.session.hub.publish(engaged("Wait", "PersonDetected"))
+            host.session.hub.publish(engaged("PersonDetected", "EngagedWithUnknown"))
+            for _ in range(3):  # after its own sentences
+                host.session.hub.publish(engaged("RobotSpeaks", "EngagedWithKnown"))
+            times += 1
             await asyncio.sleep(0.5)
-        [said, *_] = [args for verb, args in host.puppet().calls if verb == "say"]
+        [said, *more] = [args for verb, args in host.puppet().calls if verb == "say"]
+        assert len(more) < times
         assert "whale" in str(said["text"])
         [command, *_] = [line for line in host.lines if isinstance(line, m.Command)]
         [program] = [line for line in host.lines if isinstance(line, m.ConsoleAttached)]

@@ -117,7 +117,8 @@ class RequestFilter:
         if not self._rate.takes():
             return f"too many requests: {REQUESTS_S:.0f} a second are the most"
         if isinstance(request, Hello) and request.role not in MAY_BE[self._role]:
-            return f"{self._name} may be {' or '.join(MAY_BE[self._role])} here"
+            may_be = " or ".join(MAY_BE[self._role])
+            return f"{self._name} may be {may_be} here, not {request.role} (session: access)"
         if isinstance(request, AskTakeOver) and self._role != "wizard":
             return f"{self._name} may not play the robot: the experiment says {self._role}"
         return ""

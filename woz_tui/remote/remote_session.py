@@ -217,8 +217,8 @@ class RemoteSession:
                 server_hostname=SERVER_NAME,
                 timeout=aiohttp.ClientTimeout(total=_ANSWER_S),
             ) as answer:
-                return f"{self._address} lets us not in: {(await answer.text())[:300]}"
-        return f"{self._address} lets us not in: {error.status} {error.message}"
+                return f"{self._address} does not let us in: {(await answer.text())[:300]}"
+        return f"{self._address} does not let us in: {error.status} {error.message}"
 
     # -- the local socket ----------------------------------------------------------------------
 

@@ -95,6 +95,7 @@ EXAMPLES: dict[str, Any] = {
     "engagement.joint": {"glance": 0.7},
     "engagement.sound": {"hang_over": "0.8 s"},
     "engagement.sound.threshold": 0.05,
+    "engagement.handshake.face_consent": "May I remember your face?",
     "engagement.handshake.yes": ["yes", "that is right"],
     "engagement.handshake.no": ["no"],
     "engagement.visitors": "visitors.json",

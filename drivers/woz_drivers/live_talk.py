@@ -499,9 +499,9 @@ class LiveTalk:
             now, last = clock.now_us(), ending.is_set()
             if now - tally.began_us > settings.longest * 1_000_000:
                 return f"it was on for {settings.longest:g} s"
-            await outlet.check()
-            if self._failure is not None:
+            if self._failure is not None:  # before what it silenced is found ended
                 raise self._failure
+            await outlet.check()
             if (taken := reader.take()) is not None:
                 piece, sound = taken
                 tally.came_us, tally.by, tally.lost_s = now, sound.source, sound.lost_s

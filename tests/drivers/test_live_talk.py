@@ -14,6 +14,7 @@ from typing import Any
 import psutil
 import pytest
 from woz_drivers.child_process import guard
+from woz_drivers.live_talk import LiveTalk, VoiceTally
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings
 
@@ -207,6 +208,46 @@ async def test_a_player_that_is_missing_is_told(booths: Any) -> None:
     booth = await booths(play=("no-such-player",))
     with pytest.raises(DriverError, match="no-such-player"):
         await (await booth.begin())
+
+
+class EndedOutlet:
+    """Takes everything, and has ended as soon as it is silenced."""
+
+    def __init__(self) -> None:
+        self._ended = False
+
+    def give(self, pcm: bytes) -> None:
+        """Nothing is kept."""
+
+    async def check(self) -> None:
+        """It has to run."""
+        if self._ended:
+            raise DriverError("the player ended")
+
+    async def finish(self) -> None:
+        """Nothing is left."""
+
+    def silence(self) -> None:
+        """It ends."""
+        self._ended = True
+
+
+async def test_a_robot_that_is_lost_is_told_before_the_player_that_ended_with_it(
+    tmp_path: Path,
+) -> None:
+    @contextlib.asynccontextmanager
+    async def loudspeaker(_: VoiceTally) -> AsyncIterator[EndedOutlet]:
+        yield EndedOutlet()
+
+    heard = Heard(tmp_path, RealClock())
+    talk = LiveTalk(PlayedTalkSettings(), heard.context, loudspeaker)
+    talk.start()
+    talking = asyncio.ensure_future(talk.talk())
+    await until(lambda: talk.on)
+    talk.fail(DeviceLostError("the robot is gone"))
+    with pytest.raises(DeviceLostError, match="the robot is gone"):
+        await talking
+    await talk.close()
 
 
 async def test_nobody_who_sends_is_told(booths: Any) -> None:

@@ -345,3 +345,27 @@ async def test_a_planner_that_leaves_takes_its_blocks_along(tmp_path: Path) -> N
         over = await host.published(lambda line: isinstance(line, m.Stopped))
         assert isinstance(over, m.Stopped)
         assert over.driver == "bml"
+
+
+async def test_woz_bml_says_which_file_and_what_of_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    broken, lost = tmp_path / "broken.xml", tmp_path / "lost.xml"
+    broken.write_text("<bml")
+    lost.write_text(XML.format("b1", "", '<gaze id="g" target="door"/>'))
+    async with served(tmp_path) as host:
+        words = ["bml", "--session", str(host.path), str(broken), str(lost)]
+        assert await asyncio.to_thread(cli.main, words) == 1
+    told = capsys.readouterr().err
+    assert f"{broken}: " in told
+    assert "b1: g: nobody knows where 'door' is" in told
+    assert "bml: targets" in told
+
+
+def test_a_robot_is_named_for_a_timetable_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "b.xml"
+    file.write_text(XML.format("b1", "", ""))
+    assert cli.main(["bml", "--robot", "pepper", str(file)]) == 2
+    assert "--dry-run" in capsys.readouterr().err

@@ -408,7 +408,7 @@ class BehaviourCalls:
         elif (step := STEPS.get(target.strip().lower())) is not None:
             ahead, left = step
         else:
-            raise UnplayableError(f"nobody knows where {target!r} is", "NO_SUCH_TARGET")
+            raise _unknown_place(target, "locomotion")
         drive = self._call("drive", {"x": ahead, "y": left})
         if not left or "y" in drive.args:
             return [drive]
@@ -425,7 +425,7 @@ class BehaviourCalls:
         elif target.strip().lower() in self._targets:
             yaw, pitch = self._targets[target.strip().lower()]
         else:
-            raise UnplayableError(f"nobody knows where {target!r} is", "NO_SUCH_TARGET")
+            raise _unknown_place(target, "targets")
         turn = _offset(attributes)
         return yaw + turn[0], pitch + turn[1]
 
@@ -495,3 +495,10 @@ def _number(value: Json, default: float) -> float:
     except (TypeError, ValueError):
         return default
     return number if math.isfinite(number) else default
+
+
+def _unknown_place(target: str, table: str) -> UnplayableError:
+    return UnplayableError(
+        f"nobody knows where {target!r} is: name it in the robot file, bml: {table}",
+        "NO_SUCH_TARGET",
+    )

@@ -55,8 +55,9 @@ def add(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--robot",
-        default="simulated",
-        help="with --dry-run: a robot file, or the name of a robot (default: simulated)",
+        default="",
+        help="with --dry-run and no session: a robot file, or the name of a robot (default:"
+        " simulated)",
     )
     parser.add_argument(
         "--feedback", action="store_true", help="print the feedback as XML, one element a line"
@@ -95,6 +96,9 @@ def run(arguments: Namespace) -> int:
     if sum(map(bool, (arguments.files, arguments.stomp, arguments.listen))) != 1:
         print("woz: name files with blocks, or --stomp HOST, or --listen", file=sys.stderr)
         return 2
+    if arguments.robot and (not arguments.dry_run or arguments.session or arguments.access):
+        print("woz: --robot is for --dry-run without a session", file=sys.stderr)
+        return 2
     errors = BmlError, ExperimentError, PlannerPortError, StompError, ValueError, WozError
     return with_error_sentences(lambda: _joined(arguments), *errors)
 
@@ -129,11 +133,12 @@ async def _planner(arguments: Namespace) -> int:
 async def _bml(arguments: Namespace) -> int:
     texts = [_read(path) for path in arguments.files]
     if arguments.dry_run and not arguments.session:
-        calls_of = _calls_of(arguments.robot)
+        robot = arguments.robot or "simulated"
+        calls_of = _calls_of(robot)
         for path, text in zip(arguments.files, texts, strict=True):
             block = _block(path, text)
             made = plan(block, calls_of(block.character)).message()
-            _print(path, made, f"on {arguments.robot}, by usual durations")
+            _print(path, made, f"on {robot}, by usual durations")
         return 0
     async with connect(arguments.session, name="bml") as client:
         told = _Told(xml=arguments.feedback)
@@ -145,7 +150,9 @@ async def _bml(arguments: Namespace) -> int:
                 _print(path, made, "on the robot of the session")
             return 0
         try:
-            names = [await realizer.perform(text.decode("utf-8", "replace")) for text in texts]
+            names = []
+            for told.file, text in zip(arguments.files, texts, strict=True):
+                names.append(await realizer.perform(text.decode("utf-8", "replace")))
             for name in filter(None, names):
                 await realizer.until_over(name)
         finally:
@@ -171,6 +178,8 @@ class _Told:
     def __init__(self, *, xml: bool) -> None:
         self._xml = xml
         self.warned = False
+        #: What is read now.
+        self.file = Path()
 
     def tell(self, feedback: Feedback) -> None:
         """One more."""
@@ -178,7 +187,9 @@ class _Told:
         if self._xml:
             print(feedback.xml(), flush=True)
         elif feedback.name == "warningFeedback":
-            print(f"woz: {feedback.attributes['id']}: {feedback.text}", file=sys.stderr)
+            at = feedback.attributes
+            place = self.file if at["type"] == "PARSING_FAILURE" else at["id"].partition(":")[0]
+            print(f"woz: {place}: {feedback.text}", file=sys.stderr)
         elif feedback.name.endswith("Progress"):
             at = feedback.attributes
             print(f"{at['globalTime']:>10} s  {at['id']}", flush=True)

@@ -47,6 +47,8 @@ async def test_a_call_returns_when_it_is_done(host: Served, woz: WozClient) -> N
     caller = ToolCaller(woz)
     assert (await caller.call("say", {"text": "Hi"}))["sent"] == {"text": "Hi"}
     assert await caller.call(PLAY, {"action": "Hello"}) == {"done": True}
+    with pytest.raises(WozRefusedError, match="action"):
+        await caller.call(PLAY, {"name": "Hello"})
     assert [verb for verb, _ in host.puppet().calls].count("say") == 2
     with pytest.raises(WozRefusedError):
         await caller.call("release", {})

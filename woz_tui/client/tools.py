@@ -129,7 +129,9 @@ class ToolCaller:
         if name == LOOK:
             return {**self._state, "readings": {**self._readings}}
         if name == PLAY:
-            await self._client.press(str(args.get("action", "")))
+            if [*args] != ["action"]:
+                raise WozRefusedError(f"{PLAY} takes one argument: action, its name")
+            await self._client.press(str(args["action"]))
             return {"done": True}
         driver = str(args.get(DRIVER, ""))
         verbs = [verb for verb in self._client.description.verbs if verb.name == name]

@@ -47,3 +47,10 @@ def test_what_cannot_be_done_is_told_and_changes_nothing(
     assert told in capsys.readouterr().err
     assert (tmp_path / "there.access").read_text() == "mine"
     assert not (tmp_path / "config" / "woz" / "access" / "names.json").exists()
+
+
+def test_an_address_without_a_port_is_no_address(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["access", "new", "anna", "--address", "robot"])
+    assert "robot.local:8765" in capsys.readouterr().err
+    assert not Path("anna.access").exists()

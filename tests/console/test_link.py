@@ -13,6 +13,7 @@ from woz_tui.console.message_feed import Incoming, Loss, LostPart
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Marker, Notice, SessionEnd
 from woz_tui.protocol.requests import (
+    AnyRequest,
     AskAction,
     AskEnd,
     AskMarker,
@@ -26,6 +27,8 @@ from woz_tui.protocol.requests import (
 )
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import ManualClock, boot_id
+
+REFUSED = Reply(ref=1, ok=False, reason="no part", hint="there are a")
 
 
 class Ears:
@@ -317,25 +320,32 @@ def test_a_host_that_never_reads_is_given_up(
     host.frozen = False
 
 
+@contextlib.contextmanager
+def answering(path: Path, *answers: Pulse | Reply) -> Iterator[list[AnyRequest]]:
+    """A host that gives one answer to each connection; yields what each of them says first."""
+
+    def serve() -> None:
+        for answer in answers:
+            connection, _ = listener.accept()
+            with connection:
+                asked.append(codec.decode_request(connection.recv(4096).partition(b"\n")[0]))
+                connection.sendall(codec.encode(answer))
+                with contextlib.suppress(ConnectionError):
+                    connection.recv(1)
+
+    asked: list[AnyRequest] = []
+    with session_sockets.bind(path) as listener:
+        listener.setblocking(True)
+        threading.Thread(target=serve, daemon=True).start()
+        yield asked
+
+
 @pytest.mark.parametrize("known", [True, False])
 def test_a_part_that_the_experiment_does_not_have_opens_no_screen(
     tmp_path: Path, known: bool
 ) -> None:
     path = tmp_path / "host.sock"
-    answer = Pulse(t=1) if known else Reply(ref=1, ok=False, reason="no part", hint="there are a")
-
-    def serve() -> None:
-        connection, _ = listener.accept()
-        asked.append(codec.decode_request(connection.recv(4096).strip()))
-        connection.sendall(codec.encode(answer))
-        with contextlib.suppress(ConnectionError):
-            connection.recv(1)
-
-    asked: list[object] = []
-    with session_sockets.bind(path) as listener:
-        listener.setblocking(True)
-        thread = threading.Thread(target=serve, daemon=True)
-        thread.start()
+    with answering(path, Pulse(t=1) if known else REFUSED) as asked:
         link = HostConnection(path, part="voice")
         if known:
             link.connect()
@@ -344,3 +354,22 @@ def test_a_part_that_the_experiment_does_not_have_opens_no_screen(
                 link.connect()
         assert isinstance(asked[0], Hello)
         assert asked[0].part == "voice"
+
+
+def test_a_role_that_another_machine_refuses_opens_no_screen(tmp_path: Path) -> None:
+    path = tmp_path / "host.sock"
+    with answering(path, REFUSED):
+        link = HostConnection(path, explain=lambda loss: loss)
+        with pytest.raises(ConnectionError, match="no part: there are a"):
+            link.connect()
+
+
+def test_who_is_refused_on_the_way_is_told_why(tmp_path: Path) -> None:
+    path, ears = tmp_path / "host.sock", Ears()
+    with answering(path, REFUSED):
+        link = HostConnection(path)
+        link.start(ears.on_messages, ears.on_lost)
+        ears.until(lambda: bool(ears.lost))
+        assert "no part: there are a" in ears.lost[0].why
+        assert ears.lost[0].part is LostPart.ANSWER
+        link.close()

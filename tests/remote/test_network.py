@@ -75,6 +75,7 @@ async def test_nobody_is_more_than_the_experiment_says(
         assert (answer["kind"] == "welcome") is ok
         if not ok:
             assert "anna may be" in answer["reason"]
+            assert "woz attach" in answer["hint"]
 
 
 async def test_a_watcher_can_stop_and_nothing_else(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from woz_tui.cli.argument_types import number
+from woz_tui.cli.argument_types import listen_address, number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.console.text_console import TextConsole
 from woz_tui.network.certificates import AccessError, Authority
@@ -23,6 +23,7 @@ def add(parser: ArgumentParser) -> None:
     new.add_argument("name", help="what the experiment and the log call them")
     new.add_argument(
         "--address",
+        type=listen_address,
         default="",
         metavar="HOST:PORT",
         help="where they find the robot (written into the file; can be given later)",
@@ -58,7 +59,7 @@ def _new(arguments: Namespace) -> int:
     print(
         f"{target}: gives {issued.name} access until {issued.expires[:10]}. Keep it secret.\n"
         f"1. Write the role into the experiment: session: {{access: {{{issued.name}: watcher}}}}\n"
-        "   (wizard, program, watcher or participant)\n"
+        "   (wizard, program, watcher or participant; who may only watch joins with --watch)\n"
         "2. Copy the file to the other machine in a safe way, such as scp.\n"
         "3. Start here: woz run FILE --listen 0.0.0.0:8765\n"
         f"   and there: woz attach --access {target.name}{where}\n"

@@ -54,9 +54,7 @@ def _attach(arguments: Namespace) -> int:
     return 1 if socket is None else _open(arguments, socket)
 
 
-def _open(
-    arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] = lambda loss: loss
-) -> int:
+def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | None = None) -> int:
     if arguments.questionnaire is not None:
         return console_start.open_questionnaire(
             socket, arguments.questionnaire, arguments.theme, explain

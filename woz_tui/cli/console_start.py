@@ -48,7 +48,7 @@ class ScreenOptions:
     pictures: str = "auto"
     theme: str = ""
     part: str = ""
-    explain: Callable[[Loss], Loss] = lambda loss: loss
+    explain: Callable[[Loss], Loss] | None = None
 
 
 def with_terminal(work: Callable[[], int], hint: str = "") -> int:
@@ -151,7 +151,7 @@ def open_questionnaire(
     socket: Path,
     only: str,
     theme: str = "",
-    explain: Callable[[Loss], Loss] = lambda loss: loss,
+    explain: Callable[[Loss], Loss] | None = None,
 ) -> tuple[str, int]:
     """Run a participant's own screen until it is left: how (ended, detached), and the exit code.
 

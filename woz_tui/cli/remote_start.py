@@ -13,6 +13,7 @@ from typing import Any
 
 from woz_tui.console.message_feed import Loss, LostPart
 from woz_tui.network.certificates import AccessError, AccessFile
+from woz_tui.network.listen_address import ListenAddress
 
 #: How long the process may take to end, in seconds.
 _END_S = 3.0
@@ -93,12 +94,11 @@ def remote_session(access: Path, address: str) -> Iterator[RemoteLine | None]:
     """
     try:
         place = address or AccessFile.read(access).address
-    except AccessError as error:
+        if not place:
+            raise AccessError(f"where is the robot? add HOST:PORT behind --access {access}")
+        ListenAddress.read(place)
+    except (AccessError, ValueError) as error:
         print(f"woz: {error}", file=sys.stderr)
-        yield None
-        return
-    if not place:
-        print(f"woz: where is the robot? add HOST:PORT behind --access {access}", file=sys.stderr)
         yield None
         return
     process = subprocess.Popen(

@@ -35,6 +35,7 @@ WAITING_LIMIT = 1000
 #: A line from the host may be longer than one to it: the welcome holds the whole state.
 LINE_LIMIT = 16 * codec.MAX_LINE
 _READ = 256 * 1024
+_CUT = Loss("the network is cut, or the robot's computer is off", LostPart.LINE)
 #: Bytes within which a refusal of the hello has its end.
 _FIRST = 4096
 
@@ -53,7 +54,8 @@ class HostConnection:
         name: What the host may call this console.
         take_over: Whether a wizard who is there already has to watch from now on.
         part: Which part of the experiment's panels this wizard plays; empty: none in particular.
-        explain: What is known of a loss besides, for a session on another machine; None: nothing.
+        explain: What is known of a loss besides, for a session on another machine; None: it is on
+            this one.
         clock: For the host's silence and the stamps of requests.
         silence_s: Seconds without a byte from the host after which it counts as lost.
     """
@@ -66,7 +68,7 @@ class HostConnection:
         name: str = "",
         take_over: bool = False,
         part: str = "",
-        explain: Callable[[Loss], Loss] = lambda loss: loss,
+        explain: Callable[[Loss], Loss] | None = None,
         clock: Clock | None = None,
         silence_s: float = SILENCE_S,
     ) -> None:
@@ -97,7 +99,8 @@ class HostConnection:
 
     def connect(self) -> None:
         """Connect before a screen is opened. Raises `ConnectionError`, in a sentence, if nobody
-        listens at the path, or the experiment has no such part.
+        listens at the path, the experiment has no such part, or the other machine refuses this
+        role.
         """
         try:
             self._opened = self._connect(self._hello)
@@ -107,7 +110,7 @@ class HostConnection:
                 " ended. `woz run FILE` starts one; its last words are in the *.host.log beside"
                 " the session's log"
             ) from error
-        if self._hello.part:
+        if self._hello.part or self._explain is not None:
             _check_accepted(self._opened)
 
     def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
@@ -243,7 +246,7 @@ class HostConnection:
         """Tell of the loss, and again when more is known, until the host is there."""
         told = None
         while True:
-            known = loss if self._ended else self._explain(loss)
+            known = loss if self._ended or self._explain is None else self._explain(loss)
             if known != told:
                 told = known
                 self._on_lost(known)
@@ -278,16 +281,16 @@ class HostConnection:
             except OSError as error:
                 return Loss(f"the connection broke: {error.strerror}")
             if not data:
-                if self._robot_at:
-                    why = "the network is cut, or the robot's computer is off"
-                    return Loss(why, LostPart.LINE)
-                return Loss("it closed the connection")
-            heard_us = now
+                return _CUT if self._robot_at else Loss("it closed the connection")
+            first, heard_us = heard_us is None, now
             lines = (rest + data).split(b"\n")
             rest = lines.pop()
             if len(rest) > LINE_LIMIT:
                 return Loss("it sent a line without end", LostPart.ANSWER)
-            self._deliver([_decode(line) for line in lines if line.strip()])
+            batch = [_decode(line) for line in lines if line.strip()]
+            if first and batch and isinstance(batch[0], Reply) and not batch[0].ok:
+                return Loss(f"it refuses this console: {_refused(batch[0])}", LostPart.ANSWER)
+            self._deliver(batch)
         return Loss("closed")
 
     def _said_goodbye(self) -> bool:
@@ -320,7 +323,11 @@ def _check_accepted(connection: socket.socket) -> None:
         answer = _decode(line) if end else None
         if isinstance(answer, Reply) and not answer.ok:
             connection.close()
-            raise ConnectionError(f"{answer.reason}: {answer.hint}")
+            raise ConnectionError(_refused(answer))
+
+
+def _refused(reply: Reply) -> str:
+    return f"{reply.reason}: {reply.hint}" if reply.hint else reply.reason
 
 
 def _decode(line: bytes) -> Incoming:

@@ -41,6 +41,13 @@ MAY_BE: Mapping[str, tuple[str, ...]] = {
     "watcher": ("watcher",),
     "participant": ("participant",),
 }
+#: Role of a certificate -> how it joins.
+JOINS_BY: Mapping[str, str] = {
+    "wizard": "join with `woz attach`",
+    "program": "join with `woz attach --watch` or a command such as `woz bml`",
+    "watcher": "join with `woz attach --watch`",
+    "participant": "join with `woz attach --questionnaire`",
+}
 #: What everybody is called who comes from this machine without a certificate.
 LOCAL = "local"
 #: Seconds from one ping to the next; one that is not answered in half of it ends the connection.
@@ -103,7 +110,8 @@ class RequestFilter:
             return b"", Reply(ref=codec.ref_of(line), ok=False, reason=str(error), hint=hint)
         reason = self._refusal(request)
         if reason:
-            return b"", Reply(ref=request.ref, ok=False, reason=reason)
+            hint = JOINS_BY[self._role] if isinstance(request, Hello) else ""
+            return b"", Reply(ref=request.ref, ok=False, reason=reason, hint=hint)
         if isinstance(request, Hello):
             request = msgspec.structs.replace(request, via=self._name)
         elif not request.sent_us and not isinstance(request, AskStop):

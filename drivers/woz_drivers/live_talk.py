@@ -307,6 +307,9 @@ class SentVoice:
             except DriverError as error:
                 self._trouble = self._trouble or error
                 return
+            except asyncio.CancelledError:
+                self._tally.drop(len(piece))
+                raise
             if heard:
                 self._tally.hear(piece)
             else:

@@ -18,7 +18,7 @@ from woz_drivers.live_talk import LiveTalk, VoiceTally
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings
 
-from tests.drivers.heard import Heard, Ordered, until
+from tests.drivers.heard import PATIENCE_S, Heard, Ordered, until
 from tests.drivers.speech_desk import SCRIPT
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Probe, RejectedError, Scope
 from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, SoundWindow, VoiceState
@@ -105,6 +105,13 @@ class Booth:
         self.talking = asyncio.ensure_future(self.driver.perform(Ordered("talk")))
         await until(lambda: self.on or (self.talking is not None and self.talking.done()))
         return self.talking
+
+    async def begin_again(self) -> None:
+        """`begin`, as soon as the program that a stop ended is there again."""
+        async with asyncio.timeout(PATIENCE_S):
+            while (talking := await self.begin()).done():
+                assert isinstance(talking.exception(), DeviceLostError)
+                await asyncio.sleep(0.005)
 
     async def end(self) -> Mapping[str, Json]:
         await self.driver.perform(Ordered("end_talk"))
@@ -355,7 +362,7 @@ async def test_what_a_program_holds_is_not_heard_after_a_stop(booths: Any) -> No
     await until(talking.done)
     await booth.heard.until(lambda: booth.heard.states("talk")[-1] == "off")
     words = booth.said.count(WORD)
-    await booth.begin()
+    await booth.begin_again()
     await booth.until_changed()
     assert booth.said.count(WORD) == words
     await booth.end()

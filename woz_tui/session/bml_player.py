@@ -60,6 +60,8 @@ class _Played:
     request: m.Command
     block: BmlBlock
     plan: BlockPlan | None = None
+    #: What its behaviours stand for, once it is played.
+    calls: BehaviourCalls | None = None
     begin: float = 0.0
     over: asyncio.Event = field(default_factory=asyncio.Event)
     #: What goes on or is still to come, by behaviour; those of them that have begun; the lanes that
@@ -284,7 +286,7 @@ class BmlPlayer:
         job.expects(made.seconds + LEAD_S)
         await self._until(played.begin)
         job.mark("sync")
-        calls = self._calls_of(played.block.character)
+        calls = played.calls = self._calls_of(played.block.character)
         async with asyncio.TaskGroup() as group:
             for behaviour in made.block.behaviours:
                 played.tasks[behaviour.id] = group.create_task(
@@ -391,7 +393,8 @@ class BmlPlayer:
 
     def _give_way(self, played: _Played, message: m.Command) -> None:
         assert played.plan is not None
-        calls = self._calls_of(played.block.character)
+        if (calls := played.calls) is None:
+            return  # nothing of it has begun
         verb = self.bus.verb(message.driver, message.verb)
         lane = (message.driver, "" if verb is None else verb.lane)
         for name, task in played.tasks.items():

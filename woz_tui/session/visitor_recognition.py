@@ -140,9 +140,9 @@ class RobotHandshake:
         for driver in drivers_with(self._robot, FACE_CONSENT):
             self._telling += 1
             call = Call(FACE_CONSENT, args, driver, NOWHERE, IDENTITY, unfilled)
-            self._robot.send(call, self._on_told)
+            self._robot.send(call, self._on_consent_end)
 
-    def _on_told(self, end: m.End) -> None:
+    def _on_consent_end(self, end: m.End) -> None:
         self._telling -= 1
         if not self._telling:
             then, self._then = self._then, None

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import HealthCheck, settings
 
+from woz_tui.testing import contract_checks
+
 # Machines are shared and slow: how long an example took says nothing about the code.
 settings.register_profile(
     "shared", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
@@ -33,6 +35,17 @@ def pytest_collection_finish() -> None:
     """
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def patient_contract() -> Iterator[None]:
+    """Drivers are examined beside tests that keep the cores busy: what takes longer than this
+    waits for something that does not come.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(contract_checks, "PROMPT_S", 8 * contract_checks.PROMPT_S)
+        patch.setattr(contract_checks, "NOTICE_S", 4 * contract_checks.NOTICE_S)
+        yield
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -14,7 +14,7 @@ from woz_drivers.camera.settings import CameraSettings
 from woz_drivers.dynamixel import DynamixelServos
 from woz_drivers.faces.settings import FacesSettings
 from woz_drivers.furhat import FurhatSettings
-from woz_drivers.hands.settings import HandControl, HandsSettings
+from woz_drivers.hands.settings import HandsSettings
 from woz_drivers.led_face import LedFace
 from woz_drivers.led_face.settings import LedFaceSettings
 from woz_drivers.microphone.settings import MicrophoneSettings
@@ -27,12 +27,13 @@ from woz_drivers.ros.settings import RosSettings
 from woz_drivers.speech.settings import SpeechSettings, SynthesisSettings
 
 from tests.drivers.body.rig import robot
+from tests.drivers.hands.test_hands_driver import CONTROLS
 from tests.drivers.servo_stand import head
 from tests.fakes.led_face import PluggedFace
 from tests.fakes.rangefinder import PluggedSensor
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.plugins import installed
-from woz_tui.testing import Device, DriverTests, PlainJob, check, contract_checks
+from woz_tui.testing import Device, DriverTests, PlainJob, check
 
 NOWHERE = "/dev/no-such-port"
 SILENT = SynthesisSettings(synthesise=("no-such-program",))
@@ -44,7 +45,7 @@ SETTINGS: list[tuple[str, Any]] = [
     ("led-face", LedFaceSettings(NOWHERE)),
     ("microphone", MicrophoneSettings(command=("no-such-program",))),
     ("midi", MidiSettings(device=NOWHERE)),
-    ("hands", HandsSettings(controls={"south": HandControl(control="pitch")})),
+    ("hands", HandsSettings(controls=CONTROLS)),
     *(("pepper", PepperSettings(robots=robots)) for robots in [(), ("simulated",), ("a/b",)]),
     ("pepper", PepperSettings(robots=("tcp://127.0.0.1:1",))),
     *(("nao", NaoSettings(address=address)) for address in ("", "simulated", "a/b", "127.0.0.1:1")),
@@ -58,12 +59,6 @@ SETTINGS: list[tuple[str, Any]] = [
     ("simulated", simulated.SimulatedSettings(moves={"hop": 1})),
     ("speech", SpeechSettings(synthesise=("no-such-program",))),
 ]
-
-
-@pytest.fixture(autouse=True)
-def busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever takes long here waits for something; a busy machine alone may take half a second."""
-    monkeypatch.setattr(contract_checks, "PROMPT", 8 * contract_checks.PROMPT)
 
 
 @pytest.mark.parametrize(("driver", "settings"), SETTINGS, ids=[name for name, _ in SETTINGS])

@@ -231,7 +231,10 @@ async def test_remarks_about_arguments_are_right() -> None:
         (Excited, "examine: raised OSError('no such port')"),
     ],
 )
-async def test_wrong_behaviour_is_found(driver: type[Right], complaint: str) -> None:
+async def test_wrong_behaviour_is_found(
+    driver: type[Right], complaint: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(contract_checks, "PROMPT_S", 0.5)
     assert complaint in await complaints(driver)
 
 
@@ -396,6 +399,7 @@ def test_what_only_a_device_shows_is_found(
         driver = broken
 
     monkeypatch.setattr(contract_checks, "NOTICE_S", 0.5)
+    monkeypatch.setattr(contract_checks, "PROMPT_S", 0.5)
     with pytest.raises(AssertionError, match=complaint):
         Broken().test_stop_and_cancel_end_a_command()
         Broken().test_notices_a_lost_device()

@@ -63,7 +63,7 @@ _UNKNOWN_VERB = PlainJob("no-such-verb", source="program")
 
 #: `open`, `stop`, a refusal and the end of a cancelled command may take so long, in seconds: the
 #: session waits no longer for a stop.
-PROMPT = 0.5
+PROMPT_S = 0.5
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -398,16 +398,18 @@ class _Life:
     async def cancelled(self, running: asyncio.Task[Any], what: str) -> None:
         """Cancel it and see that it ends."""
         running.cancel()
-        await asyncio.wait([running], timeout=PROMPT)
+        await asyncio.wait([running], timeout=PROMPT_S)
         if not running.done():
-            self.wrong(what, f"goes on for more than {PROMPT:g} s", "end and raise CancelledError")
+            self.wrong(
+                what, f"goes on for more than {PROMPT_S:g} s", "end and raise CancelledError"
+            )
         elif not running.cancelled() and not isinstance(running.exception(), DriverError):
             how = repr(running.exception()) if running.exception() else "nothing"
             self.wrong(what, f"raised {how}", "raise CancelledError again")
 
     async def quiet(self, what: str, call: Awaitable[object], limit: float | None = None) -> None:
-        """A call that raises nothing and takes no longer than `limit`, or PROMPT, in seconds."""
-        limit = PROMPT if limit is None else limit
+        """A call that raises nothing and takes no longer than `limit`, or PROMPT_S, in seconds."""
+        limit = PROMPT_S if limit is None else limit
         try:
             await asyncio.wait_for(call, limit)
         except TimeoutError:
@@ -421,11 +423,11 @@ class _Life:
         """A command that is refused at once with the right exception."""
         remedy = f"raise {kind.__name__}"
         try:
-            await asyncio.wait_for(self.driver.perform(command), PROMPT)
+            await asyncio.wait_for(self.driver.perform(command), PROMPT_S)
         except kind:
             return
         except TimeoutError:
-            self.wrong(what, f"took more than {PROMPT:g} s", f"{remedy} at once")
+            self.wrong(what, f"took more than {PROMPT_S:g} s", f"{remedy} at once")
         except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
             self.wrong(what, f"raised {error!r}", remedy)
         else:
@@ -433,7 +435,7 @@ class _Life:
 
     async def _left_behind(self) -> None:
         """Tasks and threads that outlive the driver; they get as long as a stop to end."""
-        patience = time.monotonic() + PROMPT
+        patience = time.monotonic() + PROMPT_S
         while True:
             left = [task.get_name() for task in asyncio.all_tasks() - self._tasks]
             left += [thread.name for thread in set(threading.enumerate()) - self._threads]

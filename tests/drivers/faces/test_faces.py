@@ -33,7 +33,7 @@ from woz_tui.protocol.messages import (
     Reading,
 )
 from woz_tui.system.clock import ManualClock
-from woz_tui.testing import Device, DriverTests, PlainJob, contract_checks
+from woz_tui.testing import Device, DriverTests, PlainJob
 
 NEAR, FAR = face(10, 20, 20), face(40, 20, 10)
 Opens = Callable[..., Any]
@@ -346,11 +346,6 @@ class TestTheContract(DriverTests):
 
     driver = Faces
     settings = FacesSettings(command=("no-such-program",), program=("no-such-program",))
-
-    @pytest.fixture(autouse=True)
-    def busy_machine(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Programs start slowly where others keep the cores busy."""
-        monkeypatch.setattr(contract_checks, "PROMPT", 8 * contract_checks.PROMPT)
 
     @asynccontextmanager
     async def device(self) -> AsyncIterator[Device]:

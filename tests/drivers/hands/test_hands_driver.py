@@ -14,7 +14,7 @@ from woz_drivers.hands.settings import HandControl, HandsSettings
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.drivers.contract import Ask, HandInput, RejectedError, Scope
 from woz_tui.protocol.messages import ControlsMoved, Json
-from woz_tui.testing import DriverTests, RecordingContext
+from woz_tui.testing import RecordingContext
 
 DRIVE_X = HandControl(verb="drive", argument="x", range=(-1, 1), hold="left-bumper", every=1.0)
 DRIVE_TURN = HandControl(
@@ -32,11 +32,6 @@ CONTROLS = {
     "right-stick-x": HandControl(verb="gaze", argument="yaw", range=(-60, 60), reversed=True),
     "right-stick-y": HandControl(verb="gaze", argument="pitch", range=(-20, 20)),
 }
-
-
-class TestTheContract(DriverTests):
-    driver = HandsPanel
-    settings = HandsSettings(controls=CONTROLS)
 
 
 class Session(RecordingContext):

@@ -20,7 +20,7 @@ from woz_drivers.wav import Wav
 from tests.fakes.sound import RATE, square
 from woz_tui.drivers.contract import Health
 from woz_tui.protocol.messages import Json
-from woz_tui.testing import PlainJob, RecordingContext, contract_checks, until
+from woz_tui.testing import PlainJob, RecordingContext, until
 
 PACE = 20.0
 #: What it says is there as recordings: no program is needed.
@@ -104,7 +104,6 @@ def busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(confirmed_stop, "STOP_S", 20.0)
     monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
     monkeypatch.setattr(reachy_sounds, "QUICK_S", 10.0)
-    monkeypatch.setattr(contract_checks, "PROMPT", 8 * contract_checks.PROMPT)
 
 
 @pytest.fixture

@@ -6,8 +6,6 @@ import pytest
 from woz_drivers import confirmed_stop
 from woz_drivers.ros import rosbridge, velocity_drive
 
-from woz_tui.testing import contract_checks
-
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -15,4 +13,3 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rosbridge, "DISCOVERY_S", 0.0)
     monkeypatch.setattr(confirmed_stop, "STOP_S", 8 * confirmed_stop.STOP_S)
     monkeypatch.setattr(velocity_drive, "_SILENT_S", 8 * velocity_drive._SILENT_S)
-    monkeypatch.setattr(contract_checks, "PROMPT", 8 * contract_checks.PROMPT)

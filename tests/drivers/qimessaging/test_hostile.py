@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import math
 import struct
 import warnings
 from collections.abc import Awaitable, Callable
@@ -17,6 +18,7 @@ from qimessaging import (
     NaoqiClient,
     ProtocolError,
     QiError,
+    connection,
 )
 from qimessaging.authentication import error_text
 from qimessaging.encoding import encode
@@ -176,8 +178,11 @@ def test_an_error_has_a_text_whatever_it_holds(payload: bytes, text: str) -> Non
     assert text in error_text(QiMessage(MessageKind.ERROR, 1, 2, 1, 100, payload))
 
 
-async def test_a_call_that_is_cancelled_before_it_begins_leaves_nothing_behind() -> None:
+async def test_a_call_that_is_cancelled_before_it_begins_leaves_nothing_behind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Both come in one piece, as from a client that is cut off at once."""
+    monkeypatch.setattr(connection, "_TURN_S", math.inf)  # and are read in one turn of the loop
 
     async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         answers, calls = await asyncio.open_connection("127.0.0.1", port)

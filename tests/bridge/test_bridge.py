@@ -148,7 +148,12 @@ async def test_a_look_waits_for_the_sequence_to_end(tmp_path: Path) -> None:
         await it.until(lambda: START in it.general("nod"))
         it.send("ram.animation.hmmm.saliency", saliency(0.5, 0, 10000, "1"))
         await it.until(lambda: bool(it.commands("gaze")))
-        assert END in it.general("nod")
+        [nod], [gaze] = it.commands("play"), it.commands("gaze")
+        lines = it.host.lines
+        [done] = [
+            line for line in lines if isinstance(line, m.Done) and line.command == nod.command
+        ]
+        assert lines.index(done) < lines.index(gaze)
 
 
 @pytest.mark.toolkit("E1")

@@ -18,6 +18,7 @@ import pytest
 from tests.host.rig import WAIT_S, Served, served
 from tests.host.test_live_sound import RATE, WORD, loudspeaker, microphone, now
 from woz_tui.drivers.sound_feeds import LISTENED, SoundListened, SoundReader, SoundWindow
+from woz_tui.host import sound_service
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import Welcome
@@ -59,6 +60,12 @@ async def line_with(running: Process, words: str) -> str:
             if words in line:
                 return line
     raise AssertionError(f"it ended without {words!r}")
+
+
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A voice that a busy machine holds back is not late."""
+    monkeypatch.setattr(sound_service, "LATE_S", 10.0)
 
 
 @pytest.fixture

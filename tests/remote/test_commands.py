@@ -22,6 +22,7 @@ from woz_tui.cli.mcp import SessionTools
 from woz_tui.client.woz_errors import WozConnectionError
 from woz_tui.config.experiment import AccessRole
 from woz_tui.drivers.sound_feeds import LISTENED, SoundListened
+from woz_tui.host import sound_service
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import RealClock
 from woz_tui.testing import until
@@ -52,6 +53,12 @@ class Bench:
         return begun
 
 
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A voice that a busy machine holds back is not late, unless a test is about that."""
+    monkeypatch.setattr(sound_service, "LATE_S", 10.0)
+
+
 @pytest.fixture
 async def bench(tmp_path: Path) -> AsyncIterator[Bench]:
     async with machines(tmp_path, RealClock()) as two:
@@ -71,23 +78,35 @@ async def test_the_microphone_is_heard_and_what_the_network_held_back_is_not(ben
     assert running.stdout is not None
     feed = robot.session.feeds.feed("robot", LISTENED)
     await until(lambda: isinstance(feed.latest().value, SoundListened), 30)
-    window.add(WORD, now(robot))
-    await running.stdout.readexactly(44)
-    assert await running.stdout.readexactly(640) == WORD
+    heard = bytearray()
+
+    async def hears(pcm: bytes) -> None:
+        assert running.stdout is not None
+        taken = asyncio.ensure_future(running.stdout.read(640))
+        while pcm not in heard:
+            window.add(pcm, now(robot))  # again and again: a busy machine may hold one back
+            if taken.done():
+                heard.extend(taken.result())
+                taken = asyncio.ensure_future(running.stdout.read(640))
+            await asyncio.sleep(0.01)
+        taken.cancel()
+
+    async with asyncio.timeout(30):
+        await hears(WORD)
     cable.flowing.clear()
     window.add(b"\7\7" * 320, now(robot))
     await until(lambda: cable.held > 0)
     await asyncio.sleep(listen.LATE_S + 0.1)  # the network holds it back for longer than that
     cable.flowing.set()
     await line_with(running, "late")
-    heard = asyncio.ensure_future(running.stdout.readexactly(640))
-    while not heard.done():
-        window.add(WORD, now(robot))
-        await asyncio.sleep(0.01)
-    assert await heard == WORD
+    async with asyncio.timeout(30):
+        await hears(b"\3\4" * 320)
+    assert b"\7\7" not in heard
 
 
-async def test_a_voice_is_heard_and_what_the_network_held_back_is_not(bench: Bench) -> None:
+async def test_a_voice_is_heard_and_what_the_network_held_back_is_not(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
     robot, cable = bench.two.robot, bench.two.cable
     reader = loudspeaker(robot, on=True)
     running = await bench.woz("talk", "program", bench.two.address, stdin=PIPE)
@@ -101,10 +120,11 @@ async def test_a_voice_is_heard_and_what_the_network_held_back_is_not(bench: Ben
 
     running.stdin.write(WORD)
     await until(lambda: hears(WORD), 30)
+    monkeypatch.setattr(sound_service, "LATE_S", 0.3)
     cable.flowing.clear()
     running.stdin.write(b"\7\7" * 320)
     await until(lambda: cable.held > 0)
-    await asyncio.sleep(listen.LATE_S + 0.1)
+    await asyncio.sleep(0.8)  # the network holds it back for longer than that
     cable.flowing.set()
     heard.clear()
     while not hears(WORD):

@@ -145,7 +145,7 @@ class PlainJob:
         self.marks.append((sort, text))
 
 
-async def until(true: Callable[[], bool], within: float = 10.0) -> None:
+async def until(true: Callable[[], bool], within: float = 30.0) -> None:
     """Return as soon as `true()`. Raises `TimeoutError` after `within` seconds."""
     async with asyncio.timeout(within):
         while not true():  # noqa: ASYNC110 - what hardware does sets no event

@@ -118,8 +118,7 @@ class EyesPart(NaoqiPart):
         """Hold a steady light; nothing to do where nothing moves."""
         if scope is not Scope.ALL or not (self._loop or self._animated):
             return ()
-        self._end_loop()
-        await self._fade(await self._before(), 0.0)
+        await self._steady(await self._before(), 0.0)
         return (self.name,)
 
     async def connected(self) -> None:
@@ -190,9 +189,8 @@ class EyesPart(NaoqiPart):
 
     async def show(self, shown: EyeColor, seconds: float) -> None:
         """A steady colour; returns when the fade is over."""
-        self._end_loop()
         async with self._changing:
-            await self._fade(shown, seconds)
+            await self._steady(shown, seconds)
             self._shown = shown  # not before: what failed must not come after a loss
 
     async def _animation(self, job: Job) -> dict[str, Json]:
@@ -254,6 +252,14 @@ class EyesPart(NaoqiPart):
         playing.exception()
         self._animated = False
         await self._fade(before, 0.0)
+
+    async def _steady(self, shown: EyeColor, seconds: float) -> None:
+        """Hold this colour: nothing blinks any more."""
+        moved = self._loop is not None
+        self._end_loop()
+        await self._fade(shown, seconds)
+        if moved:  # NAOqi carries calls out side by side: the loop's last one may have come later
+            await self._fade(shown, 0.0)
 
     async def _fade(self, shown: EyeColor, seconds: float) -> None:
         red, green, blue = shown.dimmed(self._level).parts

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import functools
+from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import cast
 
 import pytest
+from naoqi_simulator.leds import Leds
+from naoqi_simulator.service_table import offers
 from woz_drivers.naoqi_robot import eyes as eyes_module
 from woz_drivers.simulated.argument_values import COLORS
 
-from tests.drivers.pepper.played import Played, played
+from tests.drivers.pepper.played import Played, joined, played, settings_for
+from tests.fakes.naoqi import StandIn, stand_in_here
 from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.testing import until
 
 FADE = "ALLeds.fadeRGB"
 
@@ -91,6 +98,40 @@ async def test_a_light_that_moves_goes_on_until_the_next_colour(
     await asyncio.sleep(0.2)  # longer than a blink: nothing may come any more
     assert await it.calls(FADE) == []
     assert await seen(it) == "#ff0000"
+
+
+@pytest.mark.parametrize("by", ["colour", "stop"])
+async def test_a_fade_of_a_light_that_moves_is_not_the_last_one(
+    by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """NAOqi may carry out the call that was sent before behind the one that ends it."""
+    late: list[Callable[[], Awaitable[None]]] = []
+    real = Leds.fade_rgb
+
+    @offers("fadeRGB(sffff)v")
+    async def overtaken(leds: Leds, name: str, *color_and_seconds: float) -> None:
+        carried_out = functools.partial(real, leds, name, *color_and_seconds)
+        if color_and_seconds[:3] == (0, 0, 0):
+            late.append(carried_out)
+            await asyncio.Event().wait()
+        await carried_out()
+        while late:
+            await late.pop()()
+
+    monkeypatch.setattr(Leds, "fade_rgb", overtaken)
+    async with stand_in_here() as robot:
+        settings = settings_for("nao", robot.address)
+        it = await joined(cast("StandIn", robot), tmp_path, settings)
+        try:
+            await it.do("eyes", color="green", animation="intermittent")
+            await until(lambda: bool(late))
+            if by == "stop":
+                await it.stop()
+            else:
+                await it.do("eyes", color="red")
+            assert await seen(it) == ("#00ff00" if by == "stop" else "#ff0000")
+        finally:
+            await it.close()
 
 
 @pytest.mark.naoqi("ALLeds.rasta", "ALLeds.randomEyes", "ALLeds.rotateEyes")

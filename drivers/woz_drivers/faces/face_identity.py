@@ -91,6 +91,8 @@ class FaceIdentity:
         self._lesson: _Lesson | None = None
         #: Names, by their keys, for which there is a consent that was not used yet.
         self._consents: dict[str, str] = {}
+        #: A face is written, or deleted: one at a time.
+        self._storing = asyncio.Lock()
 
     def start(self) -> None:
         """Load the program."""
@@ -184,10 +186,11 @@ class FaceIdentity:
             self._consents[key_of(name)] = name
             return {"name": name, "given": True}
         self._consents.pop(key_of(name), None)
-        # Not by our program, which may not run: what is withdrawn must be deleted all the same.
-        deleted = await asyncio.to_thread(FaceStore(default_path()).forget, [name])
-        if self._settings.recogniser:  # it may have a store of its own
-            deleted += (await self._ask("forget", names=[name])).names
+        async with self._storing:
+            # Not by our program, which may not run: what is withdrawn must be deleted all the same.
+            deleted = await asyncio.to_thread(FaceStore(default_path()).forget, [name])
+            if self._settings.recogniser:  # it may have a store of its own
+                deleted += (await self._ask("forget", names=[name])).names
         for known in self._tracks.values():
             if known.name and key_of(known.name) == key_of(name):
                 known.name = known.latest = ""
@@ -207,10 +210,13 @@ class FaceIdentity:
                 await self._ask("take", data, face, anew=count == 0)
             log = self._context.media.name.removesuffix(".media")
             day = datetime.datetime.now(datetime.UTC).date().isoformat()
-            await self._ask("learn", name=name, consented=day, log=log)
+            async with self._storing:
+                if key_of(name) not in self._consents:
+                    raise RejectedError(f"{name} has withdrawn the consent: nothing was learnt")
+                await self._ask("learn", name=name, consented=day, log=log)
         finally:
             self._lesson = None
-        del self._consents[key_of(name)]
+        self._consents.pop(key_of(name), None)  # a withdrawal that waits will delete it
         self._tracks[addressed.id] = TrackIdentity()
         return {"name": name, "face": addressed.id, "pictures": _PICTURES}
 

@@ -195,6 +195,20 @@ async def test_a_consent_that_is_withdrawn_deletes_what_was_kept(desk: IdentityD
     assert desk.name == ""
 
 
+async def test_a_consent_withdrawn_while_a_face_is_learnt_keeps_nothing(
+    desk: IdentityDesk,
+) -> None:
+    await desk.see(ANNA, until=lambda: desk.name is not None and desk.last("people") == 1)
+    await (await desk.perform("face_consent", name="V3", given=True))
+    learning = await desk.perform("learn_face", name="V3")
+    await desk.look(ANNA)
+    await (await desk.perform("face_consent", name="V3", given=False))
+    await desk.see(ANNA, until=learning.done)
+    with pytest.raises(RejectedError, match="withdrawn"):
+        await learning
+    assert FaceStore(default_path()).faces() == []
+
+
 async def test_a_consent_can_be_withdrawn_where_the_recogniser_does_not_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

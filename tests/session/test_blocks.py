@@ -140,6 +140,33 @@ def test_the_same_block_waits_for_itself_or_takes_its_place(tmp_path: Path) -> N
     assert isinstance(ended(stage)[0], m.Stopped)
 
 
+def test_a_block_whose_next_one_waits_gives_way_and_is_replaced_as_ever(tmp_path: Path) -> None:
+    async def twice_and(stage: Stage, name: str) -> None:
+        for each in ("Greet", "Greet"):
+            stage.session.play(each, KEY)
+        await asyncio.sleep(1.5)
+        stage.session.play(name, KEY)
+
+    stage = scene(tmp_path, lambda stage: twice_and(stage, "Sing"))
+    assert done(stage) == ["Hello you.", "La la la.", "nod", "Hello you.", "nod", "Goodbye."]
+    assert [*trouble(stage)] == ["t"]
+    stage = scene(tmp_path, lambda stage: twice_and(stage, "Again"))
+    assert done(stage) == ["Hello you.", "Hello you.", "nod", "Goodbye."]
+    assert [type(end) for end in ended(stage)] == [m.Stopped, m.Stopped, m.Done]
+
+
+def test_the_times_of_a_block_are_found_while_its_next_one_waits(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        for _ in range(2):
+            stage.session.play("Greet", KEY)
+        await planner((0.5, '<bml id="b"><wait id="w" start="greet:t:end"/></bml>'))(stage)
+
+    stage = scene(tmp_path, play)
+    [planned] = [line for line in stage.lines if isinstance(line, m.BlockPlanned)][1:2]
+    assert planned.block == "b"
+    assert planned.behaviours[0].points["start"] == pytest.approx(4.1e6, abs=2e5)
+
+
 def test_a_stop_ends_it_and_nothing_of_it_comes_later(tmp_path: Path) -> None:
     async def play(stage: Stage) -> None:
         stage.session.play("Greet", KEY)

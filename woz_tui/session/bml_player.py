@@ -77,6 +77,11 @@ class _Played:
         """Whether a planner asked for it."""
         return self.request.source == GUEST and not self.request.run
 
+    @property
+    def owner_and_id(self) -> tuple[str, str]:
+        """The planner, or the wizard (empty), and the id: one of them is played at a time."""
+        return self.request.console if self.is_guest else "", self.block.id
+
 
 class BmlPlayer:
     """The performer of the verb `bml`.
@@ -110,9 +115,14 @@ class BmlPlayer:
         self._read = read
         self._catalogue = catalogue
         self._refusal = refusal
-        #: By who asked for it and its id; the latest last.
-        self._blocks: dict[tuple[str, str], _Played] = {}
+        #: Those under way, and the last of those that are over; as they came.
+        self._blocks: list[_Played] = []
         hub.listen(self._on_message)
+
+    @property
+    def _under_way(self) -> list[_Played]:
+        """Those that are not over, as they came."""
+        return [each for each in self._blocks if not each.over.is_set()]
 
     # -- as a performer ----------------------------------------------------------------------------
 
@@ -168,7 +178,7 @@ class BmlPlayer:
 
     def lose(self, console: str) -> None:
         """The connection of a guest has ended: its blocks do."""
-        for played in [*self._blocks.values()]:
+        for played in self._under_way:
             if played.is_guest and played.request.console == console:
                 self._cut(played, "the program that asked for it has gone")
 
@@ -189,31 +199,23 @@ class BmlPlayer:
     def _admit(self, played: _Played) -> list[_Played]:
         """Take a block in; what of the same name has to end before it."""
         request, block = played.request, played.block
-        key = (request.console if played.is_guest else "", block.id)
-        same = [old for old in (self._blocks.get(key),) if old and not old.over.is_set()]
+        same = [old for old in self._under_way if old.owner_and_id == played.owner_and_id]
         if same and (played.is_guest or request.when_busy == "refuse"):
             raise RejectedError(f"block {block.id} is still under way")
         ending = same if request.when_busy == "replace" else []
         if block.composition == "REPLACE":  # a guest does not reach the wizard's
-            going = (other for other in self._blocks.values() if not other.over.is_set())
-            ending = [other for other in going if other.is_guest or not played.is_guest]
+            ending = [each for each in self._under_way if each.is_guest or not played.is_guest]
         for other in ending:
             self._cut(other, f"replaced by block {block.id}")
-        self._blocks.pop(key, None)  # the latest is the last
-        self._blocks[key] = played
-        over = [key for key, old in self._blocks.items() if old.over.is_set()]
-        for key in over[:-REMEMBERED]:
-            del self._blocks[key]
+        for old in [old for old in self._blocks if old.over.is_set()][:-REMEMBERED]:
+            self._blocks.remove(old)
+        self._blocks.append(played)
         return same
 
     def _waits_for(self, played: _Played) -> list[_Played]:
         """What has to end before a block begins; blocks that came later do not count."""
-        older = []
-        for other in self._blocks.values():
-            if other is played:
-                break
-            if not other.over.is_set():
-                older.append(other)
+        going = self._under_way
+        older = going[: going.index(played)]
         match played.block.composition:
             case "APPEND":
                 return older
@@ -245,8 +247,8 @@ class BmlPlayer:
         """When a sync point of another block is, in seconds from the beginning of one that is
         planned now; None: nobody knows.
         """
-        for (_, name), played in reversed(self._blocks.items()):
-            if name == ref.block and played.plan is not None and played.begin:
+        for played in reversed(self._blocks):
+            if played.block.id == ref.block and played.plan is not None and played.begin:
                 time = played.plan.schedule.times.get((ref.behaviour, ref.point))
                 return None if time is None else played.begin + time - self._now() - LEAD_S
         return None
@@ -385,16 +387,14 @@ class BmlPlayer:
         if message.source not in HANDS or message.source == GUEST:
             return
         run = message.run or message.command
-        for played in self._blocks.values():
-            if played.over.is_set() or played.plan is None:
-                continue
+        for played in self._under_way:
             if run != (played.request.run or played.request.command):
                 self._give_way(played, message)
 
     def _give_way(self, played: _Played, message: m.Command) -> None:
-        assert played.plan is not None
         if (calls := played.calls) is None:
             return  # nothing of it has begun
+        assert played.plan is not None
         verb = self.bus.verb(message.driver, message.verb)
         lane = (message.driver, "" if verb is None else verb.lane)
         for name, task in played.tasks.items():

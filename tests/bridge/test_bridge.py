@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import sys
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -364,6 +366,23 @@ async def test_a_broker_that_comes_back_is_used_again(tmp_path: Path) -> None:
         await it.until(lambda: it.broker.subscribed)
         it.ask("nod", NOD)
         await it.over("nod")
+
+
+async def test_what_the_command_says_comes_at_once_into_a_pipe(tmp_path: Path) -> None:
+    async with bridged(tmp_path) as it:
+        place = ("--stomp", f"127.0.0.1:{it.broker.port}", "--session", str(it.host.path))
+        command = (sys.executable, "-m", "woz_tui", "bridge", *place)
+        buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+        running = await asyncio.create_subprocess_exec(
+            *command, stdout=asyncio.subprocess.PIPE, env=buffered
+        )
+        try:
+            assert running.stdout is not None
+            line = await asyncio.wait_for(running.stdout.readline(), PATIENCE_S)
+            assert b"connected to 127.0.0.1" in line
+        finally:
+            running.kill()
+            await running.wait()
 
 
 async def test_who_asks_is_seen(tmp_path: Path) -> None:

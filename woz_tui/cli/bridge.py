@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from argparse import ArgumentParser, Namespace
+from functools import partial
 
 from woz_tui.bml.stomp_connection import StompError
 from woz_tui.bridge.stomp_bridge import StompBridge
@@ -39,6 +40,6 @@ async def _bridge(arguments: Namespace) -> int:
     table = load_table(arguments.topics)
     place = broker_place(arguments.stomp, arguments)
     async with connect(arguments.session, name="bridge", samples=True) as client:
-        await StompBridge(client, place, table, print).run()
+        await StompBridge(client, place, table, partial(print, flush=True)).run()
     print("woz: the session has ended")
     return 0

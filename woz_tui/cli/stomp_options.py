@@ -7,7 +7,8 @@ from pathlib import Path
 
 from woz_tui.bml.stomp_connection import StompPlace
 
-_PORT = 61613
+#: The usual port, and the highest one.
+_PORT, _HIGHEST = 61613, 0xFFFF
 
 
 def add_broker(parser: ArgumentParser) -> None:
@@ -24,10 +25,11 @@ def add_broker(parser: ArgumentParser) -> None:
 def broker_place(address: str, arguments: Namespace) -> StompPlace:
     """The broker at HOST or HOST:PORT. Raises `ValueError`; `OSError` for the password's file."""
     host, _, port = address.partition(":")
-    if not host or not (port or str(_PORT)).isdigit():
+    port = port or str(_PORT)
+    digits = port.isascii() and port.isdigit() and len(port) <= len(str(_HIGHEST))
+    if not host or not digits or not 0 < int(port) <= _HIGHEST:
         raise ValueError(f"{address!r} is no address: write HOST or HOST:PORT")
     passcode = ""
     if arguments.passcode_file is not None:
         passcode = arguments.passcode_file.read_text(encoding="utf-8").strip()
-    number = int(port or _PORT)
-    return StompPlace(host, number, arguments.login, passcode, arguments.virtual_host)
+    return StompPlace(host, int(port), arguments.login, passcode, arguments.virtual_host)

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as Xml
 
 import pytest
 
 from tests.host.rig import Served, served
+from tests.session.rig import Puppet
 from woz_tui import cli
 from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
-from woz_tui.bml.bml_block import LONGEST, NAMESPACE, Behaviour
+from woz_tui.bml.bml_block import NAMESPACE, Behaviour
 from woz_tui.bml.realizer import BmlRealizer, Feedback
+from woz_tui.bml.xml_elements import LONGEST
 from woz_tui.client import connect
-from woz_tui.drivers.contract import Argument, Verb
+from woz_tui.drivers.contract import Argument, DriverContext, Forecast, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.testing import until
 
@@ -308,6 +311,9 @@ def test_the_timetable_is_printed_without_a_session(
     printed = capsys.readouterr().out
     assert "greet.xml" in printed
     assert "left out" in printed
+    file.write_text(XML.format("b1", "", "<!-- f\u00fcr -->"), "latin-1")
+    assert cli.main(["bml", "--dry-run", str(file)]) == 1
+    assert "UTF-8" in capsys.readouterr().err
     file.write_text("nothing")
     assert cli.main(["bml", "--dry-run", str(file)]) == 1
     assert "greet.xml" in capsys.readouterr().err
@@ -364,10 +370,52 @@ async def test_woz_bml_says_which_file_and_what_of_it(
     assert "bml: targets" in told
 
 
-def test_a_robot_is_named_for_a_timetable_alone(
+class SlowVoice(Puppet):
+    """How long a sentence takes it says once it has been asked how long a move takes."""
+
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._asked = asyncio.Event()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """Nothing is known."""
+        if verb == "play":
+            self._asked.set()
+        await self._asked.wait()
+        return Forecast()
+
+
+async def test_woz_bml_says_of_which_of_two_files_a_part_is_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    partial, fine, again = (tmp_path / f"{name}.xml" for name in ("partial", "fine", "again"))
+    partial.write_text(XML.format("b1", "", f'<head id="h"/>{SAY}'))
+    fine.write_text(XML.format("b2", "", NOD.replace("s:m", "0")))
+    again.write_text(XML.format("b1", 'composition="SOON"', ""))
+    async with served(tmp_path, catalogue={"puppet": SlowVoice}) as host:
+        words = ["bml", "--session", str(host.path), str(partial), str(fine), str(again)]
+        assert await asyncio.to_thread(cli.main, words) == 1
+    told = capsys.readouterr().err.splitlines()
+    assert {line.split(": ")[1] for line in told if "h: lexeme is missing" in line} == {
+        str(partial)
+    }
+    assert {line.split(": ")[1] for line in told if "SOON" in line} == {str(again)}
+
+
+def test_a_robot_is_named_for_a_timetable_alone_and_that_is_of_files(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "b.xml"
     file.write_text(XML.format("b1", "", ""))
-    assert cli.main(["bml", "--robot", "pepper", str(file)]) == 2
-    assert "--dry-run" in capsys.readouterr().err
+    for words in (["--robot", "pepper", str(file)], ["--dry-run", "--listen"]):
+        assert cli.main(["bml", *words]) == 2
+        assert "--dry-run" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("address", ["h:99999", "h:0", "h:\u00b2", "h:-1", ":61613", "h:x"])
+def test_what_is_no_address_of_a_broker_is_told(
+    address: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for command in ("bml", "bridge"):
+        assert cli.main([command, "--stomp", address]) == 1
+        assert "is no address" in capsys.readouterr().err

@@ -123,6 +123,7 @@ def test_what_the_block_says_holds(inner: str, expected: dict[str, float]) -> No
             "marks",
         ),
         ("<dance/>", "BEHAVIOR_TYPE_NOT_SUPPORTED", "dance"),
+        (NOD.format('start="bml:end"'), "PARSING_FAILURE", "there is no bml:end"),
         (
             '<gaze id="n" target="x" start="1" end="9"/><gaze id="o" target="y" start="1"/>',
             "IMPOSSIBLE_TO_SCHEDULE",
@@ -208,12 +209,26 @@ def test_a_time_farther_away_than_a_day_is_none(time: str) -> None:
         ("<bml", "no XML"),
         ("<html id='x'/>", "begins with"),
         ("<bml id='x' composition='SOON'/>", "composition"),
-        ("<!DOCTYPE x [<!ENTITY a 'b'>]><bml id='x'/>", "document type"),
+        ("<!DOCTYPE x [<!ENTITY a 'b'>]><bml id='x'/>", "remove it"),
+        ("<bml id='\ud800'/>", "no XML"),
     ],
 )
 def test_a_block_that_is_none_is_told(text: str, words: str) -> None:
     with pytest.raises(BmlError, match=words):
         read_block(text)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "ISO-8859-1", "nonsense"])
+def test_a_text_is_what_it_is_whatever_encoding_it_declares(encoding: str) -> None:
+    said = '<speech id="s"><text>f\u00fcr</text></speech>'
+    declared = f'\ufeff<?xml version="1.0" encoding="{encoding}"?>{XML.format(said)}'
+    assert read_block(declared).behaviours[0].text == "f\u00fcr"
+
+
+@pytest.mark.parametrize(("written", "made"), [("3", 3), ("0", 1), ("-1", 1), ("9" * 5000, 20)])
+def test_a_movement_is_repeated_at_most_twenty_times(written: str, made: int) -> None:
+    [behaviour] = read_block(XML.format(NOD.format(f'repetition="{written}"'))).behaviours
+    assert behaviour.repetitions == made
 
 
 def test_what_is_required_comes_before_what_is_wished() -> None:
@@ -534,10 +549,10 @@ def test_as_many_constraints_hold_as_can_in_their_order_required_ones_first(
 
 
 @pytest.mark.hypothesis
-@given(data=st.binary(max_size=300))
-def test_whatever_comes_is_a_block_or_refused(data: bytes) -> None:
+@given(text=st.text(st.characters(), max_size=300))
+def test_whatever_comes_is_a_block_or_refused(text: str) -> None:
     try:
-        schedule(read_block(data))
+        schedule(read_block(text))
     except BmlError as error:
         assert str(error)
 

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from tests.fakes.stomp_broker import StompBroker
 from tests.host.rig import Served, served
+from woz_tui.bml.bml_block import EYEPI
 from woz_tui.bml.stomp_connection import (
     StompError,
     StompFrame,
@@ -92,11 +93,14 @@ async def test_a_planner_that_wraps_its_blocks_is_answered_likewise(tmp_path: Pa
 
 async def test_nonsense_is_refused_and_the_next_block_is_played(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
-        for nonsense in ("", "{}", '{"bml": 3}', "<bml", "\x01"):
+        nested = f'<directRosMessage xmlns="{EYEPI}" id="d" topic="t">{"<a>" * 3000}'
+        nested = f'<bml id="b0">{nested}{"</a>" * 3000}</directRosMessage></bml>'
+        wrapped = ("{}", '{"bml": 3}', '{"a":' * 5000, '{"bml": {"content": "\\ud800"}}')
+        for nonsense in ("", "<bml", "\x01", nested, *wrapped):
             it.broker.publish(TOPICS.request, nonsense)
         it.broker.publish(TOPICS.request, BLOCK.format("b1"))
         await it.ended("b1")
-        assert sum("warningFeedback" in text for text in it.feedback()) == 5
+        assert sum("warningFeedback" in text for text in it.feedback()) == 8
 
 
 async def test_a_broker_that_comes_back_is_used_again(tmp_path: Path) -> None:

@@ -14,9 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.host.rig import Served, served
-from woz_tui.bml.bml_block import LONGEST
 from woz_tui.bml.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
-from woz_tui.bml.xml_elements import LONGEST_TAG, XmlElements, XmlElementsError
+from woz_tui.bml.xml_elements import LONGEST, LONGEST_TAG, XmlElements, XmlElementsError
 from woz_tui.client import WozConnectionError, connect
 from woz_tui.testing import until
 

@@ -73,7 +73,7 @@ def test_the_planners_own_spelling_is_read() -> None:
         ("<data><a type='time'>1</a></data>", "a is no time"),
         ("<data><a type='Quaternion'>1</a></data>", "unknown type"),
         ("<data><a type='tuple'><e type='int'>?</e></a></data>", "a.0 is no int"),
-        ("<!DOCTYPE data [<!ENTITY a 'b'>]><data>&a;</data>", "no document type"),
+        ("<!DOCTYPE data [<!ENTITY a 'b'>]><data>&a;</data>", "remove it"),
         ("<data>" + "<a type='dict'>" * 50 + "</a>" * 50 + "</data>", "too deeply"),
         ("<data>" + "x" * (1 << 19) + "</data>", "at most"),
     ],

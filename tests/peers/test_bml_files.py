@@ -48,7 +48,7 @@ def _files() -> Iterator[Path]:
 
 def _result(path: Path) -> BlockSchedule | BmlError:
     try:
-        return schedule(read_block(path.read_bytes()))
+        return schedule(read_block(path.read_text("utf-8", "replace")))
     except BmlError as error:
         return error
 

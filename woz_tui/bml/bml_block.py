@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 from xml.etree import ElementTree as Xml
 
+from woz_tui.bml.xml_elements import parse_xml
+
 NAMESPACE: Final = "http://www.bml-initiative.org/bml/bml-1.0"
-#: A longer block is refused, in bytes.
-LONGEST: Final = 1 << 18
 #: More behaviours and constraints than these are refused.
 MOST_BEHAVIOURS: Final = 200
 MOST_CONSTRAINTS: Final = 2000
@@ -185,7 +185,7 @@ class Behaviour:
     def repetitions(self) -> int:
         """How often a movement is made, 1 to 20."""
         text = self.attributes.get("repetition", "1")
-        return min(20, max(1, int(text))) if text.isascii() and text.isdigit() else 1
+        return int(min(20, max(1, float(text)))) if text.isascii() and text.isdigit() else 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,17 +201,12 @@ class BmlBlock:
     warnings: tuple[BmlWarning, ...] = ()
 
 
-def read_block(text: str | bytes) -> BmlBlock:
+def read_block(text: str) -> BmlBlock:
     """The block that `text` holds. Raises `BmlError`."""
-    data = text.encode() if isinstance(text, str) else text
-    if len(data) > LONGEST:
-        raise BmlError(f"a block has at most {LONGEST} bytes")
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise BmlError("a block has no document type and no entities")
     try:
-        root = Xml.fromstring(data)
-    except (Xml.ParseError, ValueError, LookupError) as error:
-        raise BmlError(f"this is no XML: {error}") from error
+        root = parse_xml(text, "a block")
+    except ValueError as error:
+        raise BmlError(str(error)) from error
     return _BlockReader(root).block()
 
 
@@ -281,7 +276,10 @@ class _BlockReader:
         attributes = {key: value for key, value in element.attrib.items() if key != "id"}
         text, marks = _speech(element) if kind == "speech" else ("", {})
         if kind == "directRosMessage":
-            text = "".join(Xml.tostring(each, "unicode") for each in element)
+            try:
+                text = "".join(Xml.tostring(each, "unicode") for each in element)
+            except RecursionError:
+                raise BmlError(f"{name}: its message is nested too deeply", self._id) from None
         inner = {_name(each): dict(each.attrib) for each in element if kind != "speech"}
         behaviour = Behaviour(kind, name, attributes, text, marks, inner, required)
         try:
@@ -342,7 +340,7 @@ class _BlockReader:
             if not wrong:
                 kept.append(constraint)
                 continue
-            text = f"{constraint.where}: there is no {wrong[0].behaviour}:{wrong[0].point}"
+            text = f"{constraint.where}: there is no {wrong[0].behaviour or 'bml'}:{wrong[0].point}"
             if constraint.required:
                 raise BmlError(text, self._id)
             about = (constraint.owner,) if constraint.owner else ()
@@ -366,8 +364,10 @@ class _BlockReader:
         self._constraints = kept
 
     def _exists(self, ref: SyncRef) -> bool:
-        if not ref.behaviour or ref.block:
-            return ref.point in ("start", "end") or bool(ref.block)
+        if ref.block:  # whether it is there is seen when the block is put in time
+            return True
+        if not ref.behaviour:
+            return ref.point == "start"
         behaviour = self._behaviours.get(ref.behaviour)
         return behaviour is not None and ref.point.partition(":")[0] in behaviour.points
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import Final
 from xml.etree import ElementTree as Xml
 
-#: A longer message is refused, in characters.
-LONGEST: Final = 1 << 18
+from woz_tui.bml.xml_elements import parse_xml
+
 #: Deeper nesting is refused.
 DEEPEST: Final = 16
 #: Beyond this no whole number of ROS goes, to both sides.
@@ -47,14 +47,10 @@ EMPTY: Final[Mapping[str, RosValue]] = {
 
 def parse_element(text: str) -> Xml.Element:
     """The root of an XML text of a stranger. Raises `RosDataError`."""
-    if len(text) > LONGEST:
-        raise RosDataError(f"a message has at most {LONGEST} characters")
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise RosDataError("a message has no document type and no entities")
     try:
-        return Xml.fromstring(text)
-    except (Xml.ParseError, ValueError, LookupError) as error:
-        raise RosDataError(f"this is no XML: {error}") from error
+        return parse_xml(text, "a message")
+    except ValueError as error:
+        raise RosDataError(str(error)) from error
 
 
 def read_data(text: str) -> dict[str, RosValue]:

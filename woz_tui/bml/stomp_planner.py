@@ -72,7 +72,7 @@ class StompPlanner:
             return text
         try:
             return unquote_plus(str(json.loads(text)["bml"]["content"]))
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError):
             return text  # it is refused as what it is
 
     def _tell(self, feedback: Feedback) -> None:

@@ -1,13 +1,14 @@
-"""Splits bytes that come bit by bit into XML documents, one behind the other."""
+"""XML of strangers: is read, and bytes that come bit by bit are split into documents."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
 from typing import Final
+from xml.etree import ElementTree as Xml
 
-from woz_tui.bml.bml_block import LONGEST
-
+#: A longer document is refused, in bytes.
+LONGEST: Final = 1 << 18
 #: A longer tag is refused, in bytes.
 LONGEST_TAG: Final = 1 << 16
 #: What begins with these ends with those, whatever is between.
@@ -16,6 +17,20 @@ _SKIPPED: Final = ((b"<!--", b"-->"), (b"<![CDATA[", b"]]>"), (b"<?", b"?>"))
 _TAG: Final = re.compile(rb"""<(?:[^<>"']++|"[^"]*+"|'[^']*+')*+>""")
 #: Between two documents; some programs begin with a byte order mark.
 _BLANKS: Final = b" \t\r\n\xef\xbb\xbf"
+
+
+def parse_xml(text: str, what: str) -> Xml.Element:
+    """The root of a text that a person calls `what`; an encoding that it declares does not count.
+    Raises `ValueError` with a sentence.
+    """
+    if len(text.encode("utf-8", "replace")) > LONGEST:
+        raise ValueError(f"{what} has at most {LONGEST} bytes")
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise ValueError(f"{what} must not contain <!DOCTYPE or <!ENTITY: remove it")
+    try:
+        return Xml.fromstring(text)
+    except (Xml.ParseError, ValueError) as error:
+        raise ValueError(f"this is no XML: {error}") from error
 
 
 class XmlElementsError(Exception):
@@ -81,7 +96,7 @@ class XmlElements:
             if opening.startswith(data[begin : begin + len(opening)]):  # it may become one
                 return False
         if data.startswith(b"<!", begin):
-            raise XmlElementsError("a block has no document type and no entities")
+            raise XmlElementsError("a block must not contain <!DOCTYPE or <!ENTITY: remove it")
         ended = data.find(b">", max(begin, self._endless)) >= 0
         tag = _TAG.match(data, begin) if ended else None
         if tag is None:

@@ -6,6 +6,7 @@ import asyncio
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 from rich.table import Table
@@ -25,11 +26,11 @@ from woz_tui.client import WozError, connect
 from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.bundled_files import is_path, robot_files
 from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.loading import load_robot_file
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.protocol.messages import BlockPlanned, PlannedBehaviour
-from woz_tui.system import files
 
 _port = number(1, 0xFFFF, whole=True)
 #: The widest picture, in columns.
@@ -50,8 +51,8 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--dry-run",
         action="store_true",
-        help="print when everything would happen and what the robot does for it, and play nothing;"
-        " without a session by usual durations",
+        help="of files: print when everything would happen and what the robot does for it, and"
+        " play nothing; without a session by usual durations",
     )
     parser.add_argument(
         "--robot",
@@ -96,6 +97,9 @@ def run(arguments: Namespace) -> int:
     if sum(map(bool, (arguments.files, arguments.stomp, arguments.listen))) != 1:
         print("woz: name files with blocks, or --stomp HOST, or --listen", file=sys.stderr)
         return 2
+    if arguments.dry_run and not arguments.files:
+        print("woz: --dry-run is for files with blocks", file=sys.stderr)
+        return 2
     if arguments.robot and (not arguments.dry_run or arguments.session or arguments.access):
         print("woz: --robot is for --dry-run without a session", file=sys.stderr)
         return 2
@@ -114,19 +118,16 @@ def _joined(arguments: Namespace) -> int:
         return asyncio.run(work(arguments))
 
 
-def _say(text: str) -> None:
-    print(text, flush=True)
-
-
 async def _planner(arguments: Namespace) -> int:
     place = broker_place(arguments.stomp, arguments) if arguments.stomp else None
     async with connect(arguments.session, name="planner") as client:
+        say = partial(print, flush=True)
         if place is None:
             ports = PlannerPorts(arguments.listen, arguments.feedback_port)
-            await TcpPlanner(client, ports, _say).run()
+            await TcpPlanner(client, ports, say).run()
         else:
             topics = PlannerTopics(arguments.request, arguments.told)
-            await StompPlanner(client, place, topics, _say).run()
+            await StompPlanner(client, place, topics, say).run()
     return 0
 
 
@@ -141,31 +142,34 @@ async def _bml(arguments: Namespace) -> int:
             _print(path, made, f"on {robot}, by usual durations")
         return 0
     async with connect(arguments.session, name="bml") as client:
-        told = _Told(xml=arguments.feedback)
-        realizer = BmlRealizer(client, told.tell)
-        if arguments.dry_run:
-            for path, text in zip(arguments.files, texts, strict=True):
-                _block(path, text)
-                made = await realizer.predict(text.decode("utf-8", "replace"))
-                _print(path, made, "on the robot of the session")
-            return 0
+        told = [_Told(path, xml=arguments.feedback) for path in arguments.files]
+        realizers = [BmlRealizer(client, each.tell) for each in told]
         try:
-            names = []
-            for told.file, text in zip(arguments.files, texts, strict=True):
-                names.append(await realizer.perform(text.decode("utf-8", "replace")))
-            for name in filter(None, names):
+            if arguments.dry_run:
+                for path, text, realizer in zip(arguments.files, texts, realizers, strict=True):
+                    _block(path, text)
+                    made = await realizer.predict(text)
+                    _print(path, made, "on the robot of the session")
+                return 0
+            names = [
+                await realizer.perform(text)
+                for realizer, text in zip(realizers, texts, strict=True)
+            ]
+            for realizer, name in zip(realizers, names, strict=True):
                 await realizer.until_over(name)
         finally:
-            await realizer.close()
-    return 1 if told.warned else 0
+            await asyncio.gather(*(realizer.close() for realizer in realizers))
+    return 1 if any(each.warned for each in told) else 0
 
 
-def _read(path: Path) -> bytes:
-    with files.open_regular(path) as file:
-        return file.read()
+def _read(path: Path) -> str:
+    try:
+        return read_source(path, str(path)).text
+    except SourceFileError as error:
+        raise BmlError(f"{path}: {error}") from error
 
 
-def _block(path: Path, text: bytes) -> BmlBlock:
+def _block(path: Path, text: str) -> BmlBlock:
     try:
         return read_block(text)
     except BmlError as error:
@@ -173,13 +177,12 @@ def _block(path: Path, text: bytes) -> BmlBlock:
 
 
 class _Told:
-    """Prints feedback: as XML, or what a person wants to read."""
+    """Prints feedback about the block of a file: as XML, or what a person wants to read."""
 
-    def __init__(self, *, xml: bool) -> None:
+    def __init__(self, file: Path, *, xml: bool) -> None:
+        self._file = file
         self._xml = xml
         self.warned = False
-        #: What is read now.
-        self.file = Path()
 
     def tell(self, feedback: Feedback) -> None:
         """One more."""
@@ -188,7 +191,7 @@ class _Told:
             print(feedback.xml(), flush=True)
         elif feedback.name == "warningFeedback":
             at = feedback.attributes
-            place = self.file if at["type"] == "PARSING_FAILURE" else at["id"].partition(":")[0]
+            place = self._file if at["type"] == "PARSING_FAILURE" else at["id"].partition(":")[0]
             print(f"woz: {place}: {feedback.text}", file=sys.stderr)
         elif feedback.name.endswith("Progress"):
             at = feedback.attributes

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from woz_tui.bml.bml_block import LONGEST
+from woz_tui.bml.xml_elements import LONGEST
 from woz_tui.config.engagement import (
     CONDITION,
     FILTERS,

@@ -18,7 +18,6 @@ import msgspec
 from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError, VerbCall
 from woz_tui.bml.block_plan import BlockPlan, first_calls, plan, problem_of
 from woz_tui.bml.bml_block import (
-    LONGEST,
     Behaviour,
     BmlBlock,
     BmlError,
@@ -30,6 +29,7 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.experiment import Call, Experiment
+from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.session_verbs import BML, PERFORMERS
 from woz_tui.drivers.contract import Driver, Forecast, Job, RejectedError, Scope
 from woz_tui.protocol import messages as m
@@ -38,7 +38,6 @@ from woz_tui.protocol.messages import Json
 from woz_tui.session.action_runner import ActionRunner, CommandRefusal, RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.prediction import forecast
-from woz_tui.system import files
 from woz_tui.timeline.session_state import SessionState
 
 #: Whose blocks are a guest's.
@@ -189,11 +188,8 @@ class BmlPlayer:
         if (file is None) == (text is None):
             raise RejectedError("name either a file with a block, or the block itself")
         try:
-            data = self._text_of(str(file)) if text is None else str(text).encode()
-            return read_block(data)
-        except OSError as error:
-            raise RejectedError(f"{file}: {error.strerror or error}") from error
-        except BmlError as error:
+            return read_block(self._text_of(str(file)) if text is None else str(text))
+        except (BmlError, SourceFileError) as error:
             raise RejectedError(f"{file}: {error}" if text is None else str(error)) from error
 
     def _admit(self, played: _Played) -> list[_Played]:
@@ -265,15 +261,14 @@ class BmlPlayer:
             offered=lambda spec: self.bus.verbs[spec.name].values(),
         )
 
-    def _text_of(self, file: str) -> bytes:
+    def _text_of(self, file: str) -> str:
         """What a file with a block holds, as it was read with the experiment if it was. Raises
-        `OSError`.
+        `SourceFileError`.
         """
         experiment = self._read()
         if (text := experiment.blocks.get(file)) is not None:
-            return text.encode()
-        with files.open_regular(experiment.path.parent / Path(file).expanduser()) as opened:
-            return opened.read(LONGEST + 1)
+            return text
+        return read_source(experiment.path.parent / Path(file).expanduser(), file).text
 
     # -- playing -----------------------------------------------------------------------------------
 

@@ -11,7 +11,7 @@ import threading
 from collections.abc import AsyncIterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from woz_drivers.simulated import SimulatedRobot
@@ -22,6 +22,7 @@ from tests.network.other_computer import (
     Arm,
     ArmSettings,
     OtherComputer,
+    Pair,
     free_port,
     listens,
     pair,
@@ -250,6 +251,39 @@ async def test_a_command_that_the_stop_has_overtaken_does_not_begin(tmp_path: Pa
         assert "lift" not in two.arm.under_way
 
 
+async def test_a_full_line_has_room_for_the_stop(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        line = await two.router.join(PLACE)
+        with line._some:  # its thread takes nothing meanwhile
+            while line.send("woz/nobody", b""):
+                pass
+            stopping = asyncio.create_task(two.remote.stop(Scope.ALL))
+            await asyncio.sleep(0)
+        assert await stopping is None
+        assert two.arm.others == ["stop all"]
+        await two.router.leave()
+
+
+async def test_a_driver_that_talks_without_end_does_not_hold_up_its_stop(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        quiet = threading.Event()
+
+        def talk() -> None:
+            while not quiet.is_set():
+                two.arm.context.reading("load", 1.0, unit="kg")
+
+        thread = threading.Thread(target=talk)
+        thread.start()
+        try:
+            await until(lambda: len(two.context.of("load")) > 0)
+            with contextlib.suppress(DeviceLostError):  # the line may be too full for the rest
+                await two.remote.stop(Scope.ALL)
+            await until(lambda: "stop all" in two.arm.others)
+        finally:
+            quiet.set()
+            await asyncio.to_thread(thread.join)
+
+
 # -- the network -----------------------------------------------------------------------------------
 
 
@@ -334,6 +368,99 @@ async def test_what_was_lost_on_the_way_ends_the_conversation(
             await lifting
         await until(lambda: not two.arm.under_way)
         await two.healthy(Health.CONNECTED)
+
+
+async def test_our_own_conversation_that_the_other_side_still_has_is_nobody_elses(
+    tmp_path: Path,
+) -> None:
+    """A `Here` was on its way when the session lost something."""
+    async with pair(tmp_path) as two:
+        here = driver_messages.Here(driver_messages.LINK, "1", two.remote._epoch, "arm")
+        instance = two.remote._bound
+        two.remote._lose("something was lost")
+        two.remote._receive(
+            driver_messages.encode(driver_messages.FrameFromDriver(instance, 0, 0, here))
+        )
+        await two.healthy(Health.CONNECTED)
+        assert Health.FAULTED not in [health for health, *_ in two.context.healths]
+
+
+# -- letting go ------------------------------------------------------------------------------------
+
+
+class SlowArm(Arm):
+    """Takes its time to let go of the hardware."""
+
+    #: Of all of them, in their order.
+    lives: ClassVar[list[str]] = []
+
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self.lives.append("made")
+        self.may_close = asyncio.Event()
+
+    async def close(self) -> None:
+        self.lives.append("closing")
+        await self.may_close.wait()
+        self.lives.append("closed")
+
+
+@contextlib.asynccontextmanager
+async def slow_pair(folder: Path) -> AsyncIterator[tuple[Pair, SlowArm]]:
+    """Both sides, and the driver there."""
+    SlowArm.lives.clear()
+    async with pair(folder, SlowArm) as two:
+        arm = two.arm
+        assert isinstance(arm, SlowArm)
+        try:
+            yield two, arm
+        finally:
+            arm.may_close.set()
+            assert isinstance(two.arm, SlowArm)
+            two.arm.may_close.set()
+
+
+async def test_a_line_that_is_cut_meanwhile_cuts_nothing_short(tmp_path: Path) -> None:
+    async with slow_pair(tmp_path) as (two, arm):
+        closing = asyncio.create_task(two.remote.close())
+        await until(lambda: "closing" in arm.lives)
+        await two.cable.cut()
+        await closing
+        await until(lambda: any("is stopped" in line for line in two.other.lines))
+        ending = asyncio.create_task(two.other.end())  # ctrl+c waits for it
+        await asyncio.sleep(0)
+        arm.may_close.set()
+        await ending
+        assert arm.lives == ["made", "closing", "closed"]
+
+
+async def test_who_takes_too_long_is_told_and_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_side, "CLOSE_S", 0.5)
+    async with slow_pair(tmp_path) as (two, arm):
+        with pytest.raises(DriverError, match="let go"):
+            await two.remote.close()
+        await until(lambda: any("has ended" in line for line in two.other.lines))
+        arm.may_close.set()
+        await until(lambda: arm.lives == ["made", "closing", "closed"])
+
+
+async def test_another_session_waits_until_the_hardware_is_free(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with slow_pair(tmp_path) as (two, arm):
+        monkeypatch.setattr(remote_side, "SESSION", "another")
+        two.remote._lose("the session began anew")
+        await until(lambda: "closing" in arm.lives)
+        for _ in range(2):  # it greets again and again
+            before, two.remote._greeted_us = two.remote._epoch, 0
+            await until(lambda: two.remote._epoch != before)  # noqa: B023
+        await asyncio.sleep(0.2)
+        arm.may_close.set()
+        await two.healthy(Health.CONNECTED)
+        await until(lambda: arm.lives == ["made", "closing", "closed", "made"])
+        assert Health.FAULTED not in [health for health, *_ in two.context.healths]
 
 
 # -- who may ---------------------------------------------------------------------------------------
@@ -527,6 +654,14 @@ async def test_a_revoked_name_is_not_let_in(tmp_path: Path) -> None:
         assert "revoked" in context.healths[-1][1]
     finally:
         await remote.close()
+
+
+def test_an_address_without_certificates_knows_no_revoked_ones(tmp_path: Path) -> None:
+    made = Authority(tmp_path / "authority")
+    _access(made, PLACE, tmp_path)
+    made.revoke(PLACE)
+    router = DriverRouter("tcp://127.0.0.1:1", [PLACE], made)
+    assert router.revoked(PLACE) == router.barred(PLACE) == ""
 
 
 async def test_a_name_that_is_revoked_while_it_is_connected_is_cut_and_stopped(

@@ -12,8 +12,8 @@ import pytest
 from tests.drivers.heard import Heard, until
 from woz_tui.drivers.contract import Health
 from woz_tui.protocol.messages import BodyChanged, DriverLost, SpeechStarted
-from woz_tui.session.driver_context import A_TURN, CAPACITY
 from woz_tui.system.clock import ManualClock
+from woz_tui.system.thread_calls import A_TURN, CAPACITY
 
 
 async def test_a_flood_of_readings_takes_no_state_with_it(

@@ -133,9 +133,11 @@ class DriverLine:
             thread.start()
 
     def send(self, key: str, payload: bytes, *, urgent: bool = False) -> bool:
-        """Have it sent and return at once; whether there was room. From any thread."""
+        """Have it sent and return at once; whether there was room, which there always is for what
+        is urgent. From any thread.
+        """
         with self._some:
-            if not self._open or len(self._waiting) >= CAPACITY:
+            if not self._open or (not urgent and len(self._waiting) >= CAPACITY):
                 return False
             (self._urgent if urgent else self._waiting).append((key, payload))
             self._some.notify_all()
@@ -280,6 +282,7 @@ class DriverRouter:
         silence_s: float = SILENCE_S,
     ) -> None:
         self.listen = listen
+        self._at = ListenAddress.read(listen)
         self.silence_s = silence_s
         self.places = set(places)
         self._authority = authority or Authority()
@@ -314,7 +317,7 @@ class DriverRouter:
 
     def barred(self, place: str) -> str:
         """Why this computer cannot come in; empty: it can."""
-        if ListenAddress.read(self.listen).plain:
+        if self._at.plain:
             return ""
         try:
             if not any(each.name == place for each in self._authority.names()):
@@ -328,14 +331,15 @@ class DriverRouter:
 
         The line knows names and not serial numbers: one that was revoked counts for the name.
         """
+        if self._at.plain:
+            return ""
         with contextlib.suppress(AccessError):
             if any(each.name == place and each.revoked for each in self._authority.names()):
                 return f"the access of {place} was revoked"
         return ""
 
     def _opened(self) -> DriverLine:
-        zenoh = _module()
-        address = ListenAddress.read(self.listen)
+        zenoh, address = _module(), self._at
         scheme = "tcp" if address.plain else "tls"
         where = f"{scheme}/{_host(address)}:{address.port}"
         settings: dict[str, Any] = {"mode": "router", "listen/endpoints": [where]}
@@ -370,7 +374,10 @@ class DriverRouter:
 
 def no_access_remedy(place: str) -> str:
     """What helps a computer that is not let in."""
-    return f"woz access new {place}; if that was revoked, with another name"
+    return (
+        f"woz access new {place}; a revoked name cannot come back: then a new name, also behind"
+        " `at:` in both robot files"
+    )
 
 
 def _host(address: ListenAddress) -> str:

@@ -22,6 +22,7 @@ from woz_tui.drivers.contract import (
     Driver,
     DriverError,
     Health,
+    NoticeStatement,
     RejectedError,
     Scope,
     StopReport,
@@ -45,6 +46,7 @@ from woz_tui.network.shared_feeds import LOOK_S, ServedFeeds, is_bulky, may_be_l
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Json
 from woz_tui.system.clock import Clock, RealClock
+from woz_tui.system.thread_calls import ThreadCalls
 
 #: How often the session's clock is asked, and how often it is said that the driver is here, in
 #: seconds.
@@ -103,6 +105,7 @@ class ServedDriver:
         self._instance = secrets.token_hex(8)
         self._line: DriverLine | None = None
         self._loop = asyncio.get_running_loop()
+        self._calls = ThreadCalls(offer.name)
         self._driver: Driver | None = None
         self._context: ServedContext | None = None
         #: Which session made the driver, and the driver's name there.
@@ -120,6 +123,10 @@ class ServedDriver:
         self._running: dict[int, tuple[asyncio.Task[None], Verb | None, str]] = {}
         self._lanes: dict[str, asyncio.Lock] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
+        #: The hardware is being let go of.
+        self._leaving: asyncio.Task[None] | None = None
+        #: The newest session that wants the driver.
+        self._greeting = 0
 
     # -- its life --------------------------------------------------------------------------------
 
@@ -189,14 +196,23 @@ class ServedDriver:
             self._tell(f"{self.name}: it may not have stopped: {error}")
 
     async def _let_go(self) -> None:
+        """Once for all who ask; of them each may be cancelled, and cuts nothing short."""
+        if self._leaving is None:
+            self._leaving = self._loop.create_task(self._leave(asyncio.current_task()))
+            self._leaving.add_done_callback(self._on_left)
+        await asyncio.shield(self._leaving)
+
+    def _on_left(self, _: asyncio.Task[None]) -> None:
+        self._leaving = None
+
+    async def _leave(self, asker: asyncio.Task[Any] | None) -> None:
         driver, self._driver, self._context = self._driver, None, None
         self._session = ""
-        jobs = [task for task, _, _ in self._running.values()]
+        jobs = [task for task, _, _ in self._running.values() if task is not asker]
         for task in jobs:
-            if task is not asyncio.current_task():
-                task.cancel()
+            task.cancel()
         # A stop under way goes on to its end.
-        ending = {*jobs, *self._tasks} - {asyncio.current_task()}
+        ending = {*jobs, *self._tasks} - {asker}
         if ending:
             _, hanging = await asyncio.wait(ending, timeout=self._silence_s)
             for task in hanging:
@@ -224,14 +240,8 @@ class ServedDriver:
         """To the session, if there is one; from any thread. Whether there is."""
         if not self._ready:
             return False
-        try:
-            here = asyncio.get_running_loop() is self._loop
-        except RuntimeError:
-            here = False
-        if here:
-            self._send(body, kept=kept)
-        else:
-            self.in_loop(lambda: self._send(body, kept=kept))
+        needed = kept and not isinstance(body, NoticeStatement)
+        self._calls.make(lambda: self._send(body, kept=kept), keep=needed)
         return True
 
     def _send(self, body: dm.FromDriver, *, kept: bool = True) -> None:
@@ -285,9 +295,10 @@ class ServedDriver:
         if refusal is not None:
             self._send_raw(epoch, refusal)
             return
-        if self._driver is not None and self._session != hello.session:
+        self._greeting = epoch
+        if self._leaving or (self._driver is not None and self._session != hello.session):
             await self._let_go()
-        if self._epoch:  # another one was faster
+        if self._greeting != epoch:  # it has greeted again meanwhile, or another one has
             return
         self._session, self._user = hello.session, hello.name
         self._sent = self._received = 0

@@ -54,7 +54,7 @@ LATE_S = 0.5
 #: A stop that the other computer has not even received by then has not reached it, in seconds.
 STOP_S = 0.4
 #: How long `rest`, `close` and `reread` may take there, in seconds.
-REST_S, CLOSE_S, REREAD_S = 9.0, 4.0, 3.0
+REST_S, CLOSE_S, REREAD_S = 9.0, 7.0, 3.0
 #: A cancelled command is waited for so long; longer only if the other computer is heard and the
 #: round trip is shorter than `SLOW_S`: else its lane would count as faulted, and it is the network.
 #: The other computer keeps the order. In seconds.
@@ -240,13 +240,20 @@ class RemoteDriver(Driver):
         if self._closed.is_set():
             return
         self._closed.set()
-        with contextlib.suppress(DriverError, TimeoutError):
-            await self._call("close", [], CLOSE_S)
-        self._unbind("the session has ended")
-        await asyncio.gather(*self._tasks, return_exceptions=True)
-        if self._line is not None:
-            self._line = None
-            await self._router.leave()
+        try:
+            with contextlib.suppress(DriverError):
+                await self._call("close", [], CLOSE_S)
+        except TimeoutError:
+            raise DriverError(
+                f"{self._place} has not let go of the hardware after {CLOSE_S:g} s",
+                "it goes on; see `woz drivers` there",
+            ) from None
+        finally:
+            self._unbind("the session has ended")
+            await asyncio.gather(*self._tasks, return_exceptions=True)
+            if self._line is not None:
+                self._line = None
+                await self._router.leave()
 
     # -- the line --------------------------------------------------------------------------------
 
@@ -362,14 +369,17 @@ class RemoteDriver(Driver):
                 self.context.notice(
                     "warning",
                     f"two computers call themselves {self._place}; the second one is not used",
-                    "give each an access file of its own: woz access new NAME",
+                    "give each an access file of its own (woz access new NAME), and its name"
+                    " behind `at:`",
                 )
             return
         if self._bound and here.epoch == self._epoch:
             return
         if self._bound:
             self._lose(f"{self._place} had lost the line")
-        if self._greeted == instance and now - self._greeted_us < self._router.silence_s * 1e6:
+        waits = self._greeted == instance and now - self._greeted_us < self._router.silence_s * 1e6
+        # It may still have our own conversation, or that of the session before us, for a moment.
+        if waits or (here.epoch and here.user == self.name):
             return
         if here.link != dm.LINK:
             self.context.health(

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
-import logging
-import threading
-from collections import deque
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -43,6 +38,7 @@ from woz_tui.protocol.messages import (
     reading,
 )
 from woz_tui.system.clock import Clock
+from woz_tui.system.thread_calls import ThreadCalls
 
 _HEALTH: dict[Health, type[DriverHealth]] = {
     Health.CONNECTING: DriverConnecting,
@@ -52,17 +48,10 @@ _HEALTH: dict[Health, type[DriverHealth]] = {
 }
 
 
-#: Messages from a driver's threads that may wait; a driver that says more loses the surplus.
-CAPACITY = 1000
-#: How many of them are published before the loop has another turn.
-A_TURN = 50
-
 #: Told how a request ended: whether it was carried out, and why not.
 OnCompletion = Callable[[bool, str], None]
 #: Carries out what a driver asks for: its name, the request, and who hears how it ended.
 DriverRequestHandler = Callable[[str, Ask, OnCompletion | None], None]
-
-log = logging.getLogger(__name__)
 
 
 class SessionDriverContext(DriverContext):
@@ -94,14 +83,10 @@ class SessionDriverContext(DriverContext):
         self._hub = hub
         self._clock = clock
         self._folder = folder
-        self._loop = asyncio.get_running_loop()
-        self._thread = threading.get_ident()
+        self._calls = ThreadCalls(driver)
         self._health: tuple[Health, str] | None = None
         self._sensors: dict[str, str] = {}
         self._mode = ""
-        self._waiting: deque[Callable[[], object]] = deque()
-        self._due = False
-        self._dropped = 0
 
     @property
     def clock(self) -> Clock:
@@ -162,34 +147,8 @@ class SessionDriverContext(DriverContext):
         """Have the session carry `ask` out."""
         on_request = self._on_request
         if on_request is not None:
-            self._in_loop(lambda: on_request(self._driver, ask, done), keep=True)
+            self._calls.make(lambda: on_request(self._driver, ask, done), keep=True)
 
     def _send(self, message: Message) -> None:
         kept = isinstance(message, DriverHealth | Shown | Speech)
-        self._in_loop(lambda: self._hub.publish(message), keep=kept)
-
-    def _in_loop(self, call: Callable[[], object], *, keep: bool) -> None:
-        """Run `call` now or, from another thread, soon; only what is to be kept always is."""
-        if threading.get_ident() == self._thread:
-            call()
-            return
-        if len(self._waiting) >= CAPACITY and not keep:
-            self._dropped += 1
-            return
-        self._waiting.append(call)
-        with contextlib.suppress(RuntimeError):  # the loop has closed: the session is over
-            if not self._due:
-                self._due = True
-                self._loop.call_soon_threadsafe(self._deliver)
-
-    def _deliver(self) -> None:
-        """Publish what threads have said, a part of it at a time: others have their turns too."""
-        self._due = False
-        for _ in range(min(len(self._waiting), A_TURN)):
-            self._waiting.popleft()()
-        if self._waiting and not self._due:
-            self._due = True
-            self._loop.call_soon(self._deliver)
-        elif self._dropped:
-            dropped, self._dropped = self._dropped, 0
-            log.warning("%s sends too many messages: %d were dropped", self._driver, dropped)
+        self._calls.make(lambda: self._hub.publish(message), keep=kept)

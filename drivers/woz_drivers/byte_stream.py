@@ -29,7 +29,8 @@ class StreamCommand:
         nothing: What it delivers while it is silent, such as "no sound".
         remedy: What to do when it ended or had to be given up.
         least: It has begun to deliver once so many bytes of a run have come.
-        fed: It reads what is written to it, and answers each time: its silence counts from there.
+        fed: It reads what is written to it, and answers: its silence counts from the first of what
+            it has not answered.
         name: What it is called in sentences; without one, as its program.
     """
 
@@ -113,8 +114,9 @@ class ByteStream:
         """Give a command that is `fed` some data; lost while it does not run."""
         if self._child is not None:
             self._child.write(data)
-            self._owes = True
-            self._received_us = self._clock.now_us()
+            if not self._owes:
+                self._owes = True
+                self._received_us = self._clock.now_us()
 
     def hold(self, held: bool) -> None:
         """Stop fetching its output, or go on; its silence counts from when it goes on."""

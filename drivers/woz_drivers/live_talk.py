@@ -45,9 +45,8 @@ _LOOK_S = 0.01
 _WAITING_S, _PIECE = 0.1, 2048
 #: How old sound is when it is handed on is published this often, in seconds.
 _PUBLISHED_S = 0.5
-#: Without a voice for so long the sensor says that none comes; a program that gives nothing back
-#: for so long, while one comes, is started again. In seconds.
-_SILENT_S, _STUCK_S = 1.0, 3.0
+#: Without a voice for so long the sensor says that none comes, in seconds.
+_SILENT_S = 1.0
 #: What the player has when a voice is switched off is played to its end, within so many seconds.
 _LAST_WORDS_S = 1.0
 #: So much silence pushes the last of a voice out of a program, in seconds.
@@ -350,8 +349,6 @@ class LiveTalk:
         #: Why the program that changes the voice cannot be used; None: it can.
         self._trouble: DriverError | None = None
         self._cutter = self._fresh_cutter()
-        #: Since when the program owes sound; None: it does not.
-        self._owed_us: int | None = None
         self._shown: tuple[str, str] | None = None
 
     # -- the program that changes it -----------------------------------------------------------
@@ -381,7 +378,6 @@ class LiveTalk:
 
     def _ready(self) -> None:
         self._trouble = None
-        self._owed_us = None
         self._show("on" if self.on else "off")
 
     def _lost(self, trouble: DriverError) -> None:
@@ -389,11 +385,10 @@ class LiveTalk:
         self._show("stale", trouble.what)
 
     def _came_back(self, pcm: bytes) -> None:
-        self._owed_us = None
         self._cutter.feed(pcm)
 
     def _flush(self) -> None:
-        """What the program still has of a voice comes out now, and is not heard next time."""
+        """What the program still has of a voice comes out now."""
         if self._through is not None and self._trouble is None:
             self._through.write(bytes(round(_FLUSH_S * self._settings.rate) * WIDTH))
 
@@ -487,7 +482,7 @@ class LiveTalk:
             heard = f"{result['seconds']} s, {result['dropped']} s dropped"
             by = f" by {tally.by}" if tally.by else ""
             self._show("off", f"{why}: {heard}{by}")
-            self._flush()
+            self._flush()  # and is not heard the next time
         if tally.sound is not None:
             result["file"] = f"{self._context.media.name}/{tally.sound.path.name}"
         return result
@@ -496,7 +491,7 @@ class LiveTalk:
         """Hand on what comes; why it is over."""
         clock, settings = self._context.clock, self._settings
         reader = SoundReader(self._voice)
-        published_us = 0
+        published_us = flushed = 0
         tally.came_us = tally.began_us
         while True:
             now, last = clock.now_us(), ending.is_set()
@@ -522,12 +517,9 @@ class LiveTalk:
             if self._trouble is None:
                 why = f"no voice comes: {_SENDER.format(rate=settings.rate)}"
                 self._show("silent", why) if silent else self._show("on")
-            if self._owed_us is not None and now - self._owed_us > _STUCK_S * 1_000_000:
-                await self._start_again()
-                raise DriverError(
-                    f"{settings.through_words()[0]} gave no sound for {_STUCK_S:g} s",
-                    "it is started again; press the key again",
-                )
+            if silent and tally.pieces > flushed:  # the last words are heard, too
+                flushed = tally.pieces
+                self._flush()
             if last:  # what was said before the key counts
                 return "switched off"
             await asyncio.sleep(_LOOK_S)
@@ -538,8 +530,6 @@ class LiveTalk:
         elif self._trouble is not None:  # it died: nobody hears an unchanged voice
             tally.drop(len(pcm))
         else:
-            if self._owed_us is None:
-                self._owed_us = self._context.clock.now_us()
             self._through.write(pcm)
 
     def end(self) -> Mapping[str, Json]:

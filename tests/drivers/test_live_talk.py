@@ -35,6 +35,14 @@ while len(sys.stdin.buffer.read(640)) == 640:
     sys.stdout.buffer.write(bytes([3, 4]) * 320)
     sys.stdout.buffer.flush()
 """
+#: Works in blocks of two pieces.
+BLOCKS = CHANGE.replace("640", "1280").replace("* 320", "* 640")
+#: Loads until a file is there.
+LOAD = """
+import os, sys, time
+while not os.path.exists(sys.argv[1]):
+    time.sleep(0.01)
+"""
 #: Gives each piece back when the next one has come: it holds a word inside. Silence comes first.
 #: Silence that comes in, behind what was said, makes an empty file.
 HOLD = """
@@ -102,6 +110,15 @@ class Booth:
             return bool(self.said)
 
         await until(heard)
+
+    async def until_silent(self, clock: ManualClock) -> None:
+        """Let time pass until the sensor says that no voice comes."""
+
+        def silent() -> bool:
+            clock.advance(0.1)
+            return self.heard.states("talk")[-1] == "silent"
+
+        await until(silent)
 
     async def begin(self) -> asyncio.Task[Mapping[str, Json]]:
         """`talk` is played, and the loudspeaker is open."""
@@ -340,18 +357,47 @@ async def test_without_its_program_nobody_can_talk(tmp_path: Path) -> None:
 
 async def test_a_program_that_gives_nothing_back_is_started_again(booths: Any) -> None:
     clock = ManualClock()
-    booth = await booths(clock, through=("sleep", "1000"))
+    booth = await booths(clock, longest=3600.0, through=("sleep", "1000"))
     talking = await booth.begin()
-    booth.say()
 
-    def passes() -> bool:
+    def told() -> bool:
         clock.advance(0.5)
-        return bool(talking.done())
+        booth.say()
+        changes = booth.heard.all(SensorChanged)
+        return any((one.state, "sleep ran" in one.why) == ("stale", True) for one in changes)
 
-    await until(passes)
-    with pytest.raises(DriverError, match="sleep gave no sound"):
-        await talking
-    await booth.begin_again()
+    await until(told)
+    await until(lambda: booth.heard.states("talk")[-1] != "stale")
+    assert not talking.done()
+    await booth.end()
+
+
+async def test_who_stops_sending_is_heard_to_the_end_and_the_program_goes_on(booths: Any) -> None:
+    clock = ManualClock()
+    booth = await booths(clock, through=python(BLOCKS))
+    talking = await booth.begin()
+    booth.say(2 * WORD)
+    await booth.until_said(2 * CHANGED)
+    booth.say()  # half a block
+    await booth.until_silent(clock)
+    await until(lambda: len(booth.said) > len(2 * CHANGED))
+    clock.advance(100.0)
+    await booth.end()
+    assert talking.done()
+    assert "stale" not in booth.heard.states("talk")
+
+
+async def test_a_program_that_loads_for_long_is_waited_for(booths: Any, tmp_path: Path) -> None:
+    clock, gate = ManualClock(), tmp_path / "gate"
+    booth = await booths(clock, through=python(LOAD + CHANGE, str(gate)))
+    await booth.begin()
+    booth.say()
+    await booth.until_silent(clock)
+    clock.advance(14.0)
+    booth.say()
+    await booth.heard.state("talk", "on")
+    gate.touch()
+    await booth.until_changed()
     await booth.end()
 
 

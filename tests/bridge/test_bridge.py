@@ -201,6 +201,21 @@ async def test_a_sequence_of_the_low_level_goes_on_until_another_is_wanted(tmp_p
         assert {line.command for line in it.commands("play")} == played
 
 
+async def test_a_sequence_of_the_low_level_leaves_the_wizards_move_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_tui.bridge.topic_player.HAND_S", 2.0)  # twice as long as a nod
+    async with bridged(tmp_path) as it:
+        way: dict[str, RosValue] = {"frequency": 1.0, "input": 2}
+        it.send("ram.animation.desired.animation", {**way, "sequence": NOD})
+        await it.until(lambda: len(it.commands("play")) == 2)
+        it.host.session.send("play", {"move": "shake"}, "", WIZARD)
+        [wizards] = [each for each in it.commands("play") if each.source == "key"]
+        sent = wizards.t + 300_000  # what was on its way to the session does not count
+        await it.until(lambda: it.commands("play")[-1].t > sent)
+        assert it.commands("play")[-1].t - wizards.t > 1.9e6
+
+
 async def test_a_planner_hears_how_the_robot_is(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:
         face, joint = "ram.animation.generated.face", "ram.animation.generated.joint"

@@ -249,6 +249,9 @@ class _States:
         try:
             await run
             while repeats and self._last.get(place) == call.args:
+                if left := self._hands.wait(call.verb):
+                    await asyncio.sleep(left)
+                    continue
                 run = await self._client.begin(call.verb, call.args)
                 await run
         except WozSupersededError:  # that is what states are for

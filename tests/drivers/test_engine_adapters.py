@@ -5,6 +5,7 @@ The stand-ins are called as the real ones are: a module that is imported, a prog
 
 from __future__ import annotations
 
+import asyncio
 import sys
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -170,6 +171,21 @@ async def test_piper_stays_loaded_for_each_voice_and_speed(piper: Piper) -> None
         ("en_GB-alba-medium", "1.000"),
     ], "one for each, and the usual one is not among the oldest"
     assert piper.lines()[0]["text"] == "Yes.", "it is loaded before it says that it is ready"
+
+
+async def test_a_line_of_pipers_without_a_file_is_no_answer(tmp_path: Path) -> None:
+    folder, script = tmp_path / "out", tmp_path / "piper.sh"
+    folder.mkdir()
+    script.write_text(
+        f'while read text; do echo; echo "$text" > {folder}/$text.wav'
+        f'; echo "Wrote {folder}/$text.wav"; done'
+    )
+    program = piper_voice.PiperProgram(("sh", str(script)), Path("model"), 160, folder)
+    try:
+        for text in ("one", "two"):
+            assert (await asyncio.to_thread(program.speak, text)).read_text() == f"{text}\n"
+    finally:
+        program.end()
 
 
 async def test_a_voice_that_is_not_there_names_those_that_are(piper: Piper) -> None:

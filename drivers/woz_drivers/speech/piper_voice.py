@@ -52,8 +52,9 @@ class PiperProgram:
         except BrokenPipeError:
             pass  # it has ended; its last words tell why
         for line in process.stdout:
-            self._last = line.decode("utf-8", "replace").strip() or self._last
-            if found := self._written.search(self._last):
+            written = line.decode("utf-8", "replace").strip()
+            self._last = written or self._last
+            if found := self._written.search(written):
                 return Path(found[0])
         raise OSError(f"piper ended: {self._last or process.wait()}")
 

@@ -89,6 +89,21 @@ def test_a_reader_hears_nothing_of_before_it() -> None:
     assert numbers(taken[0].pcm) == list(range(100, 110))
 
 
+def test_a_reader_within_a_block_gets_the_whole_of_it() -> None:
+    feed = Feed()
+    window = SoundWindow(feed, RATE)
+    window.add(samples(0, 20), 0)
+    window.add(samples(20, 20), 0)
+    sound = feed.latest().value
+    assert isinstance(sound, LiveSound)
+    pieces = [sound.after(end) for end in (10, 20, 30)]
+    assert [(numbers(piece.pcm)[0], piece.end, piece.lost) for piece in pieces if piece] == [
+        (0, 40, 0),
+        (20, 40, 0),
+        (20, 40, 0),
+    ]
+
+
 def test_a_feed_that_begins_anew_is_followed() -> None:
     feed = Feed()
     SoundWindow(feed, RATE).add(samples(0, 500), 0)

@@ -79,7 +79,9 @@ class LiveSound:
         return self.blocks[-1].end
 
     def after(self, end: int) -> SoundPiece | None:
-        """What came after frame `end`; None: nothing. 0: a reader that begins gets the newest."""
+        """What came after frame `end`, in whole blocks; None: nothing. 0: a reader that begins gets
+        the newest.
+        """
         if end == self.end:
             return None
         begins = end <= 0 or end > self.end  # the latter: of an earlier run
@@ -88,8 +90,8 @@ class LiveSound:
             fresh = round(FRESH_S * self.rate)
             new = tuple(block for block in new if block.end > self.end - fresh)
         else:
-            new = tuple(block for block in new if block.begin >= end)
-        lost = 0 if begins else new[0].begin - end
+            new = tuple(block for block in new if block.end > end)
+        lost = 0 if begins else max(0, new[0].begin - end)
         return SoundPiece(self.end, new[0].t_us, b"".join(block.pcm for block in new), lost)
 
 

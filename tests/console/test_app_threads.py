@@ -5,6 +5,10 @@ from __future__ import annotations
 from tests.console import scenes
 from tests.console.driving import sitting
 from woz_tui.console.screens.lost import LostDialog
+from woz_tui.console.screens.release import ReleaseDialog
+from woz_tui.protocol import messages as m
+
+NOW = scenes.NOW
 
 
 async def test_a_painting_that_another_thread_wakes_may_open_a_dialog() -> None:
@@ -24,3 +28,28 @@ async def test_a_stop_that_did_not_arrive_is_told_when_the_line_is_back() -> Non
         await seat.tell(scenes.welcome())
         assert "STOP SENT" not in seat.text("StopBar")
         assert "the stop is not pressed: press it again" in seat.text("StopBar")
+
+
+async def test_a_robot_process_that_is_back_before_anything_is_painted_is_not_lost() -> None:
+    async with sitting() as seat:
+        seat.feed.cut("the robot process closed the connection")
+        seat.feed.deliver(scenes.welcome())
+        await seat.settle()
+        seat.console.paint()
+        await seat.settle()
+        assert seat.console.state.lost is None
+        assert seat.console.dialog is None
+        assert "is back" in seat.text("StopBar")
+
+
+async def test_what_said_that_the_robot_is_lost_goes_also_from_below_another_dialog() -> None:
+    missing = m.StopConfirmed(confirmed=["voice"], missing=["head"], elapsed_us=9, t=NOW)
+    async with sitting() as seat:
+        await seat.tell(m.StopPressed(source="key", t=NOW), missing)
+        seat.feed.cut("the line was cut")
+        await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
+        await seat.press("ctrl+r")
+        assert isinstance(seat.console.dialog, ReleaseDialog)
+        await seat.tell(scenes.welcome())
+        await seat.settle()
+        assert seat.console.dialog is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import msgspec
+import pytest
 
 from tests.console import scenes
 from tests.console.driving import Sitting, sitting
@@ -123,20 +124,24 @@ async def test_one_wizard_sees_nothing_of_parts() -> None:
         assert "with" not in seat.text("StatusLines").split()
 
 
-async def test_arrows_move_ones_own_robot_as_long_as_others_play_the_other() -> None:
+def two_robots() -> r.Welcome:
+    """The wizard of `left`; another one, console `con2`, plays `right`, which comes first."""
     first = welcome("voice", there("con2", "body"))
+    each = (("left", "voice"), ("right", "body"))
     panels = [
         msgspec.structs.replace(panel, parts=[part], covers=covers)
-        for panel, part, covers in zip(
-            first.panels,
-            ("voice", "body"),
-            (["left.nudge", "left.say"], ["right.nudge", "right.say"]),
-            strict=False,
-        )
+        for panel, (robot, part) in zip(first.panels, each, strict=False)
+        for covers in ([f"{robot}.{verb}" for verb in ("nudge", "say", "play")],)
     ]
-    verbs = {"right.body": ["nudge", "say"], "left.body": ["nudge", "say"]}
-    first = msgspec.structs.replace(first, panels=panels, verbs=verbs, drivers=[*verbs])
-    async with sitting(first) as seat:
+    verbs = {f"{robot}.body": ["nudge", "say", "play"] for robot in ("right", "left")}
+    return msgspec.structs.replace(first, panels=panels, verbs=verbs, drivers=[*verbs])
+
+
+OTHER_WIZARD_LOST = m.ConsoleLost(console="con2", role="wizard", why="closed", part="body", t=NOW)
+
+
+async def test_arrows_move_ones_own_robot_as_long_as_others_play_the_other() -> None:
+    async with sitting(two_robots()) as seat:
         await seat.press("up")
         asked = seat.feed.asked[-1]
         assert isinstance(asked, r.AskVerb)
@@ -144,8 +149,27 @@ async def test_arrows_move_ones_own_robot_as_long_as_others_play_the_other() -> 
         await seat.press("slash")
         assert "voice: left.body" in seat.drawn()
         await seat.press("ctrl+q")
-        await seat.tell(m.ConsoleLost(console="con2", role="wizard", why="closed", t=NOW))
+        await seat.tell(OTHER_WIZARD_LOST)
         sent = len(seat.feed.asked)
         await seat.press("up")
         assert len(seat.feed.asked) == sent
         assert "right, left: use a" in seat.text("StopBar")
+
+
+@pytest.mark.parametrize(("key", "named"), [("slash", "voice"), ("percent_sign", "robot")])
+async def test_the_robot_that_a_dialog_names_gets_the_text_whoever_comes_and_goes(
+    key: str, named: str
+) -> None:
+    async with sitting(two_robots()) as seat:
+        for robot, told in (
+            ("left.body", OTHER_WIZARD_LOST),
+            ("right.body", there("con5", "body")),
+        ):
+            await seat.press(key)
+            assert f"{named}: {robot}" in seat.drawn()
+            await seat.type("hi")
+            await seat.tell(told)
+            await seat.press("enter")
+            asked = seat.feed.last(r.AskVerb)
+            assert isinstance(asked, r.AskVerb)
+            assert asked.on == robot

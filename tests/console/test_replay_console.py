@@ -370,6 +370,20 @@ async def test_a_code_is_typed_while_the_replay_stands_still_and_chosen_the_next
         assert it.t > before, "it goes on"
 
 
+async def test_what_is_typed_is_the_code_also_where_a_longer_one_was_set_before(
+    tmp_path: Path,
+) -> None:
+    coding = Coding(tmp_path / "x.coding.jsonl", "K1", START)
+    for at, text in ((1, "gaze: robot"), (2, "gaze:"), (3, "gaze: robot")):
+        coding.add(at * SECOND, text)
+    recording = Recording(story(), KeptSamples(()), coded=True)
+    async with watching(ReplayStart(at_us=4 * SECOND), recording=recording, coding=coding) as it:
+        await it.press("m", *"gaze:", "enter")
+        assert max(coding.codes, key=lambda code: code.number).text == "gaze:"
+        await it.press("m", *"gaze:", "down", "enter")
+        assert max(coding.codes, key=lambda code: code.number).text == "gaze: robot"
+
+
 async def test_without_a_coder_the_keys_say_how_to_begin() -> None:
     async with watching() as it:
         await it.press("x")

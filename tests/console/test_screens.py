@@ -129,6 +129,18 @@ async def test_failures_are_read_and_seen() -> None:
         assert seat.console.dialog is None
 
 
+async def test_a_failure_that_comes_while_others_are_read_is_not_cleared_with_them() -> None:
+    async with sitting(busy()) as seat:
+        await opened(seat, "FailuresDialog")
+        await seat.tell(*scenes.played("a77", "Nod", NOW, 1, how="failed", reason="no power"))
+        assert "no power" not in seat.drawn(), "nothing moves under the reader's eyes"
+        await seat.press("enter")
+        assert "1 failed" in seat.text("StatusLines")
+        await opened(seat, "FailuresDialog")
+        assert "no power" in seat.drawn()
+        assert "overloaded" not in seat.drawn()
+
+
 async def test_the_key_that_says_why_a_robot_is_lost_is_named_and_shows_whole_sentences() -> None:
     why = "the robot does not answer any more: nothing came from 192.168.1.20 for 3 seconds"
     remedy = "is it on, and is this machine in its network? It is asked again every second"

@@ -211,12 +211,15 @@ def test_what_is_no_proposal_is_none() -> None:
     assert (found.order, found.trial, found.row) == (("a",), None, -1)
 
 
-async def crashed(seat: Sitting, *, log: str) -> None:
-    """The robot process is lost, and one whose log is `log` is there, with nobody chosen."""
+async def crashed(seat: Sitting, session: str) -> None:
+    """The robot process is lost, and the one of `session` is there, with nobody chosen; its log
+    is another file than before, as behind a full disk.
+    """
     seat.feed.cut("the robot process closed the connection")
     await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
-    plain = scenes.welcome([scenes.start("", "")], settings={"study": studied.told()})
-    seat.feed.deliver(msgspec.structs.replace(plain, log=log))
+    start = msgspec.structs.replace(scenes.start("", ""), session=session)
+    plain = scenes.welcome([start], settings={"study": studied.told()})
+    seat.feed.deliver(msgspec.structs.replace(plain, log="recordings/another.jsonl"))
     await seat.until(lambda: not seat.console.state.lost)
     await seat.settle()
 
@@ -228,7 +231,7 @@ async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> No
         await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
         await seat.press("ctrl+q")
         await seat.tell(m.SessionChanged(participant="P09", condition="warm", trial=2))
-        await crashed(seat, log="recordings/another.jsonl")
+        await crashed(seat, "S02")
         await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
         await seat.settle()
         assert seat.console.screen.query_one("#participant", Input).value == "P09"
@@ -243,16 +246,14 @@ async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> No
         assert (assigned.participant, assigned.order) == ("P09", ["cold", "warm"])
 
 
-@pytest.mark.parametrize(
-    ("asks", "log"), [(True, studied.welcome().log), (False, "recordings/another.jsonl")]
-)
+@pytest.mark.parametrize(("asks", "session"), [(True, "S01"), (False, "S02")])
 async def test_nobody_is_asked_again_in_the_same_session_or_where_nobody_was(
-    asks: bool, log: str
+    asks: bool, session: str
 ) -> None:
     first = scenes.welcome([scenes.start("", "")], settings={"study": studied.told()})
     async with sitting(first, ask_participant=asks) as seat:
         if asks:
             await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
             await seat.press("ctrl+q")
-        await crashed(seat, log=log)
+        await crashed(seat, session)
         assert seat.console.dialog is None

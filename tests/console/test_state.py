@@ -128,7 +128,7 @@ def test_a_failure_stays_until_it_is_seen() -> None:
     assert state(picture, "Hello", later) is ButtonState.FAILED
     (failure,) = picture.runs.unseen()
     assert (failure.reason, failure.remedy) == ("voice: no sound card", "plug it in")
-    picture.runs.see_all()
+    picture.runs.seen.add("a1")
     assert state(picture, "Hello", later) is ButtonState.READY
     assert picture.runs.unseen() == []
 
@@ -137,11 +137,21 @@ def test_what_was_seen_stays_seen_when_the_line_comes_back() -> None:
     failed = scenes.played("a1", "Hello", NOW, 1, how="failed", reason="broken")
     picture = begun(first=scenes.welcome(recent=failed))
     assert len(picture.runs.unseen()) == 1
-    picture.runs.see_all()
+    picture.runs.seen.add("a1")
     picture.lose(Loss("closed"))
     picture.apply([scenes.welcome(recent=failed)], 0)
     assert picture.runs.unseen() == []
     assert picture.lost is None
+
+
+def test_failures_of_a_robot_process_that_was_started_again_are_new() -> None:
+    failed = scenes.played("a1", "Hello", NOW, 1, how="failed", reason="broken")
+    picture = begun(first=scenes.welcome(recent=failed))
+    picture.runs.seen.add("a1")
+    picture.lose(Loss("closed"))
+    again = msgspec.structs.replace(scenes.start(), clock={"wall": "an hour later"})
+    picture.apply([scenes.welcome([again, *scenes.healthy()[1:]], failed)], 0)
+    assert [failure.run for failure in picture.runs.unseen()] == ["a1"]
 
 
 def test_a_failure_has_one_time_in_consoles_that_came_before_and_after_its_press() -> None:

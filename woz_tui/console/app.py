@@ -24,7 +24,7 @@ from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
 from woz_tui.console.keyboard import KeyPress
 from woz_tui.console.main_screen import MainScreen
-from woz_tui.console.message_feed import Loss, MessageFeed
+from woz_tui.console.message_feed import Incoming, Loss, MessageFeed
 from woz_tui.console.partial_update import cropped
 from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.robot_requests import RobotRequests
@@ -38,6 +38,7 @@ from woz_tui.protocol.messages import (
     ConsoleAttached,
     ConsoleLost,
     DriverHealth,
+    SessionStart,
     StopPressed,
     TrainingChanged,
 )
@@ -105,7 +106,9 @@ class Console(ScreenApp):
         )
         keyboard.bind({}, self._own_keys())
         self.restart = restart
-        self.ask_participant, self._asked_in = ask_participant, ""
+        self.ask_participant = ask_participant
+        #: How the session began in which it was asked; its log may change its name.
+        self._asked_in: SessionStart | None = None
         self._edition = 0
         self._training: TrainingChanged | None = None
         self._was_lost = self._alt_told = False
@@ -170,42 +173,49 @@ class Console(ScreenApp):
         self._show(self.state.now(local))
 
     def _take_in(self, local: int) -> None:
-        for batch in self.inbox.batches():
-            self.state.apply(batch, local)
-            for message in batch:
-                if isinstance(message, Reply):
-                    self._replied(message)
-                elif isinstance(message, PictureShown):
-                    self.requests.pictured(message)
-                elif isinstance(message, Welcome):
-                    self.state.runs.read_refusal()  # an old one
-                    self._welcomed(message)
-                elif isinstance(message, DriverHealth):
-                    if message.driver == self._news_driver:
-                        self._news = News()  # it refused in another state
-                elif isinstance(message, ConsoleAttached | ConsoleLost):
-                    self._bind_arrows()
-                elif isinstance(message, StopPressed) and message.scope == "all":
-                    self._stop_asked = None  # also where its release came in the same batch
+        for came in self.inbox.taken():
+            if isinstance(came, Loss):
+                self._cut(came, local)
+            else:
+                self._work_in(came, local)
         self._follow_training()
         if (refusal := self.state.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.state.label(refusal.action)), "warn")
             self._news_driver = refusal.driver
         for tiding in self.state.study.read_news():
             self.news(self._sentence(tiding), tiding.look)
-        for loss in self.inbox.losses():
-            self.state.lose(loss)
-            self._loss = loss
-            self.requests.forget()
-            if not self._was_lost:
-                self._was_lost, self._lost_t = True, self.state.now(local)
-                calls("screens.lost:open_lost")(self)
         if self.state.stop is not None:
             self._stop_asked = None
             self._news_until = 1  # what was refused meanwhile need not be told after the release
         if self.state.edition != self._edition:
             self._edition = self.state.edition
             self._adopt()
+
+    def _work_in(self, batch: list[Incoming], local: int) -> None:
+        self.state.apply(batch, local)
+        for message in batch:
+            if isinstance(message, Reply):
+                self._replied(message)
+            elif isinstance(message, PictureShown):
+                self.requests.pictured(message)
+            elif isinstance(message, Welcome):
+                self.state.runs.read_refusal()  # an old one
+                self._welcomed(message)
+            elif isinstance(message, DriverHealth):
+                if message.driver == self._news_driver:
+                    self._news = News()  # it refused in another state
+            elif isinstance(message, ConsoleAttached | ConsoleLost):
+                self._bind_arrows()
+            elif isinstance(message, StopPressed) and message.scope == "all":
+                self._stop_asked = None  # also where its release came in the same batch
+
+    def _cut(self, loss: Loss, local: int) -> None:
+        self.state.lose(loss)
+        self._loss = loss
+        self.requests.forget()
+        if not self._was_lost:
+            self._was_lost, self._lost_t = True, self.state.now(local)
+            calls("screens.lost:open_lost")(self)
 
     def _follow_training(self) -> None:
         """Offer what a training offers at this moment, once."""
@@ -231,9 +241,10 @@ class Console(ScreenApp):
             self._was_lost = False
             calls("screens.lost:close_lost")(self)
             self._back()
-        asks = self.ask_participant and welcome.role == "wizard" and welcome.log != self._asked_in
+        start = self.state.session.start
+        asks = self.ask_participant and welcome.role == "wizard" and start != self._asked_in
         if asks and not self.state.participant:
-            self._asked_in = welcome.log
+            self._asked_in = start
             self.do("start")
 
     def _back(self) -> None:

@@ -314,9 +314,9 @@ class ConsoleState:
         self.lost = loss
 
     def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
-        """Begin anew; what the wizard has seen stays seen."""
+        """Begin anew; what the wizard has seen of this session stays seen."""
         fresh = ConsoleState(edition=self.edition, before=self.participant or self.before)
-        fresh.runs.seen = self.runs.seen
+        seen, start = self.runs.seen, self.session.start
         for name in self.__slots__:
             setattr(self, name, getattr(fresh, name))
         self._t, self._local = welcome.t, local_us
@@ -330,6 +330,8 @@ class ConsoleState:
         self.perception = PerceptionFilter.of(self.settings.study)
         self._plan(welcome, welcome.drivers)
         self._recall(welcome)
+        if self.session.start == start:  # else the numbers of runs have begun anew
+            self.runs.seen = seen
         self.role, self.part = welcome.role, welcome.part  # whatever old lines say of it
         self.study.read_news()  # old ones
 

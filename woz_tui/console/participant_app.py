@@ -14,7 +14,7 @@ from textual.app import ComposeResult
 from woz_tui.config.keys.terminals import STOPS
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import GONE, Loss, MessageFeed
+from woz_tui.console.message_feed import GONE, Incoming, Loss, MessageFeed
 from woz_tui.console.screen_app import ScreenApp
 from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet, Words, thanks
 from woz_tui.console.study.questionnaires import OpenQuestionnaire
@@ -55,17 +55,11 @@ class ParticipantApp(ScreenApp):
         """Work in what has come and show what is asked; nothing while its parts go."""
         if not self.inbox or not self.screen_stack or not self.is_running:
             return
-        for batch in self.inbox.batches():
-            self.state.apply(batch, self.clock.now_us())
-            for message in batch:
-                if isinstance(message, Reply):
-                    self._waiting.pop(message.ref, _nobody)(message)
-                elif isinstance(message, m.QuestionnaireEnded):
-                    self._thanks = message.reason != "left"
-                elif isinstance(message, m.QuestionnaireStarted):
-                    self._thanks = False
-        for loss in self.inbox.losses():
-            self._cut(loss)
+        for came in self.inbox.taken():
+            if isinstance(came, Loss):
+                self._cut(came)
+            else:
+                self._work_in(came)
         if self.state.ended and self.state.lost:
             self.exit("ended")
         self._begin()
@@ -79,6 +73,16 @@ class ParticipantApp(ScreenApp):
                 away=lost,
                 notice=notice,
             )
+
+    def _work_in(self, batch: list[Incoming]) -> None:
+        self.state.apply(batch, self.clock.now_us())
+        for message in batch:
+            if isinstance(message, Reply):
+                self._waiting.pop(message.ref, _nobody)(message)
+            elif isinstance(message, m.QuestionnaireEnded):
+                self._thanks = message.reason != "left"
+            elif isinstance(message, m.QuestionnaireStarted):
+                self._thanks = False
 
     def _begin(self) -> None:
         """Whoever waits for one questionnaire alone asks for it as soon as it is due."""

@@ -126,6 +126,7 @@ class RunningActions:
     """All runs under way by id, the last outcome of each action, failures until seen.
 
     `session` says what is under way; `apply` what has ended. `console`: the name of this one.
+    `seen`: runs whose failures are acknowledged.
     """
 
     session: SessionState
@@ -208,10 +209,6 @@ class RunningActions:
     def unseen(self) -> list[Failure]:
         """Failures not yet acknowledged, oldest first."""
         return [failure for failure in self.failures if failure.run not in self.seen]
-
-    def see_all(self) -> None:
-        """Acknowledge every failure."""
-        self.seen.update(failure.run for failure in self.failures)
 
     def read_refusal(self) -> DriverRefusal | None:
         """The last refusal that nobody has read: the list of events is too narrow to say why."""

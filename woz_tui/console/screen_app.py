@@ -34,8 +34,7 @@ class Inbox:
 
     def __init__(self, wake: Callable[[], None]) -> None:
         self._wake = wake
-        self._batches: deque[list[Incoming]] = deque()
-        self._losses: deque[Loss] = deque()
+        self._came: deque[list[Incoming] | Loss] = deque()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._surroundings: contextvars.Context | None = None
 
@@ -46,20 +45,20 @@ class Inbox:
 
     def __bool__(self) -> bool:
         """Whether there is anything to take."""
-        return bool(self._batches or self._losses)
+        return bool(self._came)
 
     # -- in any thread --------------------------------------------------------------------------
 
     def receive(self, batch: list[Incoming]) -> None:
         """Keep a batch for the next painting; wake the screen if it has been still."""
-        idle = not self._batches
-        self._batches.append(batch)
+        idle = not self._came
+        self._came.append(batch)
         if idle:
             self._call(self._wake)
 
     def cut(self, loss: Loss) -> None:
         """The connection is lost."""
-        self._losses.append(loss)
+        self._came.append(loss)
         self._call(self._wake)
 
     def elsewhere(self, callback: Callable[..., None]) -> Callable[..., None]:
@@ -73,15 +72,10 @@ class Inbox:
 
     # -- in the screen's thread -----------------------------------------------------------------
 
-    def batches(self) -> Iterator[list[Incoming]]:
+    def taken(self) -> Iterator[list[Incoming] | Loss]:
         """Take what has come, oldest first."""
-        while self._batches:
-            yield self._batches.popleft()
-
-    def losses(self) -> Iterator[Loss]:
-        """Take how the connection was lost."""
-        while self._losses:
-            yield self._losses.popleft()
+        while self._came:
+            yield self._came.popleft()
 
 
 #: Seconds between two paintings: ten a second is as much as an eye and a line can use.

@@ -98,12 +98,12 @@ class CodeDialog(_PausesReplay, SearchDialog[str]):
     placeholder = "smiles, or a tier and its code: gaze: robot (gaze: ends it)"
 
     def matching(self, typed: str) -> list[str]:
-        """Codes of before that begin so, the one set last first; what is typed is a code, too."""
+        """What is typed, then codes of before that begin so, the latest in the log first."""
         replay = self.state.replay
         places = replay.places if replay is not None else ()
         before = dict.fromkeys(place.text for place in reversed(places) if place.sort == "code")
-        found = [code for code in before if code.casefold().startswith(typed.strip().casefold())]
-        return found if not typed.strip() or typed.strip() in found else [typed.strip(), *found]
+        found = [code for code in before if code.casefold().startswith(typed.casefold())]
+        return list(dict.fromkeys([typed, *found])) if typed else found
 
     def line(self, item: str) -> Content:
         """The code."""

@@ -418,6 +418,11 @@ class CompletionDialog(EntryDialog):
     """
 
     size_class = "wide"
+    #: What they do with it, and what they are called here.
+    verb: ClassVar[str]
+    word: ClassVar[str]
+    #: The driver that gets it: the one that is named, whoever plays which robot meanwhile.
+    robot = ""
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("tab", "complete", priority=True),
         Binding("up", "history(-1)", priority=True),
@@ -429,6 +434,32 @@ class CompletionDialog(EntryDialog):
         """What matches, and for whom it is."""
         yield Static("", id="matches", classes="caption")
         yield Static("", id="robot", classes="caption")
+
+    def on_mount(self) -> None:
+        """One's own robot first."""
+        if self.there:
+            self.action_other()
+
+    def action_other(self) -> None:
+        """Take the next robot."""
+        robots = self.robots
+        if robots:
+            at = robots.index(self.robot) + 1 if self.robot in robots else 0
+            self.robot = robots[at % len(robots)]
+        many = f"{self.word}: {self.robot}  (ctrl+o: another)" if len(robots) > 1 else ""
+        self.update("robot", plain(many))
+        self.adopt()
+
+    @property
+    def robots(self) -> list[str]:
+        """Drivers that can do it, those of one's own robot first."""
+        own = self.state.own_verbs
+        able = [name for name, verbs in self.state.verbs.items() if self.verb in verbs]
+        return sorted(able, key=lambda name: self.verb not in own[name])
+
+    def adopt(self) -> None:
+        """Offer what `robot` can do."""
+        raise NotImplementedError
 
 
 def refusal_text(reply: Reply) -> str:

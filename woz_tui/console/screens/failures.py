@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
 from woz_tui.console.remedy_text import remedy_text
+from woz_tui.console.running_actions import Failure
 from woz_tui.console.screens.dialog import ConsoleApp, ReportDialog
 from woz_tui.console.screens.lost import open_lost
 from woz_tui.system.text_cleaning import elapsed
@@ -24,18 +26,20 @@ def open_failures(app: ConsoleApp) -> None:
 
 
 class FailuresDialog(ReportDialog):
-    """Each failure with its reason and remedy; enter marks all as seen."""
+    """Each failure with its reason and remedy; enter marks those that stand here as seen."""
 
     heading = "Failed"
     hint = "enter: seen, clear them · ctrl+q keeps them"
     size_class = "wide"
     indent = 9
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "see", priority=True)]
+    _listed: Sequence[Failure] = ()
 
     def lines(self) -> list[Row]:
         """Newest first."""
         rows: list[Row] = []
-        for failure in reversed(self.state.runs.unseen()):
+        self._listed = self.state.runs.unseen()
+        for failure in reversed(self._listed):
             name = self.state.label(failure.action) if failure.action else failure.what
             front = (" " * self.indent, "plain")
             rows += [
@@ -47,7 +51,7 @@ class FailuresDialog(ReportDialog):
         return rows
 
     def action_see(self) -> None:
-        """All seen."""
-        self.state.runs.see_all()
+        """What could be read is seen; what has come since is still to be read."""
+        self.state.runs.seen.update(failure.run for failure in self._listed)
         self.leave()
         self.console_app.paint()

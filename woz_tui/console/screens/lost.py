@@ -45,10 +45,13 @@ class LostDialog(ChoiceDialog):
         self._loss = loss
 
     def refreshed(self) -> None:
-        """Say it anew when more is known."""
-        if self.state.lost not in (None, self._loss):
+        """Say it anew when more is known; leave if the robot came back while another dialog was
+        on top.
+        """
+        if self.state.lost != self._loss:
             self.leave()
-            open_lost(self.console_app)
+            if self.state.lost:
+                open_lost(self.console_app)
 
     def lines(self) -> list[Row]:
         """What happened, and what is safe."""

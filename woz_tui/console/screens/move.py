@@ -11,15 +11,10 @@ from woz_tui.console.robot_settings.completion import (
     names_beginning,
     names_containing,
 )
-from woz_tui.console.screens.dialog import Completion, CompletionDialog, ConsoleApp, content, plain
+from woz_tui.console.screens.dialog import Completion, CompletionDialog, ConsoleApp, content
 
 #: Lines of matching names under the field.
 MATCHES = 8
-
-
-def players(state: ConsoleState) -> list[str]:
-    """Drivers that play moves."""
-    return [name for name, verbs in state.verbs.items() if "play" in verbs]
 
 
 def known_moves(state: ConsoleState, driver: str) -> list[str]:
@@ -30,7 +25,7 @@ def known_moves(state: ConsoleState, driver: str) -> list[str]:
 
 def open_move(app: ConsoleApp) -> None:
     """Type a move, where one can be played."""
-    if players(app.state):
+    if any("play" in verbs for verbs in app.state.verbs.values()):
         app.open_dialog(MoveDialog())
     else:
         app.news("This robot plays no moves")
@@ -45,27 +40,19 @@ class MoveDialog(CompletionDialog):
     hint = "enter plays it · tab completes · arrows: history · ctrl+q closes"
     placeholder = "the name of a move"
 
+    verb, word = "play", "robot"
+
     def __init__(self) -> None:
         super().__init__()
-        self._player = 0
-        self._driver = ""
         self._names: list[str] = []
 
-    def on_mount(self) -> None:
+    def adopt(self) -> None:
         """Names as they are now."""
-        if self.there:
-            self._adopt()
-
-    def _adopt(self) -> None:
-        playing = players(self.state)
-        self._driver = playing[self._player % len(playing)] if playing else ""
-        self._names = list(dict.fromkeys(known_moves(self.state, self._driver)))
+        self._names = list(dict.fromkeys(known_moves(self.state, self.robot)))
         if self._names:
             path = ", or its whole path" if any("/" in name for name in self._names) else ""
             self.entry.placeholder = f"a part of a move's name{path}"
         self.entry.suggester = Completion(self._suggest)
-        text = f"robot: {self._driver}  (ctrl+o: another)" if len(playing) > 1 else ""
-        self.update("robot", plain(text))
         self.changed(self.entry.value)
 
     def _suggest(self, typed: str) -> str | None:
@@ -92,7 +79,7 @@ class MoveDialog(CompletionDialog):
     def submit(self, text: str) -> None:
         """Play it."""
         key = self.console_app.key_of("move")
-        self.requests.move(best_match(text, self._names), self._driver, key)
+        self.requests.move(best_match(text, self._names), self.robot, key)
 
     def action_complete(self) -> None:
         """Take the first name that matches."""
@@ -103,8 +90,3 @@ class MoveDialog(CompletionDialog):
     def history(self) -> Sequence[str]:
         """What was played before."""
         return self.requests.moved
-
-    def action_other(self) -> None:
-        """Let another robot play."""
-        self._player += 1
-        self._adopt()

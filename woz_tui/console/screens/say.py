@@ -63,9 +63,10 @@ class SayDialog(CompletionDialog):
     placeholder = "type what the robot shall say; { for variables"
     _WITH_TAGS = "type what the robot shall say; { for variables, \\ and ^ for tags"
 
+    verb, word = "say", "voice"
+
     def __init__(self) -> None:
         super().__init__()
-        self._voice = 0
         self._utterances: list[str] = []
         self._numbered: NumberEntry | None = None
 
@@ -76,30 +77,18 @@ class SayDialog(CompletionDialog):
         self._utterances = utterances_of(self.state, self.requests.history)
         self.entry.suggester = Completion(self._suggest)
         self.watch(self.entry, "selection", self._show_matches, init=False)  # the caret
-        self._show_voice()
 
-    def _voices(self) -> list[str]:
-        own = self.state.own_verbs
-        offering = [name for name, verbs in self.state.verbs.items() if "say" in verbs]
-        return sorted(offering, key=lambda name: "say" not in own[name])  # one's own robot first
-
-    def _show_voice(self) -> None:
-        voices = self._voices()
-        text = ""
-        if not voices:
-            text = "No driver of this session can speak."
-        elif len(voices) > 1:
-            text = f"voice: {voices[self._voice]}  (ctrl+o: another)"
-        self.update("robot", plain(text))
+    def adopt(self) -> None:
+        """The tags of this voice."""
+        if not self.robot:
+            self.update("robot", plain("No driver of this session can speak."))
         self.entry.placeholder = self._WITH_TAGS if self._outline.tags else self.placeholder
         self._show_matches()
 
     @property
     def _outline(self) -> RobotOutline:
         """Of the robot that speaks; an empty one where it tells of none."""
-        voices = self._voices()
-        name = voices[self._voice] if voices else ""
-        return self.state.robot_outlines.get(name) or RobotOutline()
+        return self.state.robot_outlines.get(self.robot) or RobotOutline()
 
     def _offers(self, text: str, caret: int) -> tuple[PartialTag | None, list[TagOffer]]:
         """The tag that is being typed, and what it may become."""
@@ -147,8 +136,7 @@ class SayDialog(CompletionDialog):
 
     def submit(self, text: str) -> None:
         """Say it."""
-        voices = self._voices()
-        voice = voices[self._voice] if len(voices) > 1 else ""
+        voice = "" if self.robots == [self.robot] else self.robot
         self.requests.say(text, voice, self.console_app.key_of("say"))
 
     def action_complete(self) -> None:
@@ -171,10 +159,3 @@ class SayDialog(CompletionDialog):
     def history(self) -> Sequence[str]:
         """What was said before."""
         return self.requests.history
-
-    def action_other(self) -> None:
-        """Let another driver speak."""
-        voices = self._voices()
-        if voices:
-            self._voice = (self._voice + 1) % len(voices)
-            self._show_voice()

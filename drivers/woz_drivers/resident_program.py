@@ -264,7 +264,7 @@ class ResidentProgram:
     def _heard(self, line: bytes) -> None:
         try:
             told = msgspec.json.decode(line)
-        except msgspec.DecodeError:
+        except (msgspec.DecodeError, RecursionError):
             told = None
         if not isinstance(told, dict):
             self._passed_over = line.decode("utf-8", "replace").strip()[:80] or self._passed_over

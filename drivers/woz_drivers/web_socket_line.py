@@ -217,7 +217,7 @@ class WebSocketLine:
             return None
         try:
             return msgspec.json.decode(body)
-        except msgspec.DecodeError:
+        except (msgspec.DecodeError, RecursionError):
             raise DriverError(
                 f"{self._shown} answered {path} with something else than JSON",
                 "check the address: is this the robot?",
@@ -358,7 +358,7 @@ class WebSocketLine:
     def _deliver(self, data: str | bytes) -> None:
         try:
             self._on_message(msgspec.json.decode(data))
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             log.info("%s sent %.200r: %s", self._shown, data, error)
             if not self._misunderstood:
                 self._misunderstood = True

@@ -40,6 +40,8 @@ class Parrot(WebRobot):
                 return web.Response()
             case "picture":
                 return web.Response(body=b"\x89PNG")
+            case "deep":
+                return web.Response(body=b"[" * 5000)
         return web.json_response(await request.json())
 
 
@@ -122,8 +124,9 @@ async def test_refusals_and_odd_answers_are_errors_of_the_request_alone(
     robot.faults.refused["/api/echo"] = "no voice today"
     with pytest.raises(AnswerError, match="no voice today"):
         await desk.line.request("POST", "/api/echo", json={})
-    with pytest.raises(DriverError, match="JSON"):
-        await desk.line.request("POST", "/api/picture")
+    for odd in ("picture", "deep"):
+        with pytest.raises(DriverError, match="JSON"):
+            await desk.line.request("POST", f"/api/{odd}")
     assert desk.line.ready
 
 

@@ -72,9 +72,8 @@ def _behave(behaviour: str, journal: Path, request: dict[str, object]) -> None:
             _write({**answer, "id": number - 1, "text": "too late"})
             _write(answer)
         case "nonsense":
-            for line in ("Loading ...", "[1, 2]", '{"id": "x"}', '{"id": 1', "\xff\x00", ""):
-                _write(line)
-            _write(answer)
+            wrong = ("Loading ...", "[1, 2]", "[" * 5000, '{"id": "x"}', '{"id": 1', "\xff\x00", "")
+            _write("\n".join((*wrong, json.dumps(answer))))
         case "wrong":
             _write({"id": number, "text": 7, "words": "no"})
         case "error":

@@ -579,7 +579,7 @@ async def _read(opened: aiohttp.ClientWebSocketResponse[bool]) -> Mapping[str, A
         message = await opened.receive()
         if message.type not in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY):
             return None
-        with contextlib.suppress(msgspec.DecodeError):
+        with contextlib.suppress(msgspec.DecodeError, RecursionError):
             found = msgspec.json.decode(message.data)
             if isinstance(found, dict):
                 return found

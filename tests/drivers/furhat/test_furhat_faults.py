@@ -114,7 +114,8 @@ async def test_a_frozen_robot_is_noticed_and_says_nothing_late(
 
 
 async def test_what_is_no_event_is_told_once_and_the_robot_goes_on(it: Acted) -> None:
-    for nonsense in ("nonsense", "[1, 2]", '{"type": 7}', '{"type": "response.users.data"}'):
+    wrong = ("nonsense", "[" * 5000, "[1, 2]", '{"type": 7}', '{"type": "response.users.data"}')
+    for nonsense in wrong:
         await it.robot.send_raw(nonsense)
     await it.robot.send_raw('{"type": "response.something.new", "more": [1]}')
     assert (await it.do("say", text="Hello"))["text"] == "Hello"

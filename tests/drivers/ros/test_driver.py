@@ -574,6 +574,7 @@ async def test_a_topic_that_says_little_by_nature_is_not_stale_meanwhile(
     "nonsense",
     [
         "no JSON",
+        "[" * 5000,
         "[1, 2]",
         '{"op": "service_response"}',
         '{"op": "service_response", "id": 7, "values": null}',

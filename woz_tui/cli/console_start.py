@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import locale
 import os
@@ -16,6 +17,7 @@ from woz_tui.cli import GC_THRESHOLDS
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
+from woz_tui.log.file_names import current_path
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
@@ -109,7 +111,9 @@ def make_console(options: ScreenOptions) -> Console:
         driver_class=WizardDriver,
     )
     if options.restart is not None:
-        app.restart = _restart(list(options.restart), app.call_from_thread, app.news)
+        app.restart = _restart(
+            list(options.restart), lambda: app.state.log, app.call_from_thread, app.news
+        )
     return app
 
 
@@ -190,18 +194,42 @@ def prioritise_keys() -> None:
 
 def _restart(
     arguments: list[str],
+    log: Callable[[], str],
     in_app: Callable[..., object],
     news: Callable[[str, str], None],
 ) -> Callable[[], None]:
-    """Start the robot process again; the link finds it by itself, at the same socket."""
+    """Start the robot process again, for whoever took part last; the link finds it by itself, at
+    the same socket.
+    """
 
     def start() -> None:
         try:
-            Launch(arguments).wait()
+            Launch([*arguments, *_last_codes(Path(log()))]).wait()
         except LaunchError as error:
             in_app(news, f"the robot process did not start: {error}", "bad")
 
     return lambda: threading.Thread(target=start, daemon=True).start()
+
+
+def _last_codes(log: Path) -> list[str]:
+    """Who took part last in the session of `log`, and in which condition, as arguments of
+    `woz host`; those of the command line may be over. Nobody if the log cannot be read: then the
+    console asks.
+
+    The screen of a wizard who is blind to the conditions does not have them. With an order, which
+    the robot process proposes again, the next trial has its own.
+    """
+    from woz_tui.log.log_reader import LogLine, messages  # noqa: PLC0415
+    from woz_tui.timeline.session_state import SessionState  # noqa: PLC0415
+
+    state = SessionState()
+    with contextlib.suppress(OSError, ValueError):
+        for message in messages(current_path(log)):
+            if not isinstance(message, LogLine):
+                state.apply(message)
+    study = state.study
+    condition = "" if study.order else study.condition
+    return ["--participant", study.participant, "--condition", condition]
 
 
 #: Without a console the robot process would wait for one for a long time.

@@ -54,7 +54,7 @@ def _play(arguments: Namespace, experiment: Path, robot: str) -> int:
         command,
         lambda robot: console_start.ScreenOptions(
             socket=robot.socket,
-            ask_participant=not arguments.participant,
+            ask_participant=True,
             restart=[*command, *robot.restart_arguments],
             builtins=own_keys,
             pictures=arguments.pictures,

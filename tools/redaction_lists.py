@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from tools import replaced
+from woz_tui.config.engagement import RUNS
 from woz_tui.export import redaction
 
 
@@ -18,20 +19,40 @@ def kept() -> str:
     ]
     return "\n".join(
         [
-            "Everywhere: " + ", ".join(f"`{field}`" for field in fields) + ".",
+            "Everywhere: " + ", ".join(_code(fields)) + ".",
             "",
             "Within objects: " + ", ".join(inside) + ".",
             "",
-            "`was` in " + ", ".join(sorted(redaction.KEPT_IN)) + ".",
-            "",
-            *(_words(kind, fields) for kind, fields in sorted(redaction.WORDS_INSIDE.items())),
+            "In these kinds only: "
+            + "; ".join(
+                f"{', '.join(_code(fields))} in {kind}"
+                for kind, fields in sorted(redaction.KEPT_IN.items())
+            )
+            + ".",
+            *(_places(kind, places) for kind, places in sorted(redaction.KEPT_AT.items())),
         ]
     )
 
 
-def _words(kind: str, fields: Mapping[str, Collection[str]]) -> str:
-    names = [f"`{field}.{name}`" for field, inside in fields.items() for name in sorted(inside)]
-    return f"A lone word or a colour, in {kind}: " + ", ".join(names) + "."
+#: What a text must be to stay at its place.
+_SUCH = {
+    redaction.is_word: "if it is a lone word or a colour",
+    redaction.is_run: f"if it is {' or '.join(RUNS)}",
+    redaction.is_label: "whatever the experiment file calls it",
+}
+
+
+def _places(kind: str, places: Mapping[str, Callable[[str], bool]]) -> str:
+    such = [
+        ", ".join(_code(place for place, test in places.items() if test is wanted)) + f" ({words})"
+        for wanted, words in _SUCH.items()
+        if wanted in places.values()
+    ]
+    return f"\nWithin {kind}: {'; '.join(such)}."
+
+
+def _code(names: Iterable[str]) -> Iterable[str]:
+    return [f"`{name}`" for name in sorted(names)]
 
 
 def refreshed(page: str) -> str:

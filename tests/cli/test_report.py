@@ -203,6 +203,20 @@ def test_a_copy_of_a_session_counts_once(here: Path, capsys: pytest.CaptureFixtu
     assert "is the same session as" in err[0]
 
 
+def test_without_their_dates_two_sessions_of_one_code_are_two(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As after a crash: the same code, participant and experiment."""
+    for hour in ("10", "11"):
+        it = ExampleSession(wall=f"2026-03-01T{hour}:00:00Z").act(1).act(2).end(60)
+        it.written(here / "logs", f"2026-03-01T{hour}-00-00_P07_S01")
+    assert told(capsys, "export", "logs", "--to", "jsonl", "--redact-text", "--out", "out")[0] == 0
+    code, out, err = told(capsys, "report", "out")
+    assert (code, err) == (0, [])
+    assert "2 sessions" in out
+    assert "UTC" not in told(capsys, "report", *(here / "out").glob("*S01.jsonl"))[1]
+
+
 def test_everything_at_once_in_files(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study(here / "logs")
     code, out, err = told(capsys, "report", "logs", "--csv", "csv", "--html", "page.html", "--json")

@@ -18,11 +18,13 @@ from tests.export.out import exported
 from tests.export.secrets import Secrets
 from tests.export.test_csv import read_back
 from tests.protocol.examples import messages as examples
+from woz_tui.analysis.session_reading import read_report
 from woz_tui.export.export_run import FORMATS
 from woz_tui.export.redaction import KEPT_IN, PLACEHOLDER, redacted
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.welcome import Questionnaire
 
 GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
 #: Whatever else is decided one day: these are never left.
@@ -52,7 +54,9 @@ def promised() -> set[str]:
 
 
 def _field(path: str) -> str:
-    """As the guide names it: the field, or the field and the name within it."""
+    """As the guide names it: the whole place, the field, or the field and the name within it."""
+    if path in promised():
+        return path
     first, *inside = path.partition("{")[0].split(".")
     return first if first in promised() or not inside else f"{first}.{inside[-1]}"
 
@@ -64,7 +68,10 @@ def test_no_secret_of_any_message_gets_out(tmp_path: Path, to: str) -> None:
     exported(log, to, tmp_path / "out", redact=True, samples=True)
     leaked = secrets.leaked(content(tmp_path / "out"))
     assert {_field(path) for _, path in leaked} <= promised()
-    assert {kind for kind, path in leaked if path == "was"} <= set(KEPT_IN)
+    for field in ("was", "part"):
+        kinds = {kind for kind, fields in KEPT_IN.items() if field in fields}
+        assert {kind for kind, path in leaked if path == field} <= kinds
+    leaked -= {("session.plan", "settings.study.questionnaires.name")}
     assert not {_field(path).partition(".")[0] for _, path in leaked} & NEVER
     assert ("strange", "anything") not in leaked
 
@@ -222,15 +229,21 @@ def test_objects_as_deep_as_a_reader_takes_them_are_no_trouble(tmp_path: Path) -
 def test_figures_are_the_same_without_words(tmp_path: Path) -> None:
     """Words decide some of them: when the model was off, and what answers a cue."""
     plan = next(each for each in examples() if isinstance(each, m.SessionPlan))
-    study = replace(plan.settings.study, answers={"marker": ["Gestures"]})
+    asked = [Questionnaire("mood", title="Anna", when="end")]
+    answers = {"marker": ["Gestures"]}
+    study = replace(plan.settings.study, answers=answers, questionnaires=asked)
     off: dict[str, m.Json] = {"run": "off"}
     course: list[Timed] = [
         (0, start()),
         (0, replace(plan, settings=replace(plan.settings, study=study))),
-        (0, m.EngagementAdopted(settings={"start": "run"})),
+        (0, m.EngagementAdopted(settings={"start": "hold"})),
+        (0, m.ConsoleAttached(console="c1", role="wizard", part="Body")),
         (1, m.TrialStarted(trial=1, condition="cold")),
         (2, m.Marker(text="laughs", source="wizard")),
-        (3, m.ActionRequested(run="a1", action="Nod", panel="Gestures", source="key")),
+        (
+            3,
+            m.ActionRequested(run="a1", action="Nod", panel="Gestures", source="key", console="c1"),
+        ),
         (4, m.Command(command="c1", verb="run", driver="engagement", args=off, source="key")),
         (4, m.Done(command="c1", driver="engagement", sent=off, latency_us=0, duration_us=0)),
         (9, m.TrialEnded(trial=1, outcome="done")),
@@ -238,7 +251,8 @@ def test_figures_are_the_same_without_words(tmp_path: Path) -> None:
     log = write(tmp_path / "in", course)
     for name, redact in (("open", False), ("kept", True)):
         exported(log, "csv", tmp_path / name, redact=redact)
-    for table in ("conditions", "actions", "engagement"):
+        exported(log, "jsonl", tmp_path / f"{name}-log", redact=redact)
+    for table in ("conditions", "actions", "engagement", "wizards"):
         first, second = (
             [{**row, "log": ""} for row in read_back(tmp_path / name / f"{table}.csv")]
             for name in ("open", "kept")
@@ -248,3 +262,24 @@ def test_figures_are_the_same_without_words(tmp_path: Path) -> None:
     assert [(row["label"], row["result"]) for row in rows] == [(PLACEHOLDER, "answered")]
     [cold] = [row for row in read_back(tmp_path / "kept" / "conditions.csv") if row["condition"]]
     assert float(cold["engagement_off_s"]) == 5
+    plain, published = (
+        read_report(tmp_path / f"{name}-log" / f"{stem}.jsonl").figures
+        for name, stem in (("open", STEM), ("kept", "P07_S01"))
+    )
+    assert published.whole == plain.whole
+    assert [cue.result for cue in published.cues] == ["answered"]
+    assert published.whole.engagement.off_us == 5_000_000
+    assert (len(plain.unanswered), len(published.unanswered)) == (1, 1)
+    assert "Anna" not in content(tmp_path / "kept-log")
+
+
+def test_nothing_but_words_of_the_program_stays_where_those_decide() -> None:
+    sent = redacted({"kind": "command.done", "sent": {"run": "Anna", "text": "off"}})
+    assert sent["sent"] == {"run": PLACEHOLDER, "text": PLACEHOLDER}
+    values = {
+        "values": {"when": "Anna"},
+        "study": {"answers": {"Anna": ["Anna"], "speech": [["A"]]}},
+    }
+    plan = redacted({"kind": "session.plan", "settings": values})
+    assert "Anna" not in str(plan)
+    assert plan["settings"]["study"]["answers"]["speech"] == [[PLACEHOLDER]]

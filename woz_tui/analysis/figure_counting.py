@@ -25,6 +25,7 @@ from woz_tui.analysis.figures import (
     SessionFigures,
 )
 from woz_tui.analysis.participants import counts_in_means, taking_part
+from woz_tui.analysis.tables import wall_time
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
@@ -97,7 +98,7 @@ def figures_of(
         experiment_sha256=start.experiment_sha256,
         robot=start.robot,
         title=plan.title if plan else "",
-        started=start.clock.get("wall_at_t0", "") or start.ts,
+        started=_started(start),
         duration_us=timeline.end - timeline.begin,
         ended=(ended.reason or "ended") if ended else "",
         window_us=options.window_us,
@@ -132,6 +133,12 @@ def figures_of(
         seed=start.seed if state.start else None,
         wholeness=LogIntegrity(ended=ended is not None),
     )
+
+
+def _started(start: m.SessionStart) -> str:
+    """The wall clock at 0; empty if the log does not say or dates were taken out."""
+    wall = start.clock.get("wall_at_t0", "") or start.ts
+    return wall if wall_time(wall) is not None else ""
 
 
 class _Counting:

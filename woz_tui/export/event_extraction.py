@@ -132,10 +132,6 @@ _PARTS = (
 )
 
 
-#: Lines whose words decide figures (when the model was off, what answers a cue) and stand in none.
-_COUNTED = (m.Done, m.EngagementAdopted, m.SessionPlan)
-
-
 class EventExtractor:
     """Takes the lines of one session in order; `finish` completes `session`."""
 
@@ -159,9 +155,8 @@ class EventExtractor:
             message = line.message  # all that is shown of settings is in the timeline
         if message is not None:
             self._timeline.apply(message)
-        public = message if isinstance(message, _COUNTED) else line.message
-        if public is not None:
-            self._public.apply(public)
+        if line.message is not None:
+            self._public.apply(line.message)
         match line.message:
             case m.SessionStart():
                 self.session.start = line.message

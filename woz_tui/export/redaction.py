@@ -8,9 +8,11 @@ does not know included. Dates go as well.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from woz_tui.config.engagement import RUNS
+from woz_tui.config.study import CUES
 from woz_tui.protocol.messages import Json
 
 PLACEHOLDER = "[redacted]"
@@ -34,6 +36,8 @@ KEPT = frozenset(
 )
 #: Fields that stay in these kinds only: elsewhere they hold something else.
 KEPT_IN: Mapping[str, frozenset[str]] = {
+    "console.attached": frozenset({"part"}),
+    "console.lost": frozenset({"part"}),
     "engagement.changed": frozenset({"was"}),
     "sensor.changed": frozenset({"was"}),
     "mode.changed": frozenset({"was"}),
@@ -46,14 +50,40 @@ KEPT_INSIDE: Mapping[str, frozenset[str]] = {
     "panels": frozenset({"title", "name", "key", "verbs", "without"}),
     "signs": frozenset({"filter"}),
 }
-#: Texts within objects that stay in these kinds only, if they are a lone word or a colour: what a
-#: robot had set. Any other, such as its address, goes; numbers and truth values stay anyway.
-WORDS_INSIDE: Mapping[str, Mapping[str, frozenset[str]]] = {
-    "settings.shown": dict.fromkeys(
-        ("values", "wanted"), frozenset({"state", "engagement", "eyes"})
-    ),
-}
 _WORD = re.compile(r"[A-Za-z]{1,20}|#[0-9a-f]{6}|", re.ASCII)
+
+
+def is_word(text: str) -> bool:
+    """Whether it is a lone word or a colour, as a robot's settings; its address is none."""
+    return _WORD.fullmatch(text) is not None
+
+
+def is_run(text: str) -> bool:
+    """Whether it says how the engagement model runs."""
+    return text in RUNS
+
+
+def is_label(text: str) -> bool:
+    """The experiment file gives any text there: names of questionnaires, verbs, panels' titles."""
+    return True
+
+
+#: Texts within objects that stay in these kinds only, each by its place, if they are such texts:
+#: what a robot had set, and what decides the figures of a session.
+KEPT_AT: Mapping[str, Mapping[str, Callable[[str], bool]]] = {
+    "command.done": {"sent.run": is_run},
+    "engagement.settings": {"settings.start": is_run},
+    "session.plan": {
+        **{f"settings.study.answers.{cue}": is_label for cue in CUES},
+        "settings.study.questionnaires.name": is_label,
+        "settings.study.questionnaires.when": is_word,
+    },
+    "settings.shown": {
+        f"{field}.{name}": is_word
+        for field in ("values", "wanted")
+        for name in ("engagement", "eyes", "state")
+    },
+}
 #: Objects that stay as they are: names of drivers and of what they can do.
 VOCABULARY = frozenset({"verbs"})
 #: Fields with a visitor's code. Visitors can get a name instead, so only given codes stay.
@@ -68,24 +98,39 @@ def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
     kind = fields.get("kind")
     kind_name = kind if isinstance(kind, str) else ""
     kept = KEPT | KEPT_IN.get(kind_name, frozenset())
-    words = WORDS_INSIDE.get(kind_name, {})
+    places = KEPT_AT.get(kind_name, {})
     return {
-        _name(name): _settings(value, words[name])
-        if name in words and isinstance(value, dict)
+        _name(name): _placed(value, name, places)
+        if _leads(name, places)
         else _field(name, value, kept)
         for name, value in fields.items()
         if name != "ts"
     }
 
 
-def _settings(values: Mapping[str, Any], kept: frozenset[str]) -> dict[str, Json]:
-    """Settings by name; of their texts only words of the `kept` ones."""
-    return {
-        _name(name): value
-        if name in kept and isinstance(value, str) and _WORD.fullmatch(value)
-        else _without_words(value, frozenset())
-        for name, value in values.items()
-    }
+def _leads(place: str, places: Iterable[str]) -> bool:
+    """Whether one of the `places` is within this one."""
+    return any(each.startswith(f"{place}.") for each in places)
+
+
+def _placed(value: Any, place: str, places: Mapping[str, Callable[[str], bool]]) -> Json:
+    """What stands at `place`, of whose texts those at the `places` stay."""
+    match value:
+        case str() if place in places:
+            return value if places[place](value) else _without_words(value, frozenset())
+        case list() if place in places or _leads(place, places):
+            return [
+                _without_words(item, frozenset())
+                if isinstance(item, list)
+                else _placed(item, place, places)
+                for item in value
+            ]
+        case dict() if _leads(place, places):
+            return {
+                _name(name): _placed(item, f"{place}.{_name(name)}", places)
+                for name, item in value.items()
+            }
+    return _without_words(value, frozenset())
 
 
 def _field(name: str, value: Any, kept: frozenset[str]) -> Any:

@@ -192,6 +192,23 @@ def test_each_participant_of_a_session_has_what_happened_under_their_code(tmp_pa
         assert notes == [text]
 
 
+def test_a_code_that_was_corrected_at_once_took_no_part(tmp_path: Path) -> None:
+    course: list[Timed] = [
+        (0, start("P10")),
+        (1, m.DriverConnected(driver="head")),
+        (2, m.SessionChanged(participant="P01")),
+        (3, m.reading("distance", 1.5)),
+        (60, m.Note(text="late")),
+    ]
+    log = write(tmp_path / "recordings", course)
+    (told,) = exported(log, "bids", tmp_path / "out", samples=True)
+    assert told.participants == ["P01"]
+    (path,) = (tmp_path / "out").rglob("*_physio.tsv.gz")
+    assert "sub-P01" in path.parts
+    exported(log, "eaf", tmp_path / "eaf", redact=True)
+    assert (tmp_path / "eaf" / "P01_S01.eaf").exists()
+
+
 def test_what_came_before_the_first_code_is_nobodys(tmp_path: Path) -> None:
     course: list[Timed] = [
         (0, start(participant="")),

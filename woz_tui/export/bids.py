@@ -67,9 +67,8 @@ class BidsExporter(Exporter):
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """Writes one session: for each participant, what happened under their code."""
-        codes = session.participants
-        if not codes or any(not event.participant for event in session.events):
-            codes = [*codes, ""]
+        others = (event.participant for event in session.events)
+        codes = dict.fromkeys([*session.participants, *others]) or [""]
         paths = [self._participant(session, code) for code in codes]
         notes = []
         if not session.participants:

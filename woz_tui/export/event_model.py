@@ -149,8 +149,11 @@ class ExportSession:
 
     @property
     def participants(self) -> list[str]:
-        """Codes of all who took part, in order of appearance."""
-        codes = dict.fromkeys(event.participant for event in self.events if event.participant)
-        if not codes and self.start and self.start.participant:
-            return [self.start.participant]
-        return list(codes)
+        """Codes of all who took part, as the report decides it; if nobody did, all that were
+        given. In order of appearance.
+        """
+        if self.figures.participants:
+            return list(self.figures.participants)
+        first = self.start.participant if self.start else ""
+        codes = (first, *(event.participant for event in self.events))
+        return list(dict.fromkeys(filter(None, codes)))

@@ -178,6 +178,13 @@ async def test_a_lost_connection_ends_every_wait(host: Served) -> None:
             await woz.say("Hello")
 
 
+async def test_who_leaves_reads_that_it_has_left(host: Served) -> None:
+    async with connect(host.path) as woz:
+        run = await woz.begin("say", text="a long sentence")
+    with pytest.raises(WozConnectionError, match="connection was closed"):
+        await run
+
+
 async def test_where_no_session_is_it_says_so(tmp_path: Path) -> None:
     with pytest.raises(WozConnectionError, match="no session answers"):
         async with connect(tmp_path / "nobody"):
@@ -241,6 +248,29 @@ async def test_what_is_foretold_comes_typed(host: Served) -> None:
 async def blocked(program: Any) -> None:
     """Runs `program` in a thread, as a program without asyncio."""
     await asyncio.wait_for(asyncio.to_thread(program), PATIENCE_S)
+
+
+async def test_a_marker_that_goes_nowhere_is_no_secret(host: Served) -> None:
+    begun, left = threading.Event(), threading.Event()
+
+    def program() -> None:
+        with blocking.connect(host.path) as woz:
+            begun.set()
+            with pytest.raises(WozConnectionError):
+                while not left.wait(0.01):
+                    woz.mark_soon("flip")
+        with pytest.raises(WozConnectionError):
+            woz.mark_soon("flip")
+
+    running = asyncio.create_task(blocked(program))
+    try:
+        await asyncio.to_thread(begun.wait)
+        await host.session.close("test", rest=False)
+        await host.host.close()
+        await asyncio.wait([running], timeout=PATIENCE_S / 2)
+    finally:
+        left.set()
+    await running
 
 
 async def test_a_program_without_asyncio_has_the_same(host: Served) -> None:

@@ -172,6 +172,21 @@ async def test_nobody_drives_without_a_wizard(tmp_path: Path) -> None:
         assert refused.code == "unwatched"
 
 
+async def test_why_nobody_drives_is_about_who_plays_and_not_about_who_comes(
+    tmp_path: Path,
+) -> None:
+    async with served(tmp_path, SessionSettings(dead_man=60)) as host:
+        wizard, program = await host.connect(), await host.connect()
+        await wizard.hello("wizard")
+        await wizard.say(kind="beat", line_ok=False)
+        assert (await wizard.ask("note", text="the beat has come"))["ok"]
+        await program.hello()
+        await program.ask("verb", verb="drive", args={"x": 1.0})
+        refused = await host.published(lambda line: isinstance(line, m.Refused))
+        assert isinstance(refused, m.Refused)
+        assert "terminal" in refused.reason
+
+
 async def test_a_silent_wizard_is_given_up_and_can_come_back(tmp_path: Path) -> None:
     async with served(tmp_path, SessionSettings(dead_man=0.1)) as host:
         wizard = await host.connect()

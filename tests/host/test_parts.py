@@ -309,6 +309,25 @@ async def test_what_a_program_drives_ends_with_the_part_that_drives(tmp_path: Pa
         assert await drive(program)
 
 
+async def test_why_nobody_drives_names_the_part_that_drives(tmp_path: Path) -> None:
+    async with served(tmp_path, SessionSettings(dead_man=60), made=parted(tmp_path)) as host:
+        voice, body = await wizard(host, "voice"), await wizard(host, "body")
+        second, program = await host.connect(), await host.connect()
+        await program.hello()
+        assert (await second.hello("wizard", part="body"))["role"] == "watcher"
+        await body.say(kind="beat", line_ok=False)
+        await host.published(of_drive)
+        second.leave()
+        await host.published(lambda line: isinstance(line, m.ConsoleLost))
+        for line_ok in (False, True):  # another part's line comes and goes
+            await voice.say(kind="beat", line_ok=line_ok)
+        assert (await voice.ask("note", text="the beats have come"))["ok"]
+        assert not await drive(program)
+        refused = [line.reason for line in host.lines if isinstance(line, m.Refused)]
+        assert all("terminal" in reason and "body" in reason for reason in refused)
+        assert refused
+
+
 # -- at random ------------------------------------------------------------------------------------
 
 

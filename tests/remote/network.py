@@ -109,9 +109,11 @@ class Machines:
         return AccessFile.read(file)
 
     @contextlib.asynccontextmanager
-    async def joined(self, access: AccessFile) -> AsyncIterator[RemoteSession]:
-        """The session, usable on the other machine."""
-        remote = RemoteSession(access, self.address, self.clock)
+    async def joined(
+        self, access: AccessFile, clock: RealClock | None = None
+    ) -> AsyncIterator[RemoteSession]:
+        """The session, usable on the other machine, whose clock is that of all unless given."""
+        remote = RemoteSession(access, self.address, clock or self.clock)
         running = asyncio.create_task(remote.run())
         try:
             yield remote

@@ -198,6 +198,13 @@ async def test_hands_join_and_are_let_go_with_the_line(bench: Bench) -> None:
     await says(b"no panel for a gamepad")
 
 
+async def test_hands_of_a_role_that_may_not_are_turned_away(bench: Bench) -> None:
+    running = await bench.woz("hands", "wizard", bench.two.address, stdout=PIPE)
+    said, _ = await asyncio.wait_for(running.communicate(), 30)
+    assert running.returncode == 1
+    assert b"program" in said
+
+
 async def test_an_assistants_tools_join_again_when_the_line_is_back(bench: Bench) -> None:
     two = bench.two
     async with two.joined(two.access("assistant", "program")) as remote:

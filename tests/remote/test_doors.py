@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import re
 import ssl
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,7 @@ from tests.remote.network import Machines, machines
 from woz_tui.cli.mcp import SessionTools
 from woz_tui.client import WozError
 from woz_tui.drivers.contract import Health
+from woz_tui.host.request_handlers import WATCHER_MAY
 from woz_tui.network.certificates import SERVER_NAME, AccessFile, Authority
 from woz_tui.network.driver_line import DriverRouter, LineError
 from woz_tui.remote.remote_session import RemoteSession
@@ -23,7 +25,8 @@ from woz_tui.system import session_sockets
 from woz_tui.system.clock import RealClock
 from woz_tui.testing import PlainJob, RecordingContext, until
 
-PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "network.md"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "how-to" / "network.md"
 #: How long somebody may wait for an answer that does not come, in seconds.
 NOTHING_S = 1.0
 
@@ -189,3 +192,10 @@ async def test_another_user_of_the_robots_computer_is_not_heard(
         with pytest.raises((EOFError, ConnectionError)):
             await stranger.ask("stop")
         assert not two.robot.session.bus.latched
+
+
+def test_the_page_of_the_protocol_names_all_that_a_watcher_may_ask() -> None:
+    page = (DOCS / "reference" / "protocol.md").read_text(encoding="utf-8")
+    named = page.partition("`watcher` looks on: only ")[2].partition(" are open to it")[0]
+    kinds = {str(each.__struct_config__.tag) for each in WATCHER_MAY}
+    assert {*re.findall("`([a-z-]+)`", named)} == kinds | {"stop", "beat"}

@@ -31,7 +31,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskStop, Beat, Hello, Reply
 from woz_tui.remote.access_server import BURST, LOCAL, MAY_BE, AccessServer, RequestFilter
 from woz_tui.remote.remote_session import RemoteSession, RemoteSessionError
-from woz_tui.system.clock import ManualClock
+from woz_tui.system.clock import ManualClock, Standstill
 from woz_tui.testing import until
 
 # -- who joins ---------------------------------------------------------------------------------
@@ -194,6 +194,13 @@ async def test_another_role_in_the_file_ends_what_was_open(tmp_path: Path) -> No
 # -- the network -------------------------------------------------------------------------------
 
 
+@pytest.fixture
+def _running(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The robot process runs, though its clock jumps."""
+    monkeypatch.setattr(Standstill, "LEAST_S", 1e9)
+
+
+@pytest.mark.usefixtures("_running")
 async def test_what_a_frozen_network_held_back_is_not_played(tmp_path: Path) -> None:
     clock = BootClock()
     async with (
@@ -212,6 +219,40 @@ async def test_what_a_frozen_network_held_back_is_not_played(tmp_path: Path) -> 
         assert "too late" in answer["reason"]
         assert not two.robot.puppet().calls
         assert (await peer.ask("action", action="Hello", source="key"))["ok"]
+
+
+@pytest.mark.usefixtures("_running")
+async def test_that_holds_when_the_robots_computer_was_started_anew(tmp_path: Path) -> None:
+    """Its clock begins at zero then."""
+    here = BootClock()
+    async with machines(tmp_path) as two:
+        assert isinstance(two.clock, BootClock)
+        async with two.joined(two.access("anna", "wizard"), here) as remote:
+            path = await remote.usable()
+            await two.cable.cut()
+            await until(lambda: not path.exists(), WAIT_S)
+            two.clock.boot -= 50 * S
+            await two.cable.lay()
+            peer = await connected(remote)
+            await peer.hello("wizard")
+            two.cable.flowing.clear()
+            await peer.say(kind="action", ref=1, action="Hello", source="key")
+            await until(lambda: two.cable.held > 0)
+            for clock in (here, two.clock):
+                clock.boot += 5 * S
+            two.cable.flowing.set()
+            answer = await peer.until(lambda line: line["kind"] == "reply" and line["ref"] == 1)
+            assert not answer["ok"]
+            assert "too late" in answer["reason"]
+            assert not two.robot.puppet().calls
+
+
+async def test_a_path_that_the_environment_names_and_a_session_has_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with machines(tmp_path) as two:
+        monkeypatch.setenv("WOZ_SOCKET", str(two.robot.path))
+        assert "WOZ_SOCKET" in await two.refusal(two.access("anna", "wizard"))
 
 
 async def test_a_cut_network_is_told_on_both_sides_and_comes_back(tmp_path: Path) -> None:

@@ -114,6 +114,8 @@ class HandClient:
         self.panels: dict[str, HandPanel] = {}
         self.hands: list[Hand] = []
         self.welcomed = False
+        #: The session has refused the hello, and has said why.
+        self.turned_away = False
         self._clock = clock
         self._say = say
         self._panel_of = panel_of or {}
@@ -194,6 +196,7 @@ class HandClient:
         if hand is None:
             if not reply.ok and reply.ref:
                 self._say(_sentence(reply))
+                self.turned_away |= not self.welcomed
             return
         del hand.unanswered[reply.ref]
         sentence = "" if reply.ok else _sentence(reply)

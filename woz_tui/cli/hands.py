@@ -200,6 +200,8 @@ async def _follow(
                 while line := await _line(reader):
                     connected = True
                     client.receive(line)
+                    if client.turned_away:
+                        return 1
                     if client.welcomed:
                         welcomed.set()
         except OSError:

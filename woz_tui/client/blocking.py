@@ -16,6 +16,7 @@ from typing import Any, Concatenate, Literal, ParamSpec, TypeVar, overload
 
 from woz_tui.client import woz_client
 from woz_tui.client.woz_client import Incoming, RunEnd, WozClient, WozRun
+from woz_tui.client.woz_errors import WozConnectionError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.description import Description
@@ -130,10 +131,14 @@ class BlockingWozClient:
 
     def mark_soon(self, text: str = "") -> None:
         """Put a marker into the log and return at once, for `callOnFlip` of PsychoPy; its moment
-        (`at`) is that of this call.
+        (`at`) is that of this call. Raises `WozConnectionError` once the connection is lost.
         """
-        marker = self.client.marker(text)
-        self._loop.call_soon_threadsafe(self.client.send_soon, marker)
+        self.client.check()
+        self._loop.call_soon_threadsafe(self._send_soon, self.client.marker(text))
+
+    def _send_soon(self, marker: r.AskMarker) -> None:
+        with contextlib.suppress(WozConnectionError):  # the next call raises it
+            self.client.send_soon(marker)
 
     @overload
     def messages(self, *, held: bool = False) -> Iterator[Incoming]: ...

@@ -15,7 +15,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import ArgumentDescription, VerbDescription
 from woz_tui.protocol.panels import PanelView
 
-#: The tools beside the verbs. A verb of such a name is offered with its driver in front of it.
+#: The tools beside the verbs.
 PLAY, STOP, LOOK, DRIVER = "play_action", "stop_everything", "look_at_session", "driver"
 
 #: Drivers of the session itself: locks, filters and the study are the wizard's.

@@ -408,8 +408,8 @@ class WozClient:
     async def close(self) -> None:
         """Leave; what was begun goes on."""
         self._writer.close()
-        await end_tasks(self._task)
         self._lose(WozConnectionError("the connection was closed"))
+        await end_tasks(self._task)
         with contextlib.suppress(OSError):
             await self._writer.wait_closed()
 
@@ -436,9 +436,13 @@ class WozClient:
             raise WozRefusedError(reply.reason, reply.hint)
         return reply, asked.run
 
-    def _write(self, request: r.AnyRequest) -> int:
+    def check(self) -> None:
+        """Raises `WozConnectionError` if the connection is lost. From any thread."""
         if self._lost is not None:
             raise self._lost
+
+    def _write(self, request: r.AnyRequest) -> int:
+        self.check()
         self._refs += 1
         stamp = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 if self._stamps else 0
         request = msgspec.structs.replace(request, ref=self._refs, sent_us=stamp)

@@ -185,7 +185,8 @@ class ClientConnection(asyncio.Protocol):
         #: What this client may see; None: all.
         self.view: RoleView | None = None
         self.beat_us = 0
-        self.silent = False
+        #: Why it does not watch the robot at the moment; empty: it does, as far as is known.
+        self.silent = ""
         #: Done when the connection has ended.
         self.closed: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._hub = hub

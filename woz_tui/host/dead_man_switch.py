@@ -41,22 +41,33 @@ class DeadManSwitch:
         session.bus.unwatched = NOBODY
         session.bus.watch = self._why_not
 
-    def update(self, why: str = NOBODY) -> None:
+    def update(self) -> None:
         """Consoles came, went, fell silent or were heard again: end driving for which nobody is
-        responsible any more, because of `why`.
+        responsible any more.
         """
         bus, wizards = self._session.bus, self._wizards()
         self._parts |= {each.name: each.part for each in wizards}
         drivers = self._session.parts.drivers(self._driving_verbs())
-        heard = [each for each in wizards if not each.silent]
-        watching = {each.part for each in heard if each.name in drivers}
-        reason, before = "" if watching else why, bus.unwatched
+        responsible = [each for each in wizards if each.name in drivers]
+        watching = {each.part for each in responsible if not each.silent}
+        silent = next((each.silent for each in responsible), NOBODY)
+        reason, before = "" if watching else silent, bus.unwatched
         bus.unwatched = reason
-        left = self._drove - {each.part for each in heard} - {None}
-        if left or (reason and not before) or (None in self._drove and self._watching - watching):
+        left = {part for part in self._drove if part is not None}
+        left -= {each.part for each in wizards if not each.silent}
+        if None in self._drove:
+            left |= self._watching - watching
+        if left or (reason and not before):
             self._drove.clear()
-            bus.halt_driving(why)
+            bus.halt_driving(self._away(min(left)) if left else reason)
         self._watching = watching
+
+    def _away(self, part: str) -> str:
+        """Why the console of this part does not watch."""
+        players = [each for each in self._wizards() if each.part == part]
+        if not players:
+            return f"{console_of(part)} is not attached any more"
+        return players[0].silent or f"{console_of(part)} does not drive any more"
 
     def _why_not(self, command: m.Command) -> str:
         """Why nobody watches over a command that drives; empty: somebody does."""

@@ -102,7 +102,10 @@ class RemoteAccess:
             return
         if listening := announced.get("listening"):
             self._listening, self._trouble = listening, ""
-            self._tell("info", f"Other machines can join at {listening}")
+            host, _, port = listening.rpartition(":")
+            everywhere = host in ("0.0.0.0", "[::]")
+            where = f"port {port} of this computer" if everywhere else listening
+            self._tell("info", f"Other machines can join at {where}")
         elif refused := announced.get("refused"):
             self._tell("warning", f"Somebody from another machine was not let in: {refused}")
         elif (trouble := announced.get("trouble", "")) != self._trouble:

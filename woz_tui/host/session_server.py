@@ -20,7 +20,7 @@ from woz_tui.host.client_connection import (
     part_text,
     take_over_hint,
 )
-from woz_tui.host.dead_man_switch import NOBODY, DeadManSwitch, console_of
+from woz_tui.host.dead_man_switch import DeadManSwitch, console_of
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import codec
@@ -316,7 +316,7 @@ class SessionServer:
             return
         if (present := self._player(part)) is not None:
             self._demote(present, client)
-        client.role, client.part, client.silent = "wizard", part, False
+        client.role, client.part, client.silent = "wizard", part, ""
         client.beat_us = self.session.hub.now()
         via = client.hello.via[:LONGEST_VIA] if client.hello is not None else ""
         self.session.hub.publish(
@@ -381,9 +381,7 @@ class SessionServer:
             self.session.hub.publish(
                 m.ConsoleLost(console=client.name, role=client.role, why=why, part=client.part)
             )
-            played = client.part and client.role != "program"
-            gone = f"{console_of(client.part)} is not attached any more" if played else NOBODY
-            self._switch.update(gone)
+            self._switch.update()
         if self.alone and client.role != PARTICIPANT:
             self._alone_us = self.session.hub.now()
 
@@ -391,9 +389,10 @@ class SessionServer:
 
     def _beat(self, client: ClientConnection, line_ok: bool) -> None:
         client.beat_us = self.session.hub.now()
-        if client.silent == line_ok:
-            client.silent = not line_ok
-            self._switch.update(f"the terminal of {console_of(client.part)} is not connected")
+        why = "" if line_ok else f"the terminal of {console_of(client.part)} is not connected"
+        if client.silent != why:
+            client.silent = why
+            self._switch.update()
 
     def _pulse(self) -> None:
         # First of all: whatever happens in one round, the dead man's switch goes on.
@@ -406,8 +405,8 @@ class SessionServer:
             if silence > settings.dead_man * SILENT_PERIODS:
                 wizard.close("silent")
             elif silence > settings.dead_man and not wizard.silent:
-                wizard.silent = True
-                self._switch.update(f"{console_of(wizard.part)} does not respond")
+                wizard.silent = f"{console_of(wizard.part)} does not respond"
+                self._switch.update()
         for client in self._clients:
             client.send(Pulse(t=now, dropped=client.dropped))
         if self.alone and now - self._alone_us > settings.abandon_after * 1_000_000:

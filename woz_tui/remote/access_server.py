@@ -31,7 +31,7 @@ from woz_tui.network.listen_address import ListenAddress
 from woz_tui.protocol import codec
 from woz_tui.protocol.requests import AnyRequest, AskStop, AskTakeOver, Beat, Hello, Reply
 from woz_tui.remote.parent_lines import announce, standard_input
-from woz_tui.system.clock import Clock, RealClock, boot_id
+from woz_tui.system.clock import Clock, RealClock
 from woz_tui.system.tasks import until_first_ends
 
 #: Role of a certificate -> what it may say hello as.
@@ -211,7 +211,8 @@ class AccessServer:
         role = self.roles.get(name, "")
         if not role:
             raise StrangerError(
-                f"{name} has no role: write `{name}: watcher` under session: access"
+                f"{name} has no role: write under session: access what {name} may be, such as"
+                f" `{name}: wizard`"
             )
         if request.headers.get("Origin"):
             raise StrangerError("a web page cannot connect")
@@ -271,12 +272,7 @@ class AccessServer:
     async def _serve_clock(self, request: web.Request) -> web.StreamResponse:
         async with self._websocket(request) as (socket, guest):
             await socket.send_json(
-                {
-                    "session": self._session.stem,
-                    "name": guest.name,
-                    "role": guest.role,
-                    "boot_id": boot_id(),
-                }
+                {"session": self._session.stem, "name": guest.name, "role": guest.role}
             )
             async for message in socket:
                 if message.type is not WSMsgType.TEXT or len(message.data) > 64:

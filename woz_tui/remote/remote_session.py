@@ -136,6 +136,7 @@ class RemoteSession:
             try:
                 async with asyncio.timeout(_ANSWER_S):
                     hello = await clock.receive_json()
+                    self._clocks.forget()  # the robot's computer may have been started anew
                     for _ in range(_ASK_FIRST):
                         await self._ask(clock)
                         await asyncio.sleep(_ASK_FIRST_S)
@@ -242,11 +243,16 @@ class RemoteSession:
         """Where nobody listens: several programs of this machine may have a line of their own."""
         host = self._address.rpartition(":")[0].strip("[]")
         word = "".join(sign if sign.isalnum() or sign in "-." else "-" for sign in host)
+        before = None
         for number in itertools.count(1):
             more = f"-{number}" if number > 1 else ""
             path = session_sockets.socket_path(f"{session}@{word}{more}")
             if not session_sockets.answers(path):
                 return path
+            if path == before:
+                why = f"WOZ_SOCKET names {path}, where a session runs: unset it"
+                raise RemoteSessionError(why, final=True)
+            before = path
         raise AssertionError
 
     async def _relay(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

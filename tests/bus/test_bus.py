@@ -13,6 +13,7 @@ from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.drivers.contract import Argument, DeviceLostError, DriverError, Job, StopReport, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Command, Json
+from woz_tui.timeline.session_state import SessionState
 
 
 def in_rig(scenario: Callable[[Rig], Awaitable[None]], capacity: int = 16) -> Rig:
@@ -411,6 +412,31 @@ def test_driving_ends_when_nobody_watches_and_the_rest_goes_on() -> None:
     assert isinstance(end, m.Refused)
     assert end.code == "unwatched"
     assert ("stop", "drive") in rig.head.calls
+
+
+@pytest.mark.parametrize("lost_first", [True, False])
+def test_the_confirmations_of_a_stop_and_of_a_drive_stop_are_told_apart(lost_first: bool) -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.bus.offer("head", [verb for verb in VERBS if not verb.drives])
+        if lost_first:  # the head fails at once, the base is slow
+            rig.head.stop_raises, rig.base.stop_takes = OSError("stuck"), 0.3
+            rig.bus.halt_driving("console lost")
+            await asyncio.sleep(0.05)
+            rig.base.stop_takes = 0.0
+            rig.bus.stop("key")
+        else:
+            rig.head.stop_takes = 60.0
+            rig.bus.stop("key")
+            await asyncio.sleep(0.05)
+            rig.bus.halt_driving("console lost")
+        await asyncio.sleep(1)
+
+    rig, state = in_rig(scenario), SessionState()
+    for line in rig.lines:
+        state.apply(line)
+    assert state.stop is not None
+    assert (state.stop.confirmed, state.stop.missing) == (("base",), ("head",))
+    assert list(state.stops) == ["all"]
 
 
 def test_what_a_driver_returns_never_breaks_the_log() -> None:

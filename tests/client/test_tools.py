@@ -19,6 +19,7 @@ from woz_tui.client import WozClient, WozError, WozRefusedError, connect
 from woz_tui.client.tools import LOOK, PLAY, STOP, ToolCaller, tools_of
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import ArgumentDescription, VerbDescription
+from woz_tui.protocol.messages import Json
 
 
 @pytest.fixture
@@ -116,19 +117,24 @@ def test_hostile_calls_are_refused_and_the_session_plays_on(
 async def test_a_stop_holds_until_a_person_releases_it(host: Served, woz: WozClient) -> None:
     caller = ToolCaller(woz)
     following = asyncio.create_task(caller.follow())
+    host.session.bus.halt_driving("nobody watches")  # it holds nothing
+    moved = m.EngagementChanged(was="x", now="Present", outcome="", why="", verdicts={})
+    host.session.hub.publish(moved)
+    await _until(caller, "engagement", "Present")
+    assert not (await caller.call(LOOK, {}))["stopped"]
     assert (await caller.call(STOP, {}))["confirmed"] == ["robot"]
     with pytest.raises(WozRefusedError, match="stop"):
         await caller.call("say", {"text": "Hi"})
-    await _until_stopped(caller, True)
+    await _until(caller, "stopped", True)
     host.session.release("key")
-    await _until_stopped(caller, False)
+    await _until(caller, "stopped", False)
     following.cancel()
     await asyncio.gather(following, return_exceptions=True)
 
 
-async def _until_stopped(caller: ToolCaller, stopped: bool) -> None:
+async def _until(caller: ToolCaller, name: str, value: Json) -> None:
     async with asyncio.timeout(PATIENCE_S):
-        while (await caller.call(LOOK, {}))["stopped"] is not stopped:  # noqa: ASYNC110 - by calls
+        while (await caller.call(LOOK, {}))[name] != value:  # noqa: ASYNC110 - by calls
             await asyncio.sleep(0.005)
 
 

@@ -247,7 +247,7 @@ class Bus:
         self._hub.publish(StopPressed(source=source))
         for lane in list(self._lanes.values()):
             lane.stop("stop pressed")
-        self._stopping = self._confirming.start(self._confirm(stops, began_us))
+        self._stopping = self._confirming.start(self._confirm(stops, began_us, Scope.ALL))
         return self._stopping
 
     @property
@@ -284,7 +284,7 @@ class Bus:
         self._hub.publish(StopPressed(source=source, scope=Scope.DRIVE.value))
         for lane in list(self._lanes.values()):
             lane.stop(source, only_driving=True)
-        self._confirming.start(self._confirm(stops, began_us, jobs=False))
+        self._confirming.start(self._confirm(stops, began_us, Scope.DRIVE))
 
     def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, StopTask]:
         loop = asyncio.get_running_loop()
@@ -295,10 +295,11 @@ class Bus:
             for name in names
         }
 
-    async def _confirm(
-        self, stops: Mapping[str, StopTask], began_us: int, jobs: bool = True
-    ) -> None:
-        """Wait until each driver's `stop` has returned and its jobs have ended, then report."""
+    async def _confirm(self, stops: Mapping[str, StopTask], began_us: int, scope: Scope) -> None:
+        """Wait until each driver's `stop` has returned, and of a stop of everything its jobs have
+        ended; then report.
+        """
+        jobs = scope is Scope.ALL
         loop = asyncio.get_running_loop()
         absent = {name for name in stops if name not in self._connected | self._faulted}
         waits = {
@@ -327,6 +328,7 @@ class Bus:
                 parts={name: [*told[name].confirmed] for name in told if told[name].confirmed},
                 missing_parts={name: [*told[name].missing] for name in told if told[name].missing},
                 unreached=unreached,
+                scope=scope.value,
             )
         )
         found_meanwhile = [name for name in absent if name in self._connected]

@@ -116,7 +116,7 @@ class ToolCaller:
                     self._readings[message.sensor] = message.value
                 case m.EngagementChanged():
                     self._state["engagement"] = message.now
-                case m.StopPressed():
+                case m.StopPressed(scope="all"):
                     self._state["stopped"] = True
                 case m.StopReleased():
                     self._state["stopped"] = False

@@ -328,7 +328,8 @@ class WozClient:
         stream = self.messages(m.StopConfirmed)
         await self.request(r.AskStop())
         async for message in stream:
-            return message
+            if message.scope != "drive":
+                return message
         raise WozConnectionError("the session ended before the stop was confirmed")
 
     async def release(self, missing: Iterable[str] = ()) -> None:

@@ -106,7 +106,7 @@ class RerunSession:
                 asyncio.get_running_loop().call_soon(self._begin_if_ready)
             case m.ConsoleLost() if self._options.headless and self._host.alone:
                 self._unwatched()
-            case m.StopConfirmed() if self._ending is not None:
+            case m.StopConfirmed(scope="all") if self._ending is not None:
                 self._end_session()
 
     def _begin_if_ready(self) -> None:

@@ -268,6 +268,7 @@ class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
 class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
     """Which drivers confirmed within 0.5 s and which did not, by name.
 
+    `scope`: of the stop that they confirm, as there; empty in older logs.
     `unreached`: those of `missing` whose hardware was not connected, so that no stop came to it.
     `parts` and `missing_parts` tell of drivers that have several: driver -> speech, motion ...
     """
@@ -278,6 +279,7 @@ class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
     parts: dict[str, list[str]] = {}
     missing_parts: dict[str, list[str]] = {}
     unreached: list[str] = []
+    scope: str = ""
 
 
 class StopReleased(Message, frozen=True, kw_only=True, tag="stop.released"):

@@ -387,14 +387,16 @@ class SessionState:
         return self._moment(message)
 
     def _confirmed(self, message: m.StopConfirmed) -> Iterable[Episode]:
-        """A confirmation belongs to the earliest press that has none."""
+        """A confirmation belongs to the earliest press of its scope that has none; in older logs,
+        which do not have its scope, to the earliest of all.
+        """
         waiting = [
             (press.pressed.seq, scope, at)
             for scope, stop in self.stops.items()
             for at, press in enumerate(stop.presses)
-            if not press.confirmations
+            if not press.confirmations and message.scope in ("", scope)
         ]
-        stop = self.stop
+        stop = self.stop if message.scope != "drive" else None
         if waiting:
             _, scope, at = min(waiting)
             stop = self.stops[scope]

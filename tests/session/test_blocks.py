@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Stage, action, call, experiment, together
+from tests.session.rig import HERE, Stage, action, call, experiment, together
 from tests.session.test_superseding import Guide
 from woz_tui.config.experiment import Action, Panel, Profile, TextVariants
+from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
@@ -246,6 +247,19 @@ def test_a_planners_block_that_replaces_leaves_the_wizards_alone(tmp_path: Path)
     stage = scene(tmp_path, play)
     assert done(stage) == ["Hello you.", "nod", "Goodbye."]
     assert [type(end) for end in ended(stage)] == [m.Stopped, m.Done, m.Done]
+
+
+def test_an_interruption_ends_a_planners_block(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        interrupt = Action(INTERRUPT, LABELS[INTERRUPT], "", PANEL, (), HERE)
+        stage.session.experiment = replace(stage.session.experiment, repairs=(interrupt,))
+        stage.session.send("bml", {"block": GREET}, "", PLANNER)
+        await asyncio.sleep(0.5)
+        stage.session.play(INTERRUPT, KEY)
+
+    stage = scene(tmp_path, play)
+    assert done(stage) == []
+    assert [type(end) for end in ended(stage)] == [m.Stopped]
 
 
 def test_a_block_is_cut_by_its_id_as_every_command(tmp_path: Path) -> None:

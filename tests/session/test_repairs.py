@@ -110,6 +110,23 @@ def test_an_interruption_ends_what_is_and_would_be_said_and_nothing_else(tmp_pat
     assert not stage.session.bus.latched
 
 
+@pytest.mark.parametrize("at_us", [0, 2_000_000])
+def test_an_interruption_ends_what_is_held_back(tmp_path: Path, at_us: int) -> None:
+    async def play(stage: Stage) -> None:
+        hub = stage.session.hub
+        hub.publish(m.ShapingChanged(floor_us=2_000_000, jitter_us=0, cues=["marker"]))
+        hub.publish(m.Marker(text="x"))
+        at = hub.now() + at_us if at_us else 0
+        stage.session.send("say", {"text": "typed"}, "", KEY, at=at)
+        await asyncio.sleep(0.5)
+        stage.session.play(INTERRUPT, KEY)
+
+    stage = scene(tmp_path, play)
+    assert spoken(stage) == []
+    (end,) = (line for line in stage.lines if isinstance(line, m.End))
+    assert end.reason == "interrupted by the wizard"
+
+
 def test_profiles_do_not_lock_repairs(tmp_path: Path) -> None:
     async def play(stage: Stage) -> None:
         stage.session.play("Hello", KEY)

@@ -506,12 +506,15 @@ class ActionRunner:
         return found or run is not None
 
     def cut_speech(self, reason: str) -> None:
-        """End the runs that say something now or would later."""
+        """End the runs that say something now or would later, and what is held that would."""
         for run in list(self._runs.values()):
             present = run.steps[max(run.at, 0)] if run.steps else ()
             calls = [*(present if isinstance(present, tuple) else ()), *run.still_to_come]
-            if any(call.verb in SPEECH or call.driver == BML for call in calls):
+            if any(map(may_speak, calls)):
                 self.cancel(run.id, reason)
+        for command, (held, _) in list(self._held.items()):
+            if may_speak(held):
+                self.cancel(command, reason)
 
     def end_after_step(self, run_id: str, end: str | m.ActionEnd) -> None:
         """Finish the step that one run has begun, and drop those after it; one whose commands all
@@ -555,6 +558,11 @@ class ActionRunner:
 
     def _stop(self, run: ActionRun, reason: str) -> None:
         self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+
+
+def may_speak(call: Call | m.Command) -> bool:
+    """Whether something is said with it; a block of BML may say something."""
+    return call.verb in SPEECH or call.driver == BML
 
 
 def _left_out(action: Action) -> str:

@@ -9,7 +9,7 @@ from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_stream import SPEECH
-from woz_tui.session.action_runner import ActionRunner, RequestOrigin
+from woz_tui.session.action_runner import ActionRunner, RequestOrigin, may_speak
 from woz_tui.session.action_texts import ActionTexts, Steps
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.episodes import CommandEpisode
@@ -83,5 +83,5 @@ class RepairController:
         why = "interrupted by the wizard"
         self.runner.cut_speech(why)
         for command in list(self.commands().values()):
-            if command.request.verb in SPEECH and not command.request.run:
+            if may_speak(command.request) and not command.request.run:
                 self.runner.cancel(command.request.command, why)

@@ -32,6 +32,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.log.disk import LogDisk
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -154,13 +155,15 @@ class Stage:
         identity: SessionIdentity | None = None,
         catalogue: Mapping[str, type[Driver]] | None = None,
         made: Experiment | None = None,
+        *,
+        disk: LogDisk | None = None,
     ) -> None:
         self.lines: list[m.AnyMessage] = []
         puppets: dict[str, type[Driver]] = {"puppet": Puppet}
         clock = LoopClock(asyncio.get_running_loop())
         # The disk's time is real: in virtual time it would seem to stall.
         self.recorder = Recorder(
-            tmp_path / "recordings", "made", RealClock(), spill=tmp_path / "more"
+            tmp_path / "recordings", "made", RealClock(), spill=tmp_path / "more", disk=disk
         )
         self.session = Session(
             made or experiment(tmp_path, drivers),

@@ -18,6 +18,7 @@ from woz_tui.config.study import (
     ResponseShaping,
     Study,
 )
+from woz_tui.log.disk import LogDisk
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem, WelcomeSettings
@@ -67,12 +68,13 @@ def on_stage(
     scenario: Callable[[Stage], Awaitable[None]],
     study: Study = STUDY,
     identity: SessionIdentity | None = None,
+    disk: LogDisk | None = None,
 ) -> Stage:
     """Plays the scenario in virtual time, then ends the session."""
 
     async def go() -> Stage:
         who = identity or SessionIdentity()
-        stage = Stage(tmp_path, identity=who, made=studied(tmp_path, study))
+        stage = Stage(tmp_path, identity=who, made=studied(tmp_path, study), disk=disk)
         await stage.session.open()
         await scenario(stage)
         await asyncio.sleep(1)

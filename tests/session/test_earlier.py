@@ -78,6 +78,32 @@ def test_logs_of_other_experiments_do_not_count(tmp_path: Path) -> None:
     assert ([past.participant for past in found.past], found.logs) == (["P02"], 1)
 
 
+def test_a_folder_that_cannot_be_read_is_told_and_one_that_is_not_there_is_not(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "recordings").write_bytes(b"")
+    assert read(tmp_path / "recordings") == EarlierParticipants(unreadable=("recordings",))
+    assert read(tmp_path / "none") == EarlierParticipants()
+
+
+def test_what_stands_in_two_files_of_a_session_counts_once(tmp_path: Path) -> None:
+    path = log(
+        tmp_path,
+        "2026-03-01T10-00-00_S01",
+        [*had("P01", ORDER, "dd"), *had("P02", ORDER)],
+        title="T",
+    )
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join(lines[:-1]))
+    again = tmp_path / "2026-03-01T10-00-00_S01.2.jsonl"
+    again.write_bytes(b"".join(lines[4:]))  # what may not have reached the disk
+    first, second = read(tmp_path).past
+    assert (first.over, second.over, second.begun) == (2, 0, False)
+    again.write_bytes(b"".join(lines[:4]))  # the copy of a deleted file, made later
+    path.write_bytes(b"".join(lines[4:]))
+    assert [past.over for past in read(tmp_path).past] == [2, 0]
+
+
 def test_segments_of_a_session_are_one(tmp_path: Path) -> None:
     whole = had("P01", ORDER, "dd")
     path = log(tmp_path, "2026-03-01T10-00-00_S01", whole, title="T")

@@ -143,6 +143,28 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
     assert trials == ["Hello", "Hello", "Hello"]
 
 
+def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session, between = stage.session, ("phases begin with a trial", "trial")
+
+        def refused_by_space() -> tuple[str, str]:
+            with pytest.raises(RequestError) as caught:
+                session.script_next(KEY)
+            return caught.value.reason, caught.value.command
+
+        session.adopt(replace(session.experiment, script=()), ["script"])
+        session.study.assign("P01", ["warm", "cold"])
+        assert (refused(session), refused_by_space()) == (between[0], between)
+        session.study.trial("begin", "")
+        session.phase("", KEY)
+        session.study.trial("done", "")
+        assert refused(session, "opening") == between[0]
+        assert session.state.study.next_phase(PHASES) is None  # the screen offers none
+
+    scripted = replace(PHASES[0], script=("Hello",))
+    on_stage(tmp_path, scenario, Study(design=Design()), (scripted, *PHASES[1:]))
+
+
 def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         session = stage.session

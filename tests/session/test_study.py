@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.log.disks import FaultyDisk
 from tests.session.rig import Stage
 from tests.session.studied import STUDY, had, log, on_stage, said, studied
 from woz_tui.config.study import PerceptionLimits, Study
@@ -221,6 +222,21 @@ def test_participants_of_this_very_session_count(tmp_path: Path) -> None:
         assert [row.row for row in rows if row is not None] == [0, 1, 0, 1]
 
     on_stage(tmp_path, scenario)
+
+
+def test_earlier_participants_count_where_the_log_begins_in_another_folder(tmp_path: Path) -> None:
+    recordings, disk = tmp_path / "recordings", FaultyDisk()
+    log(recordings, "2026-02-01T10-00-00_S01", had("P01", ["warm", "cold"], "d", row=0))
+    disk.faults[recordings] = "readonly"
+
+    async def scenario(stage: Stage) -> None:
+        assert stage.recorder.path.parent == tmp_path / "more"
+        study = stage.session.study
+        assert study.propose("P01").trial == 2
+        assigned(stage, "P02")
+        assert [study.propose(who).row for who in ("P02", "P03")] == [1, 0]
+
+    on_stage(tmp_path, scenario, disk=disk)
 
 
 def test_a_break_inside_a_trial_ends_with_it_and_one_before_it_when_it_begins(

@@ -77,7 +77,7 @@ def design(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     else:
         _print(plan, arguments.recordings, labels=arguments.labels)
     for name in found.unreadable:
-        _complain(f"{arguments.recordings / name} cannot be read and is not counted")
+        _complain(f"{name} cannot be read and is not counted")
     return 0
 
 

@@ -328,6 +328,11 @@ class Recorder:
             return self._hash.hexdigest(), self._lines
 
     @property
+    def folder(self) -> Path:
+        """Where the log belongs, even where it had to begin in another folder."""
+        return self._series.places[0]
+
+    @property
     def spill(self) -> list[str]:
         """Folders in which the log goes on if that of `path` fails, for the log's first line: each
         as it is on this machine, and as seen from there, because they may be moved together.

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.config.study import OVER
 from woz_tui.log.file_names import FileName
+from woz_tui.log.line_order import seq_of
 from woz_tui.log.log_files import files_of
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -44,17 +45,17 @@ class EarlierParticipants:
     unreadable: tuple[str, ...] = ()
 
 
-@dataclass
 class EarlierSessions:
-    """The logs of one folder. Files that have not changed are read once.
+    """The logs of some folders. Files that have not changed are read once.
 
     Args:
-        folder: Where recordings are. Sessions that went on in a second folder (`--spill`) are read
+        folders: Where recordings are. Sessions that went on in another folder (`--spill`) are read
             to their end, those that began there are not looked for.
     """
 
-    folder: Path
-    _cache: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = field(default_factory=dict)
+    def __init__(self, *folders: Path) -> None:
+        self._folders = dict.fromkeys(folders)
+        self._cache: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = {}
 
     def read(self, title: str, file: str) -> EarlierParticipants:
         """Everything about the experiment of this title; logs that tell no title (of version 1)
@@ -64,10 +65,12 @@ class EarlierSessions:
         people: dict[str, ParticipantHistory] = {}
         unreadable: list[str] = []
         logs = 0
-        for paths in self._sessions():
+        for paths in self._sessions(unreadable):
             lines = self._joined(paths, unreadable)
             if not any(isinstance(line, m.SessionEnd) for line in lines):
                 lines += self._joined(_elsewhere(paths, unreadable), unreadable)
+            # What may not have reached the disk stands in the next file again.
+            lines = sorted({line.seq: line for line in lines}.values(), key=seq_of)
             if _is_of(lines, title, file):
                 logs += 1
                 _attribute(lines, people)
@@ -82,17 +85,21 @@ class EarlierSessions:
                 unreadable.append(path.name)
         return lines
 
-    def _sessions(self) -> Iterator[list[Path]]:
+    def _sessions(self, unreadable: list[str]) -> Iterator[list[Path]]:
         """The action files of each session, oldest session first, segments in their order."""
         found: dict[str, list[tuple[int, Path]]] = {}
-        try:
-            paths = [*self.folder.iterdir()]
-        except OSError:  # no recordings yet
-            return
-        for path in paths:
-            name = FileName.parse(path.name)
-            if name is not None and not name.samples:
-                found.setdefault(name.stem, []).append((name.number, path))
+        for folder in self._folders:
+            try:
+                paths = [*folder.iterdir()]
+            except FileNotFoundError:  # no recordings yet
+                continue
+            except OSError:
+                unreadable.append(folder.name)
+                continue
+            for path in paths:
+                name = FileName.parse(path.name)
+                if name is not None and not name.samples:
+                    found.setdefault(name.stem, []).append((name.number, path))
         for stem in sorted(found):
             yield [path for _, path in sorted(found[stem])]
 
@@ -128,6 +135,7 @@ def _messages(path: Path) -> Iterator[m.AnyMessage]:
 def _bare(plan: m.SessionPlan) -> m.SessionPlan:
     """The plan with its title alone: it is kept in memory, and a study has hundreds of logs."""
     return m.SessionPlan(
+        seq=plan.seq,
         title=plan.title,
         panels=[],
         script=[],

@@ -57,7 +57,7 @@ class EngagementController:
         robot: What it has to do with; its bus and runner count from `begin` on.
         state: What holds in the session.
         locked: Panels by title: whether they are locked.
-        logs: The folder where the log began.
+        logs: The folder where the log belongs.
     """
 
     def __init__(

@@ -54,6 +54,7 @@ class PhaseController:
             raise RequestError(
                 "the experiment has no phases", "add them to the file: phases: [...]"
             )
+        self.check_trial()
         if not name:
             following = self._state.next_phase(phases)
             if following is None:
@@ -69,6 +70,11 @@ class PhaseController:
             before = [each.heading for each in phases if each.name in phase.after]
             raise RequestError(f"{phase.heading} comes after {' or '.join(before)}")
         return phase
+
+    def check_trial(self) -> None:
+        """Raises `RequestError` where phases are parts of trials and no trial is under way."""
+        if self._state.between_trials:
+            raise RequestError("phases begin with a trial", "begins one", command="trial")
 
     def enter(self, phase: Phase | None, source: str) -> None:
         """Begin this phase; None: no phase holds."""

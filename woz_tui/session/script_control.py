@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from woz_tui.config.experiment import Experiment
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import RequestError
+from woz_tui.session.phase_control import PhaseController
 from woz_tui.timeline.episodes import ActionEpisode, EpisodeOutcome
 
 #: How a line ends behind which the script does not go on.
@@ -98,7 +99,7 @@ class ScriptController:
     Args:
         publish: Publishes where a script stands.
         experiment: What the file says.
-        phase: Gives the name of the phase that holds; empty: none.
+        phases: Which phase holds.
         waits: Whether a run waits: nothing of it has begun.
         latched: Whether the stop is pressed.
         withdraw: Cuts a run short.
@@ -109,12 +110,12 @@ class ScriptController:
         publish: Callable[[m.ScriptMoved], object],
         experiment: Experiment,
         *,
-        phase: Callable[[], str],
+        phases: PhaseController,
         waits: Callable[[str], bool],
         latched: Callable[[], bool],
         withdraw: Callable[[str], object],
     ) -> None:
-        self._publish, self._phase = publish, phase
+        self._publish, self._phases = publish, phases
         self._waits, self._latched, self._withdraw = waits, latched, withdraw
         self._scripts: dict[str, ScriptState] = {}
         self._published: dict[str, tuple[int, frozenset[int], str]] = {}
@@ -128,7 +129,7 @@ class ScriptController:
     @property
     def name(self) -> str:
         """The script that Space plays: that of the phase, or the experiment's."""
-        phase = self._phase()
+        phase = self._phases.name
         return phase if phase in self._scripts else ""
 
     @property
@@ -141,7 +142,8 @@ class ScriptController:
         script = self.now
         if script.position >= len(script.lines):
             if not script.lines:
-                if len(self._scripts) > 1 and not self._phase():
+                if len(self._scripts) > 1 and not self._phases.name:
+                    self._phases.check_trial()
                     raise RequestError("no phase holds", "begins one", command="phase_next")
                 raise RequestError("there is no script", "add script: [...] to the file")
             raise RequestError(

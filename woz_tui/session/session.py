@@ -120,7 +120,7 @@ class Session:
         self.scripts = ScriptController(
             self.hub.publish,
             self.experiment,
-            phase=lambda: self.phases.name,
+            phases=self.phases,
             waits=self._has_not_begun,
             latched=lambda: self.bus.latched,
             withdraw=self._cancel_waiting_line,
@@ -132,7 +132,7 @@ class Session:
             lambda: self.ended,
             lambda: self.clock.wall().date(),
         )
-        logs = self.recorder.path.parent
+        logs = self.recorder.folder
         self.engagement = EngagementController(robot, self.state, self.locked, logs)
         self.profiles = ProfileLimits(self.hub.publish)
         self.parts = PartLimits(lambda: self.experiment, lambda: self.state.wizards, self._helpers)
@@ -143,7 +143,7 @@ class Session:
             identity=lambda: self.identity,
             set_trial=self.set,
             trial_began=self._trial_began,
-            logs=logs,
+            logs=(logs, self.recorder.path.parent),
         )
         self.drivers = make_drivers(
             self.experiment,

@@ -5,7 +5,7 @@ Every change is a message; what follows from them is the timeline's. Refusals ar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,7 +41,7 @@ class StudyController:
         identity: Gives who takes part, and under which condition.
         set_trial: Sets participant, condition and trial; None leaves one as it is.
         trial_began: Called when a trial has begun.
-        logs: The folder with the logs of earlier sessions.
+        logs: The folders with the logs of earlier sessions and with that of this one.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class StudyController:
         identity: Callable[[], SessionIdentity],
         set_trial: Callable[[str | None, str | None, int | None], None],
         trial_began: Callable[[], None],
-        logs: Path,
+        logs: Iterable[Path],
     ) -> None:
         self._hub, self._read = hub, read
         self._identity, self._set_trial = identity, set_trial
@@ -61,7 +61,7 @@ class StudyController:
         #: What holds, and what the file says.
         self.state = state.study
         self.settings = self.state.settings = study_settings(read())
-        self._earlier = EarlierSessions(logs)
+        self._earlier = EarlierSessions(*logs)
         self._proposed: dict[str, ConditionProposal] = {}
         self.questioning = QuestionnaireController(self.state, self._hub.publish)
 

@@ -216,7 +216,7 @@ class VisitorRecognition:
     Args:
         robot: Asks for a name, and learns faces.
         settings: What the section says.
-        logs: Where the log began: it may move on to another folder, the visitors do not.
+        logs: Where the log belongs: it may move to another folder, the visitors do not.
     """
 
     def __init__(self, robot: EngagementRobot, settings: EngagementSettings, logs: Path) -> None:

@@ -143,9 +143,17 @@ class StudyState:
         """Whether this line of the preflight list is in order."""
         return check in self.checks and self.checks[check].level == "ok"
 
+    @property
+    def between_trials(self) -> bool:
+        """Whether the study has trials and none is under way: then no phase can begin."""
+        return self.settings.design is not None and self.trial is None
+
     def can_begin(self, phase: PhaseLike, phases: Sequence[PhaseLike]) -> bool:
-        """Whether this one of the file's `phases` can begin now; whatever has begun once can."""
-        return not phase.after or phase is phases[0] or bool(self.phases.keys() & {*phase.after})
+        """Whether this one of the file's `phases` can begin now; in a trial whatever has begun
+        once can.
+        """
+        follows = not phase.after or phase is phases[0] or self.phases.keys() & {*phase.after}
+        return bool(follows) and not self.between_trials
 
     def next_phase(self, phases: Sequence[P]) -> P | None:
         """The first of the file's `phases` behind the present one that can begin now."""

@@ -215,6 +215,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         parts={"pepper": ["speech", "motion"]},
         missing_parts={"pepper": ["tablet"]},
         unreached=["base"],
+        scope="all",
     ),
     m.StopReleased(source="key"),
     m.ConsoleLost(console="con1", role="wizard", why="closed", part="voice"),

@@ -163,7 +163,7 @@ def test_the_times_of_a_block_are_found_while_its_next_one_waits(tmp_path: Path)
         await planner((0.5, '<bml id="b"><wait id="w" start="greet:t:end"/></bml>'))(stage)
 
     stage = scene(tmp_path, play)
-    [planned] = [line for line in stage.lines if isinstance(line, m.BlockPlanned)][1:2]
+    planned = [line for line in stage.lines if isinstance(line, m.BlockPlanned)][1]
     assert planned.block == "b"
     assert planned.behaviours[0].points["start"] == pytest.approx(4.1e6, abs=2e5)
 

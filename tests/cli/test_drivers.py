@@ -16,6 +16,7 @@ from tests.network.other_computer import free_port
 from woz_tui import cli
 from woz_tui.cli import doctor
 from woz_tui.drivers.contract import DeviceLostError, Health
+from woz_tui.network import remote_driver
 from woz_tui.network.driver_line import DriverRouter
 from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.testing import PlainJob, RecordingContext, until
@@ -60,7 +61,10 @@ def test_the_doctor_looks_at_the_drivers_of_the_computer_that_it_is_on(tmp_path:
 
 
 @pytest.mark.real_clock
-async def test_a_program_that_is_frozen_and_one_that_is_killed(tmp_path: Path) -> None:
+async def test_a_program_that_is_frozen_and_one_that_is_killed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
     file, port, context = tmp_path / "robot.yaml", await free_port(), RecordingContext()
     file.write_text(ROBOT)
     remote = RemoteDriver(

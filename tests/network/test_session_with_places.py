@@ -12,6 +12,7 @@ from tests.remote.network import Cable
 from tests.session.rig import Stage
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
+from woz_tui.network import remote_driver
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.testing import until
@@ -32,7 +33,10 @@ panels:
 
 
 @pytest.mark.real_clock
-async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(tmp_path: Path) -> None:
+async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
     port = await free_port()
     path, cable = tmp_path / "e.yaml", Cable(port)
     path.write_text(TEXT.format(port=port, text="a long sentence " * 30))

@@ -162,6 +162,9 @@ class BlockingWozClient:
 
     def wait_for(self, coroutine: Coroutine[Any, Any, T]) -> T:
         """Run `coroutine` in the connection's thread; an interrupt (ctrl+c) cancels it."""
+        if self._loop.is_closed():  # after the `with` block
+            coroutine.close()
+            self.client.check()
         future = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
         try:
             return future.result()

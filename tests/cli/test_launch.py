@@ -6,14 +6,18 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from queue import Queue
 
 import pytest
 
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.cli import main
+from woz_tui.cli.console_start import _restart
 from woz_tui.cli.host_start import Launch, LaunchError, host_arguments
 from woz_tui.system import session_sockets
 from woz_tui.system.session_sockets import next_session
@@ -86,6 +90,20 @@ def test_why_it_did_not_start_is_told_in_its_own_words(
     assert told in str(error.value)
     assert "Traceback" not in str(error.value)
     assert not list((tmp_path / "rec").glob("*.jsonl")) or rudeness
+
+
+def test_a_robot_process_is_started_again_once_at_a_time_and_why_not_is_told() -> None:
+    told: Queue[str] = Queue()
+    restart = _restart(["nowhere.yaml"], lambda: "", lambda explain, why: explain(why), told.put)
+    for _ in range(2):
+        restart()
+        restart()
+        assert "nowhere.yaml" in told.get(timeout=60)
+        deadline = time.monotonic() + 60
+        while any(thread.name == "restart" for thread in threading.enumerate()):
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+    assert told.empty()
 
 
 def test_one_that_takes_too_long_is_ended_and_said_so(tmp_path: Path) -> None:

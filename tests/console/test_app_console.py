@@ -161,6 +161,36 @@ async def test_an_arrow_that_several_robots_could_follow_names_them() -> None:
         assert "No robot here has a hip" in seat.text("StopBar")
 
 
+async def test_what_is_refused_is_told_while_the_robot_is_stopped() -> None:
+    async with sitting() as seat:
+        seat.feed.answers[r.AskMarker] = lambda asked, ref: r.Reply(
+            ref=ref, ok=False, reason="no participant is set"
+        )
+        await seat.press("z")
+        await seat.tell(m.StopPressed(source="key", t=NOW))
+        await seat.press("full_stop")
+        assert "waiting for the drivers" in seat.text("StopBar")
+        await seat.tell(m.StopConfirmed(confirmed=["head"], missing=[], elapsed_us=3_000))
+        await seat.press("full_stop")
+        assert "STOPPED by key" in seat.text("StopBar")
+        assert "no participant is set" in seat.text("StopBar")
+        await seat.pass_time(30)
+        assert "confirmed: head" in seat.text("StopBar")
+        await seat.press("full_stop")
+        await seat.tell(m.StopReleased(source="key", t=NOW))
+        assert "no participant is set" not in seat.text("StopBar")
+
+
+async def test_who_did_not_confirm_the_stop_is_named_whatever_else_is_told() -> None:
+    async with sitting() as seat:
+        await seat.press("z")
+        missing = m.StopConfirmed(confirmed=["head"], missing=["voice"], elapsed_us=3_000)
+        await seat.tell(m.StopPressed(source="key", t=NOW), missing)
+        assert "NOT CONFIRMED: voice" in seat.text("StopBar")
+        await seat.press("z")
+        assert "NOT CONFIRMED: voice" in seat.text("StopBar")
+
+
 @pytest.mark.parametrize("key", ["escape", "ctrl+c"])
 async def test_both_stop_keys_stop_and_the_bar_follows(key: str) -> None:
     async with sitting() as seat:

@@ -13,7 +13,7 @@ from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_list import event_rows, listed_events
 from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
-from woz_tui.console.message_feed import Loss
+from woz_tui.console.message_feed import Loss, LostPart
 from woz_tui.console.meters import meter_rows
 from woz_tui.console.number_text import decibels, seconds, time_left
 from woz_tui.console.status_rows import StatusInfo, status_rows
@@ -406,7 +406,7 @@ def test_the_stop_bar_names_who_confirmed_and_who_did_not() -> None:
     shown = bar(picture)
     assert "NOT CONFIRMED: face" in shown
     assert "confirmed: head, voice" in shown
-    assert "^R asks, then releases it" in shown
+    assert "^R releases it, after a question" in shown
 
 
 def test_a_stop_that_is_not_answered_or_not_delivered_says_so() -> None:
@@ -416,6 +416,25 @@ def test_a_stop_that_is_not_answered_or_not_delivered_says_so() -> None:
     picture.lose(Loss("the robot process closed the connection"))
     assert "robot process is gone" in bar(picture)
     assert "STOP NOT DELIVERED" in bar(picture, asked_us=NOW)
+
+
+@pytest.mark.parametrize("missing", [(), ("voice",)])
+def test_a_stop_that_was_confirmed_before_the_line_was_lost_stays_confirmed(
+    missing: tuple[str, ...],
+) -> None:
+    picture = pictured(m.StopPressed(source="key", t=NOW))
+    lost = Loss("cut", LostPart.LINE)
+    picture.lose(lost)
+    assert "STOP NOT CONFIRMED: the line to the robot is lost" in bar(picture)
+    told = m.StopConfirmed(confirmed=["head"], missing=[*missing], elapsed_us=9)
+    picture.apply([told], 0)
+    shown = bar(picture)
+    assert "STOPPED by key" in shown
+    assert "the line to the robot is lost" in shown
+    assert "confirmed: head" in shown
+    assert "goes on to its end" not in shown
+    assert ("NOT CONFIRMED: voice" in shown) is bool(missing)
+    assert "releases" not in shown
 
 
 def test_the_bar_in_ascii_and_very_narrow() -> None:

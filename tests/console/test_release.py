@@ -40,7 +40,7 @@ async def test_a_stop_that_all_confirmed_is_released_by_one_key() -> None:
 async def test_who_has_not_confirmed_is_named_before_the_release() -> None:
     async with sitting(scenes.welcome(robots())) as seat:
         await seat.tell(PRESSED, confirmation("nao.nao", "furhat.furhat", unreached=["nao.nao"]))
-        assert "^R asks" in seat.text("StopBar")
+        assert "^R releases it, after a question" in seat.text("StopBar")
         await seat.press("ctrl+r", "ctrl+r", "h", "space")
         assert released(seat) == 0
         drawn = seat.drawn()

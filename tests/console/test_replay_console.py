@@ -2,12 +2,14 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 from textual.events import Key
 from textual.keys import _character_to_key, key_to_character
@@ -43,6 +45,7 @@ class StillReplay(ScriptedFeed):
         self.deliver(*self.player.begin(self.clock.now_us()))
 
     def ask(self, request: r.AnyRequest) -> int:
+        request = msgspec.structs.replace(request, ref=len(self.asked) + 1)
         self.asked.append(request)
         self.deliver(*self.player.ask(request, self.clock.now_us()))
         return request.ref
@@ -382,6 +385,19 @@ async def test_what_is_typed_is_the_code_also_where_a_longer_one_was_set_before(
         assert max(coding.codes, key=lambda code: code.number).text == "gaze:"
         await it.press("m", *"gaze:", "down", "enter")
         assert max(coding.codes, key=lambda code: code.number).text == "gaze: robot"
+
+
+async def test_a_note_that_a_full_disk_did_not_take_is_there_again(tmp_path: Path) -> None:
+    coding = Coding(tmp_path / "x.coding.jsonl", "K1", START)
+    full = os.open("/dev/full", os.O_WRONLY)
+    os.dup2(full, coding._file)
+    os.close(full)
+    recording = Recording(story(), KeptSamples(()), coded=True)
+    async with watching(recording=recording, coding=coding) as it:
+        await it.press("n", *"odd", "enter")
+        assert "No space left" in it.text("StopBar")
+        await it.press("n")
+        assert "odd" in it.drawn
 
 
 async def test_without_a_coder_the_keys_say_how_to_begin() -> None:

@@ -391,7 +391,16 @@ async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
         assert "recordings/20260301-100000-P07-S01.jsonl" in drawn
         await seat.press("enter")
         assert restarted == [1]
+        await seat.pass_time(20)
+        assert "it is starting again" in seat.text("StopBar")
+        seat.console.explain_loss("it did not start again: guide.yaml:3:1: no such key")
+        await seat.pass_time(20)
+        assert "guide.yaml:3:1" in seat.text("StopBar")
+        await seat.press("enter")
+        assert "no such key" in seat.drawn()
         await seat.tell(scenes.welcome())
+        seat.console.explain_loss("another one was there before")
+        await seat.settle()
         assert seat.console.state.lost is None
         assert "is back" in seat.text("StopBar")
 
@@ -408,6 +417,36 @@ async def test_what_was_too_old_for_a_robot_process_that_woke_is_told() -> None:
         bar = seat.text("StopBar")
         assert "not played: Hello" in bar
         assert "8.0 s ago" in bar
+
+
+async def test_a_note_that_is_not_taken_is_told_and_is_there_again() -> None:
+    async with sitting() as seat:
+        seat.feed.cut("silent")
+        await seat.until(lambda: seat.console.dialog is not None)
+        await seat.press("ctrl+q", "comma")
+        await seat.type("the visitor left")
+        await seat.press("enter")
+        assert "connection to the robot process was lost" in seat.text("StopBar")
+        await seat.tell(scenes.welcome())
+        seat.feed.answers[r.AskNote] = lambda asked, ref: r.Reply(ref=ref, ok=False, reason="full")
+        for _ in range(2):
+            await opened(seat, "NoteDialog")
+            assert "the visitor left" in seat.drawn()
+            await seat.press("enter")
+        del seat.feed.answers[r.AskNote]
+        await opened(seat, "NoteDialog")
+        await seat.press("enter")
+        await opened(seat, "NoteDialog")
+        assert "the visitor left" not in seat.drawn()
+
+
+async def test_the_bar_of_a_loss_tells_what_can_be_done_whatever_was_told_before() -> None:
+    async with sitting() as seat:
+        seat.feed.answers[r.AskMarker] = lambda asked, ref: r.Reply(ref=0, ok=True)  # never comes
+        await seat.press("z", "full_stop")
+        seat.feed.cut("silent")
+        await seat.until(lambda: seat.console.dialog is not None)
+        assert "what can be done" in seat.text("StopBar")
 
 
 @pytest.mark.parametrize("part", LostPart)

@@ -55,6 +55,20 @@ async def test_a_trial_that_does_not_count_gets_a_word(key: str, what: str) -> N
         assert (asked.what, asked.text) == (what, "fire alarm")
 
 
+@pytest.mark.parametrize("key", ["d", "a"])
+async def test_a_trial_that_somebody_else_has_ended_meanwhile_is_not_mistaken_for_the_next(
+    key: str,
+) -> None:
+    async with sitting(studied.welcome(studied.trial(2))) as seat:
+        await seat.press("asterisk", *(("a",) if key == "a" else ()))
+        await seat.tell(over(2), studied.trial(3, ago=0))
+        await seat.press(*(("d",) if key == "d" else (*"fell", "enter")))
+        assert seat.feed.last(r.AskTrial) is None
+        assert "Trial 2 is over already" in seat.text("StopBar")
+        await seat.press("asterisk", "d")
+        assert seat.feed.last(r.AskTrial) is not None
+
+
 async def test_a_break_and_its_end() -> None:
     async with sitting(studied.welcome(), size=(120, 40)) as seat:
         await seat.press("asterisk", "p")
@@ -278,6 +292,26 @@ async def test_leaving_offers_what_is_asked_at_the_end_first() -> None:
         assert seat.feed.last(r.AskEnd) is None
         await seat.press("down", "enter")
         assert seat.feed.last(r.AskEnd) is not None
+
+
+async def test_leaving_without_one_questionnaire_offers_the_next_one() -> None:
+    told = studied.told(questionnaires=[studied.ROBOT, {**studied.QUICK, "when": "end"}])
+    async with sitting(studied.welcome(study=told)) as seat:
+        await seat.press("ctrl+q", "down", "down", "enter")
+        for title in ("You and the robot", "This visit"):
+            await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
+            await seat.settle()
+            assert title in seat.drawn()
+            assert seat.feed.last(r.AskEnd) is None
+            await seat.press("down", "enter")
+        assert seat.feed.last(r.AskEnd) is not None
+
+
+@pytest.mark.parametrize(("role", "may"), [("wizard", True), ("watcher", False)])
+async def test_the_session_is_ended_by_who_may(role: str, may: bool) -> None:
+    async with sitting(studied.welcome(role=role)) as seat:
+        await seat.press("ctrl+q")
+        assert ("End the session" in seat.drawn()) is may
 
 
 async def test_leaving_tells_what_the_end_would_cut_off() -> None:

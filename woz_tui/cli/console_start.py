@@ -112,7 +112,7 @@ def make_console(options: ScreenOptions) -> Console:
     )
     if options.restart is not None:
         app.restart = _restart(
-            list(options.restart), lambda: app.state.log, app.call_from_thread, app.news
+            list(options.restart), lambda: app.state.log, app.call_from_thread, app.explain_loss
         )
     return app
 
@@ -196,19 +196,26 @@ def _restart(
     arguments: list[str],
     log: Callable[[], str],
     in_app: Callable[..., object],
-    news: Callable[[str, str], None],
+    explain: Callable[[str], None],
 ) -> Callable[[], None]:
-    """Start the robot process again, for whoever took part last; the link finds it by itself, at
-    the same socket.
+    """Start the robot process again, for whoever took part last, one at a time; the link finds it
+    by itself, at the same socket.
     """
+    starting = threading.Lock()
 
     def start() -> None:
         try:
             Launch([*arguments, *_last_codes(Path(log()))]).wait()
         except LaunchError as error:
-            in_app(news, f"the robot process did not start: {error}", "bad")
+            in_app(explain, f"it did not start again: {error}")
+        finally:
+            starting.release()
 
-    return lambda: threading.Thread(target=start, daemon=True).start()
+    def restart() -> None:
+        if starting.acquire(blocking=False):
+            threading.Thread(target=start, name="restart", daemon=True).start()
+
+    return restart
 
 
 def _last_codes(log: Path) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from rich.console import RenderableType
@@ -40,6 +41,7 @@ from woz_tui.protocol.messages import (
     DriverHealth,
     SessionStart,
     StopPressed,
+    StopReleased,
     TrainingChanged,
 )
 from woz_tui.protocol.requests import Reply, Welcome
@@ -186,7 +188,6 @@ class Console(ScreenApp):
             self.news(self._sentence(tiding), tiding.look)
         if self.state.stop is not None:
             self._stop_asked = None
-            self._news_until = 1  # what was refused meanwhile need not be told after the release
         if self.state.edition != self._edition:
             self._edition = self.state.edition
             self._adopt()
@@ -206,16 +207,30 @@ class Console(ScreenApp):
                     self._news = News()  # it refused in another state
             elif isinstance(message, ConsoleAttached | ConsoleLost):
                 self._bind_arrows()
-            elif isinstance(message, StopPressed) and message.scope == "all":
-                self._stop_asked = None  # also where its release came in the same batch
+            elif isinstance(message, StopReleased) or (
+                isinstance(message, StopPressed) and message.scope == "all"
+            ):
+                self._stop_changed()
+
+    def _stop_changed(self) -> None:
+        """The stop was pressed or released: what was told before was of another state."""
+        self._stop_asked = None
+        self._news = News()
 
     def _cut(self, loss: Loss, local: int) -> None:
         self.state.lose(loss)
         self._loss = loss
         self.requests.forget()
+        self._news = News()  # what is lost, and what can be done, comes first
         if not self._was_lost:
             self._was_lost, self._lost_t = True, self.state.now(local)
             calls("screens.lost:open_lost")(self)
+
+    def explain_loss(self, why: str) -> None:
+        """What becomes of a lost robot process; nothing if it is back."""
+        if self.state.lost:
+            self.state.lose(replace(self.state.lost, why=why))
+            self.paint()
 
     def _follow_training(self) -> None:
         """Offer what a training offers at this moment, once."""

@@ -287,14 +287,15 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     if state.ended and state.lost and asked_us is None:
         over, where = " The session has ended.", " enter shows where its log is"
         return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
+    if state.stop is not None and (state.stop.settled or not state.lost):
+        return _stopped(state, state.stop, bar, frame)
     if state.lost and (asked_us is not None or state.stop is not None):
-        return _undelivered(state.lost, glyphs, width)
+        return _undelivered(state.lost, "CONFIRMED" if state.stop else "DELIVERED", glyphs, width)
     if state.lost:
         why = f" {glyphs.error} {state.lost.part.title}: {clean(state.lost.why)}"
         what = " No key is sent. enter shows what the robot does and what can be done"
-        return [((fit(why, width), "alarm"),), ((fit(what, width), "alarm-soft"),)]
-    if state.stop is not None:
-        return _stopped(state, state.stop, bar.release, frame)
+        otherwise: Row = ((fit(what, width), "alarm-soft"),)
+        return [((fit(why, width), "alarm"),), _news_row(bar.news, frame) or otherwise]
     if asked_us is not None:
         waited = millis(frame.now - asked_us)
         first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
@@ -316,23 +317,34 @@ def _news_rows(news: News, glyphs: Glyphs, width: int, stop: str) -> list[Row]:
     return [cut(first, width, glyphs.ellipsis), last] if rest else [last]
 
 
-def _undelivered(loss: Loss, glyphs: Glyphs, width: int) -> list[Row]:
-    first = f" {glyphs.stop} STOP NOT DELIVERED: {loss.part.sentence}; use the robot's own switch"
+def _news_row(news: News, frame: PaintFrame) -> Row:
+    """News below something that stays; empty without news."""
+    text = f" {frame.glyphs.plain(clean(news.text))}"
+    return ((fit(text, frame.width, frame.glyphs.ellipsis), news.look),) if news.text else ()
+
+
+def _undelivered(loss: Loss, what: str, glyphs: Glyphs, width: int) -> list[Row]:
+    first = f" {glyphs.stop} STOP NOT {what}: {loss.part.sentence}; use the robot's own switch"
     second = f" {loss.part.robot}"
     return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
 
 
-def _stopped(state: ConsoleState, stop: StopEpisode, release: str, frame: PaintFrame) -> list[Row]:
-    glyphs, width = frame.glyphs, frame.width
+def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintFrame) -> list[Row]:
+    glyphs, width, release = frame.glyphs, frame.width, bar.release
     left = stopped_words(stop, state.others, glyphs)
-    does = "releases it" if stop.settled and not stop.missing else "asks, then releases it"
+    confirmed = stop.settled and not stop.missing
+    does = "releases it" if confirmed else "releases it, after a question"
     hint = f"{release} {does} " if release else ""
+    if state.lost:
+        hint = f"{state.lost.part.sentence} "
     if len(left) + len(hint) >= width:
         hint = ""
     first = spread(((left, "alarm"), (" " * width, "alarm")), ((hint, "alarm"),), width, " ")
     if not stop.settled:
         second: Row = ((fit(" waiting for the drivers to confirm", width), "alarm-soft"),)
         return [first, second]
+    if confirmed and (told := _news_row(bar.news, frame)):
+        return [first, told]
     row = settled_row(stop, state.short_names, glyphs, width, release)
     blanks = max(0, width - length(row))
     return [first, cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)]

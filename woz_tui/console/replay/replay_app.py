@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from woz_tui.config.keys.keymap import key_map
-from woz_tui.console.app import FLASH_S, NEWS_S, Console
+from woz_tui.console.app import FLASH_S, Console
 from woz_tui.console.key_caps import cap_of
 from woz_tui.console.main_screen import MainScreen
 from woz_tui.console.message_feed import Incoming, MessageFeed
@@ -54,7 +54,6 @@ class ReplayConsole(Console):
         self.inbox: _Inbox = _Inbox(self.wake)
         self._main_screen = MainScreen(bar=TimeBar())
         self._panels = self._main_screen.panels
-        self._sentence_until = 0
         self._greeted = False
 
     def _pace(self) -> float:
@@ -74,18 +73,14 @@ class ReplayConsole(Console):
 
     def _take_in(self, local: int) -> None:
         super()._take_in(local)
-        if self._news_until == 1:  # a stop of then; what the viewer is told stays
-            self._news_until = self._sentence_until
         while self.inbox.played:
             action = self.inbox.played.popleft()
             self._panels.turn_to(self.state, action)
             self._panels.press(action)
             self._flash_until = local + round(FLASH_S * 1_000_000)
 
-    def news(self, text: str, look: str = "muted") -> None:
-        """A sentence above the time line, for a few seconds."""
-        self._sentence_until = self.clock.now_us() + round(NEWS_S * 1_000_000)
-        super().news(text, look)
+    def _stop_changed(self) -> None:
+        """A stop of then; what the viewer is told stays."""
 
     def _welcomed(self, welcome: Welcome) -> None:
         """Name the most important keys once."""

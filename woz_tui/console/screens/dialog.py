@@ -127,6 +127,9 @@ class ConsoleApp(Protocol):
     def news(self, text: str, look: str = "muted") -> None:
         """Say a sentence above the hints."""
 
+    def explain_loss(self, why: str) -> None:
+        """What becomes of a lost robot process."""
+
     def paint(self) -> None:
         """Show what has changed."""
 

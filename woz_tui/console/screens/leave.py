@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from textual.content import Content
 
@@ -32,31 +33,34 @@ class LeaveDialog(ChoiceDialog):
 
     def choices(self) -> Sequence[ListChoice]:
         """Stay, leave it running, end it."""
+        end = ListChoice(
+            Content("End the session: the robot rests, the log is finished"), self._ask_due
+        )
         return [
             ListChoice(Content("Stay")),
             ListChoice(
                 Content("Leave the session running (woz attach brings you back)"),
                 lambda: self.console_app.exit("detached"),
             ),
-            ListChoice(
-                Content("End the session: the robot rests, the log is finished"), self._ask_due
-            ),
+            *([end] if self.state.role != "watcher" else []),
         ]
 
-    def _ask_due(self) -> None:
-        """End it; what is to be asked at the end is offered first, unless something is being
-        asked: then the dialog has told of it.
+    def _ask_due(self, *without: str) -> None:
+        """End it; what is to be asked at the end is offered first, one after the other, unless
+        something is being asked: then the dialog has told of it.
         """
         study = self.state.study
-        due = study.unasked() if study.open_questionnaire is None else []
-        if due and self.state.role == "wizard":
-            self.console_app.open_dialog(OfferDialog(due[0], self._end))
+        unasked = study.unasked() if study.open_questionnaire is None else []
+        due = next((name for name in unasked if name not in without), None)
+        if due is not None:
+            then = partial(self._ask_due, *without, due)
+            self.console_app.open_dialog(OfferDialog(due, then))
         else:
             self._end()
 
     def _end(self) -> None:
         """With what was typed offered for the file."""
-        if self.state.role == "wizard" and has_typed(self.state):
+        if has_typed(self.state):
             self.console_app.open_dialog(KeepTypedDialog(self.requests.end_session))
         else:
             self.requests.end_session()

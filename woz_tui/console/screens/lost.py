@@ -63,7 +63,7 @@ class LostDialog(ChoiceDialog):
             ((f"{self.glyphs.error} {clean(loss.why)}", "bad"),),
             ((loss.part.robot, "plain"),),
             (("No key reaches the robot from here until it is back, not even the stop:", "plain"),),
-            (("use the robot's own switch. It is looked for all the time.", "plain"),),
+            (("use the robot's own switch. This console connects again by itself.", "plain"),),
             ((log, "plain"),),
             ((_log(state.log) or "(the log is not known)", "strong"),),
         ]
@@ -77,7 +77,7 @@ class LostDialog(ChoiceDialog):
 
     def _restart(self) -> None:
         if (restart := self.console_app.restart) is not None:
-            self.console_app.news("Robot process is starting again", "warn")
+            self.console_app.explain_loss("it is starting again")
             restart()
 
 

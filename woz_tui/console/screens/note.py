@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from woz_tui.console.screens.dialog import EntryDialog
-from woz_tui.protocol.requests import AskNote
+from woz_tui.protocol.requests import AskNote, Reply
 
 
 class NoteDialog(EntryDialog):
-    """Type a sentence; it goes into the log with the moment at which it is sent."""
+    """Type a sentence; it goes into the log with the moment at which it is sent. One that was not
+    taken is in the field the next time.
+    """
 
     heading = "Note"
     hint = "enter writes it · ctrl+q closes"
@@ -15,4 +17,10 @@ class NoteDialog(EntryDialog):
 
     def submit(self, text: str) -> None:
         """Send it."""
-        self.requests.ask(AskNote(text=text))
+
+        def answered(reply: Reply) -> None:
+            if not reply.ok:
+                self.requests.drafts[self.draft] = self.requests.drafts.get(self.draft) or text
+            self.requests.refused(reply)
+
+        self.requests.ask(AskNote(text=text), answered)

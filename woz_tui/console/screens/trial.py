@@ -16,7 +16,7 @@ from woz_tui.console.cells import Row, clean, fit_most
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.study.questionnaires import OpenQuestionnaire
-from woz_tui.console.study.study_view import StudyView
+from woz_tui.console.study.study_view import RunningTrial, StudyView
 from woz_tui.protocol.requests import AskQuestionnaire, AskTrial, Reply
 from woz_tui.system.text_cleaning import elapsed
 
@@ -167,11 +167,11 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
         found.append(TrialStep("q", f"ask: {title}", _offer(study.due[0])))
     if study.break_began is not None:
         found.append(TrialStep("r", "resume: the break is over", _trial("resume")))
-    if study.trial is not None:
+    if (of := study.trial) is not None:
         found += [
-            TrialStep("d", "done: this trial is over", _trial("done")),
-            TrialStep("a", "aborted: it will be run again", _trial("aborted"), asks=True),
-            TrialStep("x", "excluded: not to be analysed", _trial("excluded"), asks=True),
+            TrialStep("d", "done: this trial is over", _trial("done", of)),
+            TrialStep("a", "aborted: it will be run again", _trial("aborted", of), asks=True),
+            TrialStep("x", "excluded: not to be analysed", _trial("excluded", of), asks=True),
         ]
     elif study.open_questionnaire is None and not study.all_over:
         found.append(TrialStep("b", _beginning(study), _trial("begin")))
@@ -262,8 +262,14 @@ def _leave(name: str) -> Callable[[ConsoleApp, str], None]:
     return lambda app, why: app.requests.ask(AskQuestionnaire(questionnaire=name, what="left"))
 
 
-def _trial(what: str) -> Callable[[ConsoleApp, str], None]:
+def _trial(what: str, of: RunningTrial | None = None) -> Callable[[ConsoleApp, str], None]:
+    """`of`: the trial that it is said of; somebody else may have ended it meanwhile."""
+
     def do(app: ConsoleApp, why: str) -> None:
+        if of is not None and app.state.study.trial != of:
+            app.news(f"Trial {of.number} is over already: nothing was done", "warn")
+            return
+
         def over(reply: Reply) -> None:
             app.requests.refused(reply)
             if reply.ok:

@@ -25,9 +25,9 @@ from woz_tui.protocol.messages import Json
 
 #: It stops listening by itself for these reasons, and goes on after a while; else it is asked to.
 _BY_ITSELF = ("robot_speak",)
-#: Else it is asked again after so long, twice as long each time that nobody was heard meanwhile;
-#: after so many times that is told.
-_AGAIN_S, _AGAIN_AT_MOST_S, _OFTEN = 0.5, 30.0, 4
+#: Else it is asked again after so long, twice as long each time that nobody was heard meanwhile,
+#: but so often at most; after so many times that is told.
+_AGAIN_S, _DOUBLED, _OFTEN = 0.5, 6, 4
 
 
 class FurhatHearing(FurhatPart):
@@ -129,7 +129,7 @@ class FurhatHearing(FurhatPart):
         self._listens = False
         self._cut("")  # what it has understood of that is still told
         if self._wanted and event.cause not in _BY_ITSELF:
-            after_s = min(_AGAIN_S * 2**self._ends_in_vain, _AGAIN_AT_MOST_S)
+            after_s = _AGAIN_S * 2 ** min(self._ends_in_vain, _DOUBLED)
             self._again = asyncio.get_running_loop().time() + after_s
             self._ends_in_vain += 1
             if self._ends_in_vain == _OFTEN:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from woz_drivers.nao.falls import getting_up
 from woz_drivers.nao.nao_joints import LEGS
 from woz_drivers.nao.nao_model import HALT_UPPER
-from woz_drivers.naoqi_robot import memory
+from woz_drivers.nao.walking import walks
 from woz_drivers.naoqi_robot.base import ASK_S
 from woz_drivers.naoqi_robot.body import MOTION, POSTURE, STIFF, BodyPart
 from woz_drivers.naoqi_robot.text_remarks import WrittenValue
@@ -39,7 +39,7 @@ class NaoBodyPart(BodyPart):
     async def _halt(self) -> None:
         """End every movement: at once above the legs, and of the legs when it does not walk."""
         await asyncio.gather(self._robot.call(*HALT_UPPER), self._end_posture())
-        while memory.flag(await self._robot.call(MOTION, "moveIsActive")):  # noqa: ASYNC110
+        while await walks(self._robot):  # noqa: ASYNC110
             await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
         await self._robot.call(MOTION, "killTasksUsingResources", list(LEGS))
 

@@ -8,10 +8,19 @@ from typing import ClassVar
 from woz_drivers.nao.falls import FALLEN
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.base import MOTION, BasePart, still
+from woz_drivers.naoqi_robot.parts import RobotCalls
 from woz_tui.drivers.contract import DeviceLostError, DriverError
 
 #: The families of postures in which it can begin to walk.
 ON_ITS_FEET = ("Standing",)
+
+
+async def walks(robot: RobotCalls) -> bool:
+    """Whether a step is under way. Raises `DriverError` where the robot does not say it."""
+    answer = memory.flag(await robot.call(MOTION, "moveIsActive"))
+    if answer is None:
+        raise DriverError("the robot does not report whether it walks", "look at the robot")
+    return answer
 
 
 class WalkingPart(BasePart):
@@ -31,13 +40,9 @@ class WalkingPart(BasePart):
 
     async def _stands(self) -> bool:
         active, velocity = await asyncio.gather(
-            self._robot.call(MOTION, "moveIsActive"),
-            self._robot.call(MOTION, "getRobotVelocity"),
+            walks(self._robot), self._robot.call(MOTION, "getRobotVelocity")
         )
-        walks = memory.flag(active)
-        if walks is None:
-            raise DriverError("the robot does not report whether it walks", "look at the robot")
-        return not walks and still(velocity)
+        return not active and still(velocity)
 
     async def _why(self) -> tuple[str, str]:
         try:

@@ -98,11 +98,11 @@ class NaoqiRobot(Driver):
         self._present = False
         #: While the settings are being applied after a connection, verbs wait: what the wizard
         #: wants must not be undone by what the file wants.
-        self._settled = asyncio.Event()
-        self._settled.set()
+        self._settling = BackgroundTasks("applying the settings")
         #: While the stop is pressed no robot is told to live by itself: what was to be applied to
-        #: one that was found meanwhile waits for the release.
+        #: one that was found meanwhile, or was being applied, waits for the release.
         self._stopped = self._waits = False
+        self._living: asyncio.Task[None] | None = None
         self._later = Background("applying the settings", context)
         self._closed = False
         self._stops = BackgroundTasks("a stop")
@@ -170,7 +170,7 @@ class NaoqiRobot(Driver):
         part = self._by_verb.get(job.verb)
         if part is None:
             raise RejectedError(f"{self.settings.model.name} cannot {job.verb!r}")
-        await self._settled.wait()
+        await self._settling.settled()
         self._connection.alert()
         try:
             with self._reading.using(job.verb):
@@ -189,7 +189,10 @@ class NaoqiRobot(Driver):
 
         A robot that was lost cannot confirm anything. Nothing is stopped where none was connected.
         """
-        self._stopped = self._stopped or scope is Scope.ALL
+        if scope is Scope.ALL:
+            self._stopped = True
+            if self._living is not None and not self._living.done():
+                self._waits = self._living.cancel()
         return await self._halt(scope)
 
     async def _halt(self, scope: Scope) -> StopReport | None:
@@ -313,18 +316,16 @@ class NaoqiRobot(Driver):
 
     async def _apply(self, parts: Sequence[NaoqiPart]) -> None:
         """Let these parts set what the file says, or the wizard since."""
-        self._settled.clear()
-        try:
-            done = await asyncio.gather(
-                *(part.connected() for part in parts), return_exceptions=True
-            )
-        finally:
-            self._settled.set()
+        tasks = {part: self._settling.start(part.connected()) for part in parts}
+        for part, task in tasks.items():
+            if isinstance(part, AutonomyPart):
+                self._living = task
+        done = await asyncio.gather(*tasks.values(), return_exceptions=True)
         self._reading.soon()
         for part, error in zip(parts, done, strict=True):
             if isinstance(error, DriverError) and not isinstance(error, DeviceLostError):
                 self.context.notice("warning", f"{part.name}: {error.what}", error.remedy)
-            elif isinstance(error, BaseException):
+            elif isinstance(error, Exception):  # what a stop has cancelled waits for the release
                 raise error
 
     def _lost(self) -> None:

@@ -55,8 +55,12 @@ class TalkPart(NaoqiPart):
         return await self._talk.perform(job)
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """Fall silent, for what the robot has in store, too; also while no wizard watches."""
+        """Fall silent, for what the robot has in store, too; while no wizard watches only if
+        somebody talks, or was just cut short: the robot's own sounds would be flushed as well.
+        """
         if self._talk is None or not self._sent:
+            return ()
+        if scope is Scope.DRIVE and not (self._talk.on or self._clean_up):
             return ()
         await self._talk.stop()
         await self._flush()

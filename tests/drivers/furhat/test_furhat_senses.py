@@ -16,7 +16,7 @@ from woz_drivers.furhat import furhat_hearing
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
 
 from tests.drivers.furhat.acted import SOMEBODY, Acted, acted, looks_often
-from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.contract import DriverError, Health
 from woz_tui.drivers.sound_feeds import LISTENED, SOUND, LiveSound, SoundListened
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
@@ -192,6 +192,13 @@ async def test_a_robot_that_ends_listening_again_and_again_is_asked_ever_more_ra
     for _ in range(4):
         await ends()
     assert it.notices.count("no service") == 2
+
+
+async def test_a_night_of_ended_listening_loses_no_robot(it: Acted) -> None:
+    for _ in range(1100):
+        await it.robot.send_raw('{"type": "response.listen.end", "cause": "no service"}')
+    await it.arrived()
+    assert it.healthy is Health.CONNECTED
 
 
 async def test_who_is_interrupted_by_the_robot_still_has_a_text(it: Acted) -> None:

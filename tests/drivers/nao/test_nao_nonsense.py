@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 from woz_drivers.nao.body_senses import BodySensesPart
+from woz_drivers.nao.nao_body import NaoBodyPart
+from woz_drivers.nao.nao_joints import LEGS
 from woz_drivers.nao.posture_animations import NaoAnimationsPart
 from woz_drivers.nao.settings import NaoSettings
 from woz_drivers.nao.walking import WalkingPart
@@ -31,6 +33,7 @@ async def test_nothing_is_made_of_nonsense(tmp_path: Path) -> None:
     async with babbler(tmp_path, "nao") as it:
         made = it.connection, SETTINGS, it.heard.context
         walking, animations = WalkingPart(*made), NaoAnimationsPart(*made)
+        body = NaoBodyPart(*made)
         it.says |= {"ALMotion.robotIsWakeUp": True, "ALMotion.getRobotVelocity": [0.0, 0.0, 0.0]}
         for nonsense in NONSENSE:
             it.says["ALMotion.moveIsActive"] = nonsense
@@ -39,8 +42,11 @@ async def test_nothing_is_made_of_nonsense(tmp_path: Path) -> None:
             await _fails(walking.perform(Ordered("drive", {"x": 0.1})), "does not stand")
             if nonsense not in ("", "x"):  # a word is a posture that nobody knows
                 await _fails(animations.perform(Ordered("play", {"move": "Hey_1"})), "its posture")
+            await _fails(body.stop(Scope.ALL), "does not report whether it walks")
         assert not it.called.get("ALMotion.moveTo")
         assert not it.called.get("ALAnimationPlayer.run")
+        killed = it.called["ALMotion.killTasksUsingResources"]
+        assert not any(set(LEGS) & set(resources) for (resources,) in killed), "it would fall"
         it.says["ALMotion.moveIsActive"] = False
         assert await walking.stop(Scope.DRIVE) == ("walking",)
 

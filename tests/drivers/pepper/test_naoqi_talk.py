@@ -115,6 +115,26 @@ async def test_the_wizards_line_ends_it(tmp_path: Path) -> None:
         await it.cancel(task)
 
 
+async def test_the_wizards_line_leaves_what_the_robot_says_itself(
+    tmp_path: Path, robot: StandIn
+) -> None:
+    async with wired(TalkPart, tmp_path, robot, talk=TalkSettings()) as it:
+        talk = Talk(it)
+        task = await talk.begin()
+        talk.say()
+        await talk.until_played(WORD)
+        task.cancel()  # as the bus does in the same turn
+        await asyncio.sleep(0)
+        assert await it.part.stop(Scope.DRIVE) == ("live voice",)
+        await talk.begin()
+        talk.say()
+        await talk.until_played(2 * WORD)
+        await talk.end()
+        flushed = (await robot.get("sound.output"))["flushed"]
+        assert await it.part.stop(Scope.DRIVE) == ()
+        assert (await robot.get("sound.output"))["flushed"] == flushed
+
+
 async def test_a_robot_that_refuses_the_voice_is_told(tmp_path: Path, robot: StandIn) -> None:
     async with wired(TalkPart, tmp_path, robot, talk=TalkSettings()) as it:
         await robot.fault("refuse:ALAudioDevice.setParameter=no loudspeaker")

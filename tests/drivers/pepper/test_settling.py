@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from pathlib import Path
+from typing import Any
 
 import pytest
+from naoqi_simulator.world import SimulatorOptions
 from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
 from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
@@ -16,7 +18,7 @@ from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.played import PACE, QUIET, Played
-from tests.fakes.naoqi import StandIn, stand_in
+from tests.fakes.naoqi import StandIn, stand_in, stand_in_here
 from woz_tui.drivers.contract import DeviceLostError, Scope
 from woz_tui.protocol.messages import DriverConnected
 
@@ -65,6 +67,35 @@ async def test_a_robot_that_comes_back_while_the_stop_is_pressed_is_not_brought_
         await it.driver.resume()
         await it.shows(state="solitary")
         await it.driver.close()
+
+
+async def test_a_stop_while_the_settings_are_applied_keeps_the_robot_from_coming_to_life(
+    tmp_path: Path,
+) -> None:
+    pressed: list[asyncio.Task[Any]] = []
+    async with stand_in_here(options=SimulatorOptions(visitors=False, life="disabled")) as robot:
+        heard = Heard(tmp_path)
+        wanted = AutonomySettings(state="solitary")
+        settings = PepperSettings(robots=(robot.address,), senses=QUIET, autonomy=wanted)
+        driver = Pepper("it", settings, heard.context)
+
+        def press(call: tuple[str, ...]) -> None:
+            if "getState" in call and not pressed:
+                pressed.append(asyncio.create_task(driver.stop(Scope.ALL)))
+
+        robot.pepper.world.desk.heard.append(press)
+        await driver.open()
+        await heard.first(DriverConnected)
+        await pressed[0]
+        assert await robot.trace("ALAutonomousLife.setState") == []
+        pressed.clear()
+        await driver.resume()  # it is asked again, and that is stopped again
+        await driver.perform(Ordered("eyes", {"color": "red"}))
+        await pressed[0]
+        assert await robot.trace("ALAutonomousLife.setState") == []
+        await driver.resume()
+        await robot.called("ALAutonomousLife.setState")
+        await driver.close()
 
 
 async def test_a_robot_that_was_woken_stays_awake_when_the_line_comes_back(tmp_path: Path) -> None:

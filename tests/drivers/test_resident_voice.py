@@ -20,7 +20,7 @@ from tests.drivers.resident_programs import ROOT, command, processes
 from tests.drivers.speech_desk import Desk, desk_in, said, say
 from tests.fakes.sound import told
 from woz_tui.drivers.contract import DriverError, Probe, Scope
-from woz_tui.protocol.messages import DriverConnected, DriverFaulted, Notice, Reading
+from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverHealth, Notice, Reading
 
 
 @pytest.fixture
@@ -113,6 +113,25 @@ async def test_its_death_is_the_drivers_health_until_it_is_back(desk: Desk, jour
     assert str(journal) in faulted.remedy, "it names the command"
     await desk.heard.first(DriverConnected, after=1)
     assert (await driver.perform(say("Two")))["seconds"] == 0.1
+
+
+async def test_a_player_that_failed_is_told_until_it_plays_whatever_the_voice_does(
+    desk: Desk, journal: Path, tmp_path: Path
+) -> None:
+    card = tmp_path / "card"
+    player = f"test -e {card} || {{ echo no such device >&2; exit 1; }}"
+    driver = await opened(desk, journal, "ok", play=("sh", "-c", player, "{wav}"))
+    with pytest.raises(DriverError, match="no such device"):
+        await driver.perform(say("One"))
+    (running,) = processes(journal)
+    running.kill()
+    await desk.heard.until(lambda: "stale" in desk.heard.states("synthesiser"))
+    await desk.heard.state("synthesiser", "ready")
+    assert isinstance(health := desk.heard.all(DriverHealth)[-1], DriverFaulted)
+    assert "no such device" in health.detail
+    card.touch()
+    await driver.perform(say("One"))
+    assert isinstance(desk.heard.all(DriverHealth)[-1], DriverConnected)
 
 
 async def test_what_cannot_be_prepared_is_prepared_when_it_is_back(

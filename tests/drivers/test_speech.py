@@ -74,6 +74,24 @@ async def test_prepared_utterances_are_not_synthesised_again(desk: Desk) -> None
     assert (await driver.perform(say("Two")))["cached"] is True
 
 
+async def test_while_prepared_utterances_are_looked_up_others_have_their_turn(desk: Desk) -> None:
+    for number in range(20):
+        desk.wav(f"recordings/{number}.wav", 0.01)
+    driver = await desk.open(recordings_folder="recordings")
+    turns = 0
+
+    async def others() -> None:
+        nonlocal turns
+        while True:
+            await asyncio.sleep(0)
+            turns += 1
+
+    other = asyncio.create_task(others())
+    await driver.prepare_say(said(*map(str, range(20))))
+    other.cancel()
+    assert turns > 20
+
+
 async def test_one_utterance_may_have_another_voice(desk: Desk) -> None:
     words = ("--voice", "{voice} {language} {speed} {pitch}")
     driver = await desk.open(

@@ -621,12 +621,13 @@ class ReachyMini(Driver):
 
     async def _set_mode(self, job: Job) -> Sent:
         mode, was = job.args["mode"], self._mode
+        if mode == "demo":
+            self._body.need_motors()
         await self._end_demo()
         if "tracking" in (mode, was):
             await self._switch_tracking(mode == "tracking")
             self._body.forget()
         if mode == "demo":
-            self._body.need_motors()
             self._demo.start(self._show())
         self._take_mode(mode)
         return {"mode": mode, "was": was}

@@ -129,11 +129,11 @@ class ReachySenses:
     async def _poll(self) -> None:
         while True:
             self._tell_joints()
-            for asks, sensor in ((self._hear, DIRECTION[0]), (self._see, FACE[0])):
+            for asks, fails in ((self._hear, self._unheard), (self._see, self._unseen)):
                 try:
                     await asks()
                 except DriverError as error:
-                    self._state(sensor, "stale", error.what)
+                    fails("stale", error.what)
             await asyncio.sleep(1 / self._settings.rate)
 
     def _tell_joints(self) -> None:
@@ -160,18 +160,24 @@ class ReachySenses:
                     self._state(SPEECH, "ready", "the microphones tell when somebody speaks")
                     self._hear_speech(speaks)
             case None:
-                for sensor in (DIRECTION[0], SPEECH)[: 2 if self._settings.hears_speech else 1]:
-                    self._state(sensor, "silent", _ABSENT[DIRECTION[0]])
+                self._unheard("silent", _ABSENT[DIRECTION[0]])
             case other:
                 raise DriverError(f"the direction of sound is {repr(other)[:60]}")
 
-    def _hear_speech(self, speaks: bool) -> None:
+    def _unheard(self, state: str, why: str) -> None:
+        """Nobody knows whether they speak on: after a while they do not."""
+        self._state(DIRECTION[0], state, why)
+        if self._settings.hears_speech:
+            self._state(SPEECH, state, why)
+            self._hear_speech(False, why)
+
+    def _hear_speech(self, speaks: bool, why: str = "") -> None:
         now = self._speech.now_us
         if speaks:
             self._heard_us = now
             self._speech.begin()
         elif now - self._heard_us > _SILENCE_S * 1e6:
-            self._speech.end(heard_us=self._heard_us)
+            self._speech.end(why, self._heard_us)
 
     # -- faces -----------------------------------------------------------------------------------
 
@@ -179,7 +185,7 @@ class ReachySenses:
         if not self._settings.looks:
             return
         if self.tracks is None or self._link.status.released:
-            self._state(FACE[0], "silent", _ABSENT[FACE[0]])
+            self._unseen("silent", _ABSENT[FACE[0]])
             return
         match await self._link.ask("GET", "media/tracking/face"):
             case {"face_target": {"detected": bool(detected), **where}}:
@@ -192,6 +198,9 @@ class ReachySenses:
                 self._tell_body(x if seen else None, y if seen else None)
             case other:
                 raise DriverError(f"the tracked face is {repr(other)[:60]}")
+
+    def _unseen(self, state: str, why: str) -> None:
+        self._state(FACE[0], state, why)
 
     def _tell_body(self, x: float | None, y: float | None) -> None:
         """For a body whose `camera` this driver is."""

@@ -98,7 +98,8 @@ class Speech(Driver):
             loudspeaker = program_loudspeaker(words, context)
             self._talk = LiveTalk(talk, context, loudspeaker, lambda: self._volume)
         self._missing: DriverError | None = None
-        self._broken = False
+        #: Why what is heard failed last; None: it did not.
+        self._broken: DriverError | None = None
         self._task: asyncio.Task[None] | None = None
         self._preparing: asyncio.Task[None] | None = None
 
@@ -297,7 +298,7 @@ class Speech(Driver):
         except DriverError as error:
             self.context.health(Health.FAULTED, error.what, error.remedy)
             return False
-        trouble = self._resident_trouble
+        trouble = self._resident_trouble or self._broken
         if trouble is not None:
             self.context.health(Health.FAULTED, trouble.what, trouble.remedy)
         else:
@@ -420,13 +421,13 @@ class Speech(Driver):
         try:
             await finish(running, seconds)
         except DriverError as error:
-            self._broken = True
+            self._broken = error
             self.context.health(Health.FAULTED, error.what, error.remedy)
             raise
         finally:
             self._audible.discard(running)
-        if self._broken:
-            self._broken = False
+        if self._broken is not None:
+            self._broken = None
             self._complete()
 
     def _set_volume(self, level: Json) -> Mapping[str, Json]:

@@ -246,15 +246,12 @@ class SpeechSynthesis:
 
     async def utterance(self, text: str, choice: VoiceChoice | None = None) -> PreparedUtterance:
         """The sound of `text`, which `spoken_text` gave. Cancelling it ends the synthesiser."""
-        recording = self._recording(text)
-        if recording is not None:
-            return PreparedUtterance(recording, read_wav(recording), "recording")
         choice = choice or self._settings.choice()
+        # Hundreds are prepared one after the other: a disk must not keep the loop from its work.
+        found = await asyncio.to_thread(self._found, text, choice)
+        if found is not None:
+            return found
         path = self._path(text, choice)
-        known = self._cache.get(path)
-        if known is not None:
-            with contextlib.suppress(NotWavError):  # a damaged file is made anew
-                return PreparedUtterance(path, wav.parse(known), "cache", _cached_words(path))
         if self._resident is not None:
             made, spoken = await self._ask(self._resident, text, choice)
         else:
@@ -329,6 +326,18 @@ class SpeechSynthesis:
         if not made.data:
             raise DriverError(f"{program.program} made no sound", "try the text with `woz say`")
         return made, tuple(UtteranceWord(one.word, one.begin, one.end) for one in answer.words)
+
+    def _found(self, text: str, choice: VoiceChoice) -> PreparedUtterance | None:
+        """What was recorded or made before. Raises `DriverError`; for a thread."""
+        recording = self._recording(text)
+        if recording is not None:
+            return PreparedUtterance(recording, read_wav(recording), "recording")
+        path = self._path(text, choice)
+        known = self._cache.get(path)
+        if known is not None:
+            with contextlib.suppress(NotWavError):  # a damaged file is made anew
+                return PreparedUtterance(path, wav.parse(known), "cache", _cached_words(path))
+        return None
 
     def _recording(self, text: str) -> Path | None:
         if text in self._recordings:

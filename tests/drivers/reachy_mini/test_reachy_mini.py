@@ -432,6 +432,15 @@ async def test_a_face_is_a_presence_and_stirs_nothing(it: PlayedReachy) -> None:
     assert degrees(it.robot)["pan"] == 0
 
 
+async def test_a_demo_that_is_refused_leaves_the_mode_as_it_is(it: PlayedReachy) -> None:
+    await it.do("mode", mode="tracking")
+    await it.do("torque", on=False)
+    with pytest.raises(RejectedError, match="motors are off"):
+        await it.do("mode", mode="demo")
+    assert it.context.modes[-1] == "tracking"
+    assert it.robot.tracking > 0.5
+
+
 async def test_tracking_has_the_head_follow_a_face(it: PlayedReachy) -> None:
     it.robot.face = (-0.5, 0.0)
     await it.do("mode", mode="tracking")
@@ -599,7 +608,8 @@ async def test_it_follows_a_body_slowly_at_first(folder: Path) -> None:
         report = await it.driver.stop(Scope.ALL)
         assert report is not None and "motion" in report.confirmed
         targets = len(it.asked("set_full_target"))
-        await until(lambda: it.context.readings != [])
+        polls = len(it.asked("state/doa"))
+        await until(lambda: len(it.asked("state/doa")) > polls + 3)
         assert len(it.asked("set_full_target")) == targets
         await it.driver.resume()
         await until(lambda: len(it.asked("set_full_target")) > targets)

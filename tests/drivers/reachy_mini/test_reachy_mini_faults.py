@@ -25,6 +25,7 @@ from woz_tui.drivers.contract import (
     Scope,
 )
 from woz_tui.motion.body_feeds import SETPOINTS, Setpoints
+from woz_tui.protocol.messages import SpeechEnded
 from woz_tui.testing import RecordingContext, until
 
 
@@ -391,6 +392,20 @@ async def test_perceptions_that_make_no_sense_are_left_out(it: PlayedReachy, ans
     assert it.health is Health.CONNECTED
     it.robot.oddities.answers.clear()
     await until(lambda: it.context.states[-1][1] in ("ok", "ready"))
+
+
+@pytest.mark.parametrize(("answer", "state"), [("null", "silent"), ("7", "stale")])
+async def test_whoever_speaks_when_the_microphones_go_speaks_no_longer(
+    it: PlayedReachy, answer: str, state: str
+) -> None:
+    it.robot.doa = (1.0, True)
+    await until(lambda: it.context.told != [])
+    it.robot.oddities.answers["/api/state/doa"] = answer
+    await until(lambda: len(it.context.told) == 2)
+    ended = it.context.told[1]
+    assert isinstance(ended, SpeechEnded) and "direction" in ended.detail
+    states = {sensor: state for sensor, state, _ in it.context.states}
+    assert (states["speech"], states["direction"]) == (state, state)
 
 
 @pytest.mark.usefixtures("soon")

@@ -483,8 +483,10 @@ class LiveTalk:
             by = f" by {tally.by}" if tally.by else ""
             self._show("off", f"{why}: {heard}{by}")
             self._flush()  # and is not heard the next time
-        if tally.sound is not None:
-            result["file"] = f"{self._context.media.name}/{tally.sound.path.name}"
+        if (sound := tally.sound) is not None:
+            await sound.finish()
+            if sound.frames or not sound.trouble:
+                result["file"] = f"{self._context.media.name}/{sound.path.name}"
         return result
 
     async def _forward(self, outlet: TalkOutlet, tally: VoiceTally, ending: asyncio.Event) -> str:

@@ -226,6 +226,9 @@ async def test_reboot_without_an_alarm_needs_a_name(tmp_path: Path) -> None:
         with pytest.raises(RejectedError, match="no servo reports an alarm"):
             await it.do("reboot")
         assert await it.do("reboot", joint="pan") == {"joints": ["pan"]}
+        it.bus.servo(11).silent = True
+        with pytest.raises(DriverError, match="pan did not take the restart"):
+            await it.do("reboot", joint="pan")
 
 
 async def test_a_move_whose_only_joint_fails_says_why(tmp_path: Path) -> None:

@@ -468,7 +468,7 @@ async def test_a_disk_that_takes_nothing_is_told_and_the_voice_is_heard(
     await booth.until_said(WORD)
     booth.say()
     await booth.until_said(2 * WORD)
-    await booth.end()
+    assert "file" not in await booth.end()
 
 
 # -- settings ----------------------------------------------------------------------------------

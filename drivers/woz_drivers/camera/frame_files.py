@@ -45,12 +45,22 @@ _LEVEL = 1
 _MEGABYTE = 1_000_000
 
 
+@dataclass(slots=True)
+class _Series:
+    """What became of the pictures since it was switched on: `taken` are saved, or still wait."""
+
+    taken: int = 0
+    saved: int = 0
+    skipped: int = 0
+
+
 @dataclass(frozen=True, slots=True)
 class _Frame:
     """A raw picture, and when it came."""
 
     data: bytes
     wall: datetime
+    series: _Series
 
 
 class FrameFiles:
@@ -68,8 +78,8 @@ class FrameFiles:
         self._thread: threading.Thread | None = None
         self._ending = False
         self._loop: asyncio.AbstractEventLoop | None = None
-        #: Since it was switched on last, and bytes since the session began.
-        self._saved = self._skipped = 0
+        self._series = _Series()
+        #: Bytes since the session began.
         self._bytes = 0
         self._trouble = ""
         self._again_us = 0
@@ -86,13 +96,13 @@ class FrameFiles:
         """Begin or end; at its end, what was saved where."""
         result: dict[str, Json] = {"folder": f"{self._context.media.name}/{self._folder.name}"}
         if on and not self._on:
-            self._saved = self._skipped = 0
+            self._series = _Series()
             self._trouble, self._again_us = "", 0
         elif not on:
-            result |= {"frames": self._saved, "skipped": self._skipped}
+            result |= {"frames": self._series.taken, "skipped": self._series.skipped}
         self._on = on
         if not self._trouble or not on:
-            why = f"{self._saved} pictures saved, {self._skipped} skipped"
+            why = f"{self._series.taken} pictures saved, {self._series.skipped} skipped"
             self._context.sensor(FRAMES, "on" if on else "off", "" if on else why)
         return result
 
@@ -102,16 +112,19 @@ class FrameFiles:
             return
         if self._settings.most:
             self._due_us = now_us + round(1_000_000 / self._settings.most)
+        series = self._series
         if self._trouble and now_us < self._again_us:
-            self._skipped += 1
+            series.skipped += 1
             return
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name="frames", daemon=True)
             self._thread.start()
         try:
-            self._frames.put_nowait(_Frame(data, self._context.clock.wall()))
+            self._frames.put_nowait(_Frame(data, self._context.clock.wall(), series))
         except queue.Full:
-            self._skipped += 1
+            series.skipped += 1
+        else:
+            series.taken += 1
 
     async def close(self) -> None:
         """End it; what waits is still written, unless the disk hangs."""
@@ -142,9 +155,9 @@ class FrameFiles:
             try:
                 size = self._write(frame)
             except DriverError as error:
-                self._tell(self._failed, error)
+                self._tell(self._failed, frame.series, error)
             else:
-                self._tell(self._written, size)
+                self._tell(self._written, frame.series, size)
 
     def _write(self, frame: _Frame) -> int:
         """Save it; its bytes. Raises `DriverError`."""
@@ -189,21 +202,24 @@ class FrameFiles:
 
     # -- what the thread tells -----------------------------------------------------------------
 
-    def _written(self, size: int) -> None:
-        self._saved += 1
+    def _written(self, series: _Series, size: int) -> None:
+        series.saved += 1
         self._bytes += size
         if self._trouble:
             self._trouble = ""
             self._context.notice("info", f"{self._name}: pictures are saved again")
         if self._on:
             self._context.sensor(FRAMES, "on")
+        if series is not self._series:
+            return
         now = self._context.clock.now_us()
-        if now - self._published_us >= _PUBLISHED_S * 1_000_000 or self._saved == 1:
+        if now - self._published_us >= _PUBLISHED_S * 1_000_000 or series.saved == 1:
             self._published_us = now
-            self._context.reading(FRAMES, self._saved)
+            self._context.reading(FRAMES, series.saved)
 
-    def _failed(self, error: DriverError) -> None:
-        self._skipped += 1
+    def _failed(self, series: _Series, error: DriverError) -> None:
+        series.taken -= 1
+        series.skipped += 1
         self._again_us = self._context.clock.now_us() + round(_AGAIN_S * 1_000_000)
         if not self._trouble:
             text = f"pictures are not saved: {error.what}"

@@ -211,14 +211,18 @@ class DynamixelServos(Driver):
             )
         named = _named(job)
 
-        def restart(chain: ServoChain, _now: float) -> list[str]:
-            alarmed = [servo.name for servo in chain.servos.values() if servo.alarms]
-            return chain.reboot(named or alarmed)
+        def restart(chain: ServoChain, _now: float) -> tuple[list[str], list[str]]:
+            wanted = named or [servo.name for servo in chain.servos.values() if servo.alarms]
+            return wanted, chain.reboot(wanted)
 
-        sent = await self._ask(restart)
-        if not sent:
+        wanted, sent = await self._ask(restart)
+        if not wanted:
             raise RejectedError(
                 "no servo reports an alarm", "name one with `joint` to restart it anyway"
+            )
+        if deaf := [name for name in wanted if name not in sent]:
+            raise DriverError(
+                f"{', '.join(deaf)} did not take the restart", "check its cable and its power"
             )
         job.expects(1.0)
         missing = await self._wait_until_ready(sent)

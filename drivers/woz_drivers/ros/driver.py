@@ -191,7 +191,7 @@ class Ros(Driver):
             case "pose":
                 self._check_pose(job.args["joints"])
             case "home":
-                self._gaze = (0.0, 0.0)
+                return await self._turned((0.0, 0.0), job, job.args)
         return await self._declared[job.verb].perform(job, job.args)
 
     async def _look(self, job: Job) -> Mapping[str, Json]:
@@ -209,9 +209,21 @@ class Ros(Driver):
                 high = math.inf if bounds.high is None else bounds.high
                 angle = min(max(angle, low), high)
             angles.append(angle)
-        self._gaze = (angles[0], angles[1])
-        sent = await self._declared["gaze"].perform(job, {"yaw": angles[0], "pitch": angles[1]})
-        return {"yaw": angles[0], "pitch": angles[1], **sent}
+        yaw, pitch = angles
+        looks = {"yaw": yaw, "pitch": pitch}
+        return {**looks, **await self._turned((yaw, pitch), job, looks)}
+
+    async def _turned(
+        self, gaze: tuple[float, float], job: Job, args: Mapping[str, Any]
+    ) -> Mapping[str, Json]:
+        """The head gets there; what fails is not where the next step begins."""
+        before, self._gaze = self._gaze, gaze
+        declared = self._declared["home" if job.verb == "home" else "gaze"]
+        try:
+            return await declared.perform(job, args)
+        except DriverError:
+            self._gaze = before
+            raise
 
     async def _poses(self, job: Job) -> Mapping[str, Json]:
         poses: list[dict[str, Any]] = job.args["poses"]

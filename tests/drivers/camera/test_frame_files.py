@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import threading
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from woz_drivers.camera.frame_files import VERB
 from woz_drivers.camera.settings import CameraSettings, FrameSettings
 
 from tests.drivers.camera.pictures import PipedCamera, picture, with_block
-from tests.drivers.heard import Heard, Ordered, until
+from tests.drivers.heard import PATIENCE_S, Heard, Ordered, until
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_feeds import SEEN
 from woz_tui.protocol.messages import Json, Notice
@@ -122,6 +123,27 @@ async def test_the_last_ones_are_written_when_the_session_ends(shelves: Any) -> 
     await shelf.film(picture(), picture(), picture())
     await shelf.camera.close()
     assert len(shelf.files) == 3
+
+
+async def test_what_waits_for_a_slow_disk_is_counted_with_its_own_series(
+    shelves: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, quick = os.open, threading.Event()
+
+    def opened(name: Any, flags: int, mode: int = 0o777, **more: Any) -> int:
+        if str(name).endswith(".part"):
+            assert quick.wait(PATIENCE_S)
+        return real(name, flags, mode, **more)
+
+    monkeypatch.setattr(os, "open", opened)
+    shelf = await shelves(FrameSettings(at_once=True))
+    await shelf.film(picture(), picture(), picture())
+    assert (await shelf.switch(on=False))["frames"] == 3
+    await shelf.switch(on=True)
+    quick.set()
+    await shelf.film(picture())
+    await shelf.until_saved(4)
+    assert (await shelf.switch(on=False))["frames"] == 1
 
 
 async def test_a_full_disk_is_told_once_and_survived(

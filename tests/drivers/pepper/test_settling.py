@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from naoqi_simulator.faults import Entry
 from naoqi_simulator.world import SimulatorOptions
 from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
@@ -79,7 +80,7 @@ async def test_a_stop_while_the_settings_are_applied_keeps_the_robot_from_coming
         settings = PepperSettings(robots=(robot.address,), senses=QUIET, autonomy=wanted)
         driver = Pepper("it", settings, heard.context)
 
-        def press(call: tuple[str, ...]) -> None:
+        def press(call: Entry) -> None:
             if "getState" in call and not pressed:
                 pressed.append(asyncio.create_task(driver.stop(Scope.ALL)))
 

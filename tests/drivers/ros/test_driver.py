@@ -193,6 +193,23 @@ async def test_the_next_command_waits_until_the_last_one_was_ended() -> None:
         assert bows == ["/bow", "/unbow", "/bow"]
 
 
+async def test_a_step_begins_where_the_robot_looks_not_where_it_refused_to() -> None:
+    asked = "publish: /head\n    type: geometry_msgs/Vector3"
+    by_service = "service: /look\n    type: robot_msgs/Look"
+    look = (
+        "robot_msgs/Look_Request: {y: float64, z: float64}\n"
+        "  robot_msgs/Look_Response: {success: bool}\n"
+    )
+    text = ROBOT.replace(asked, by_service).replace("types:\n", f"types:\n  {look}")
+    async with played(settings(text)) as it:
+        await it.play("gaze", yaw=10.0)
+        it.robot.faults.refused["/look"] = "the head is busy"
+        with pytest.raises(DriverError, match="busy"):
+            await it.play("gaze", yaw=50.0)
+        it.robot.faults.refused.clear()
+        assert (await it.play("nudge", yaw=5.0))["yaw"] == 15.0
+
+
 async def test_a_service_answers_and_may_say_that_it_failed() -> None:
     async with played() as it:
         sent = await it.play("volume", level=0.256)

@@ -11,6 +11,7 @@ import msgspec
 import pytest
 
 from tests.replay.logs import PLAN, SECOND, START, KeptSamples, Viewer, recording_of, stamped, story
+from woz_tui.log import coding_file
 from woz_tui.log.coding_file import Coding, CodingError, coding_path, read_codings
 from woz_tui.log.file_names import FileName
 from woz_tui.protocol import codec
@@ -173,6 +174,29 @@ def test_a_full_disk_is_told(tmp_path: Path) -> None:
 
 
 # -- blind to the condition -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("torn", ["the header", "a code"])
+def test_what_a_full_disk_took_in_part_costs_no_later_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, torn: str
+) -> None:
+    write = os.write
+
+    def a_part(file: int, data: bytes) -> int:
+        monkeypatch.setattr(coding_file.os, "write", write)
+        return write(file, data[:9])
+
+    if torn == "the header":
+        monkeypatch.setattr(coding_file.os, "write", a_part)
+        with pytest.raises(CodingError, match="No space left"):
+            watched(tmp_path)
+    it = watched(tmp_path)
+    if torn == "a code":
+        monkeypatch.setattr(coding_file.os, "write", a_part)
+        assert not it.ask(r.AskMarker(text="smiles")).ok
+    assert it.ask(r.AskMarker(text="nods")).ok
+    found = read_codings(coding_path(tmp_path / LOG))
+    assert ([code.text for code in found.of("K1")], found.unread) == (["nods"], 0)
 
 
 def test_a_coder_is_told_no_condition_although_the_wizard_knew_it(tmp_path: Path) -> None:

@@ -195,7 +195,11 @@ class Coding:
 
     def _write(self, line: msgspec.Struct) -> None:
         data = _encoder.encode(line) + b"\n"
-        if os.write(self._file, data) != len(data):  # a full disk takes a part of it
+        taken = os.write(self._file, data)
+        if taken != len(data):  # a full disk takes a part of it, behind which no line may stand
+            end = os.lseek(self._file, 0, os.SEEK_CUR)
+            if end == os.fstat(self._file).st_size:  # no other coder has written meanwhile
+                os.ftruncate(self._file, end - taken)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         os.fdatasync(self._file)
 

@@ -155,6 +155,22 @@ def test_full_queue_busy_replace_and_deadline() -> None:
     assert isinstance(rig.end("c7"), m.Done)
 
 
+def test_what_is_sent_when_another_one_gives_way_ends_once_as_all_do() -> None:
+    async def scenario(rig: Rig) -> None:
+        def gaze(command: str, on_end: Callable[[m.End], object] = lambda end: None) -> None:
+            args: dict[str, Json] = {"does": "done", "seconds": 1.0}
+            asked = Command(command=command, verb="gaze", args=args, driver="head", source="key")
+            rig.bus.submit(asked, lambda end: on_end(end) and None)
+
+        gaze("c1")
+        gaze("c2", lambda end: gaze("c4"))
+        gaze("c3")
+
+    rig = in_rig(scenario)
+    ends = {command: type(rig.end(command)) for command in ("c1", "c2", "c3", "c4")}
+    assert ends == {"c1": m.Done, "c2": m.Superseded, "c3": m.Done, "c4": m.Done}
+
+
 def test_what_does_not_wait_is_refused_while_its_lane_is_busy() -> None:
     async def scenario(rig: Rig) -> None:
         rig.bus.offer("head", [Verb("talk", "", VERBS[0].arguments, lane="talk", waits=False)])
@@ -505,14 +521,13 @@ def test_a_failure_with_an_unspeakable_name_still_ends_its_command() -> None:
     assert [isinstance(rig.end(command), m.Failed) for command in ("c1", "c2")] == [True, True]
 
 
-def test_only_what_has_begun_is_performed() -> None:
-    performed: list[bool] = []
+def test_what_waits_is_known_by_name() -> None:
+    waiting: list[str] = []
 
     async def scenario(rig: Rig) -> None:
-        rig.send("say", seconds=2)
-        waits = rig.send("say", seconds=1)
-        begun = rig.send("play", seconds=1)
-        performed.extend(rig.bus.performs(each) for each in (waits, begun, "c99"))
+        for verb in ("say", "say", "play"):
+            rig.send(verb, seconds=2)
+        waiting.extend(rig.bus.waiting)
 
     in_rig(scenario)
-    assert performed == [False, True, False]
+    assert waiting == ["c2"]

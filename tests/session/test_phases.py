@@ -121,6 +121,20 @@ def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path
     ]
 
 
+def test_a_lock_that_a_hand_has_set_stays_also_where_a_phase_had_set_it(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        session.phase("ride", KEY)
+        session.lock("Speech", False)
+        session.lock("Speech", True)
+        with pytest.raises(RequestError, match=r"'Speech' is locked$"):
+            session.play("Hello", KEY)
+        session.phase("closing", KEY)
+        assert session.locked["Speech"]
+
+    on_stage(tmp_path, scenario)
+
+
 def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         session = stage.session

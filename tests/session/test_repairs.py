@@ -127,6 +127,16 @@ def test_an_interruption_ends_what_is_held_back(tmp_path: Path, at_us: int) -> N
     assert end.reason == "interrupted by the wizard"
 
 
+def test_a_repair_for_a_later_moment_is_refused_and_the_log_has_it(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        with pytest.raises(RequestError, match="now") as caught:
+            stage.session.play(REPEAT, KEY, at=stage.session.hub.now() + 1_000_000)
+        assert not caught.value.command  # no key helps
+
+    (refused,) = (line for line in scene(tmp_path, play).lines if isinstance(line, m.ActionRefused))
+    assert refused.action == REPEAT
+
+
 def test_profiles_do_not_lock_repairs(tmp_path: Path) -> None:
     async def play(stage: Stage) -> None:
         stage.session.play("Hello", KEY)

@@ -18,6 +18,7 @@ from woz_tui.drivers.contract import Ask, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.response_delay import ResponseDelay, may_wait
+from woz_tui.system.clock import ManualClock
 
 KEY = RequestOrigin("key", "h")
 SECOND = 1_000_000
@@ -346,6 +347,37 @@ def test_what_was_dropped_keeps_nothing_waiting(how: str) -> None:
 
     held_by(scene)
     assert begun == [pytest.approx(2 * SECOND, abs=100)]
+
+
+def test_nothing_passes_what_is_held_where_the_file_holds_nothing_any_more() -> None:
+    begun: list[str] = []
+
+    async def scene(hub: Hub, shaper: ResponseDelay) -> None:
+        cued(hub, 2)
+        assert shaper.hold("r1", "x", "key", lambda: begun.append("r1"))
+        hub.publish(m.ShapingChanged(floor_us=0, jitter_us=0, cues=[]))
+        assert shaper.hold("r2", "x", "key", lambda: begun.append("r2"))
+
+    held_by(scene)
+    assert begun == ["r1", "r2"]
+
+
+def test_nothing_passes_what_is_held_and_whose_moment_has_just_come() -> None:
+    begun: list[str] = []
+
+    async def whole() -> None:
+        clock = ManualClock()
+        hub = Hub(clock, _Silent().record)
+        shaper = ResponseDelay(hub, seed=7)
+        cued(hub, 2)
+        assert shaper.hold("r1", "x", "key", lambda: begun.append("r1"))
+        clock.advance(2.1)  # the loop has had no turn yet
+        assert shaper.hold("r2", "x", "key", lambda: begun.append("r2"))
+        await asyncio.sleep(60)
+        assert not shaper.hold("r3", "x", "key", lambda: begun.append("r3"))
+
+    run_virtual(whole())
+    assert begun == ["r1", "r2"]
 
 
 def test_one_that_cannot_begin_does_not_keep_those_behind_it() -> None:

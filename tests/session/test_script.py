@@ -105,6 +105,22 @@ def test_one_line_waits_at_the_most(tmp_path: Path) -> None:
     assert acts(stage) == ["Hello", "Fall"]
 
 
+def test_a_line_that_is_to_begin_later_keeps_no_other_back(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        program = RequestOrigin("program", "", "con2")
+        session.play("Fall", program, at=session.hub.now() + 2_000_000)
+        session.script_next(SPACE)
+        await asyncio.sleep(1.5)
+        session.send("play", {"move": "nod"}, "", KEY, when_busy="queue")
+        session.send("play", {"move": "nod"}, "", KEY, when_busy="queue")
+        await asyncio.sleep(0.6)
+        with pytest.raises(RequestError, match="'Fall' is still waiting"):
+            session.script_next(SPACE)  # now it waits for the robot
+
+    assert acts(on_stage(tmp_path, scenario)) == ["Fall", "Hello"]
+
+
 def test_what_waits_behind_a_line_that_failed_is_not_played(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         session = stage.session

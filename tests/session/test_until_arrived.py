@@ -46,6 +46,7 @@ def look(yaw: float) -> Any:
 ACTIONS = (
     action("Look", together(look(30.0)), together(call("say", text="There"))),
     action("Stuck", together(look(-30.0)), together(call("say", text="There"))),
+    action("Speak", together(call("say", text="Hm"))),
     action("Glance", together(call("gaze", yaw=30.0)), together(call("say", text="There"))),
 )
 
@@ -106,6 +107,11 @@ def test_a_motion_that_does_not_arrive_fails_its_action(tmp_path: Path) -> None:
     assert not said(stage)
     (failed,) = [line for line in stage.lines if isinstance(line, m.ActionFailed)]
     assert failed.reason == "robot: the neck is stuck"
+
+
+def test_a_motion_that_does_not_arrive_fails_also_where_a_newer_act_came(tmp_path: Path) -> None:
+    assert ("Stuck", "ActionFailed") in ends(played(tmp_path, "Stuck", "Speak"))
+    assert ("Look", "ActionSuperseded") in ends(played(tmp_path / "well", "Look", "Speak"))
 
 
 def test_a_newer_gaze_replaces_the_action_that_waits_for_the_older(tmp_path: Path) -> None:

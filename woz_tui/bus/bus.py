@@ -191,10 +191,6 @@ class Bus:
         for lane in list(self._lanes.values()):
             lane.empty(reason)
 
-    def performs(self, run: str) -> bool:
-        """Whether a command of the run `run` is being carried out, or the command of that id."""
-        return any(lane.performs(run) for lane in self._lanes.values())
-
     # -- who is connected --------------------------------------------------------------------
 
     def _on_message(self, message: AnyMessage) -> None:

@@ -218,10 +218,6 @@ class Lane:
         """The commands that wait."""
         return [pending.command.command for pending, _ in self._waiting]
 
-    def performs(self, run: str) -> bool:
-        """Whether the job is a command of the run `run`, or that command."""
-        return self._current is not None and self._current.belongs_to(run)
-
     # -- coming in ---------------------------------------------------------------------------
 
     def accept(self, pending: PendingCommand, args: Mapping[str, Json], when_busy: str) -> None:
@@ -252,9 +248,9 @@ class Lane:
         return self._capacity
 
     def _make_way(self, pending: PendingCommand) -> None:
-        for waiting, _ in self._waiting:
+        ended, self._waiting = self._waiting, deque()
+        for waiting, _ in ended:
             waiting.supersede(pending.command.command)
-        self._waiting.clear()
         if not pending.verb.stream and self._current is not None:
             self._current.supersede(pending.command.command)
             self._cancel()

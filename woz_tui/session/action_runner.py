@@ -114,7 +114,7 @@ class ActionRunner:
         #: Single commands that wait for their moment after a cue, and who is told of their end.
         self._held: dict[str, tuple[m.Command, Callable[[m.End], None] | None]] = {}
         #: Runs and commands that wait for the moment for which they were asked.
-        self.scheduled: set[str] = set()
+        self.scheduled: dict[str, asyncio.TimerHandle] = {}
         #: What was asked for, oldest first: run or command id, and the action's or verb's name.
         self.played: dict[str, str] = {}
         #: The last of them that a human asked for: what the robot does by itself is not meant when
@@ -171,8 +171,6 @@ class ActionRunner:
             self._advance(run)
 
     def _begin_late(self, run: ActionRun, later: LaterStart) -> None:
-        if run.id not in self._runs:
-            return
         if (refusal := later.why_not()) is not None:
             name, reason = run.action.name, refusal.reason
             self._finish(run, m.ActionRefused(run=run.id, action=name, reason=reason))
@@ -182,20 +180,23 @@ class ActionRunner:
             self._supersede(run.id, run.action.label, run.origin, calls_in(run.steps))
 
     def _schedule(self, run: str, name: str, later: LaterStart, begin: Callable[[], None]) -> None:
-        """Call `begin` at its moment."""
-        self.scheduled.add(run)
+        """Call `begin` at its moment, unless the run or command has been ended by then."""
         self._hub.publish(m.ActionScheduled(run=run, action=name, at=later.at))
 
         def due() -> None:
             wait_us = later.at - self._hub.now()
             if wait_us > 0:
-                loop.call_later(wait_us / 1_000_000, due)
+                self.scheduled[run] = loop.call_later(wait_us / 1_000_000, due)
                 return
-            self.scheduled.discard(run)
+            self.scheduled.pop(run, None)
             begin()
 
         loop = asyncio.get_running_loop()
         due()
+
+    def _unschedule(self, run: str) -> None:
+        if (timer := self.scheduled.pop(run, None)) is not None:
+            timer.cancel()
 
     def send(
         self,
@@ -245,8 +246,6 @@ class ActionRunner:
             why_not = later.why_not
 
             def begin() -> None:
-                if command.command not in self._held:
-                    return
                 if (refusal := why_not()) is not None:
                     self._let_go(command.command, refusal.reason, refusal.code)
                     return
@@ -311,6 +310,7 @@ class ActionRunner:
     def _let_go(self, command: str, reason: str, code: str = "stopped") -> None:
         """End a single command that was held without sending it, and log that."""
         held, on_end = self._held.pop(command)
+        self._unschedule(command)
         self._bus.refuse(held, code, reason, on_end)
 
     def _remember(self, played: str, name: str, origin: RequestOrigin) -> None:
@@ -454,6 +454,7 @@ class ActionRunner:
     def _finish(self, run: ActionRun, end: m.ActionEnd) -> None:
         if self._runs.pop(run.id, None) is None:
             return
+        self._unschedule(run.id)
         if run.timer is not None:
             run.timer.cancel()
         run.ended = end
@@ -518,7 +519,7 @@ class ActionRunner:
 
     def end_after_step(self, run_id: str, end: str | m.ActionEnd) -> None:
         """Finish the step that one run has begun, and drop those after it; one whose commands all
-        wait behind others has not begun. What fails in that step is a failure all the same.
+        wait in queues has not begun. What fails in that step is a failure all the same.
 
         `end`: how it ends then, or why it is stopped.
         """
@@ -529,7 +530,7 @@ class ActionRunner:
             end = m.ActionStopped(run=run.id, action=run.action.name, reason=end)
         if not run.pending:
             self._finish(run, end)
-        elif len(run.pending) == run.together and not self._bus.performs(run.id):
+        elif len(run.pending) == run.together and run.pending <= {*self._bus.waiting}:
             run.problem = end
             self._bus.cancel(run.id, end.reason)
         elif run.at + 1 < len(run.steps):

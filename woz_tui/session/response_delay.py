@@ -12,7 +12,7 @@ import asyncio
 import random
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from woz_tui.bus.hub import Hub
 from woz_tui.config.session_verbs import ENGAGEMENT
@@ -54,7 +54,8 @@ class ResponseDelay:
         self._random = random.Random(f"{seed} shaping")
         self._settings = m.ShapingChanged(floor_us=0, jitter_us=0, cues=[])
         self._cue: PendingCue | None = None
-        self._held: deque[tuple[int, str, Callable[[], object]]] = deque()
+        #: What is held, each with its cue and the moment at which it begins.
+        self._held: deque[tuple[PendingCue, str, Callable[[], object]]] = deque()
         self._timer: asyncio.TimerHandle | None = None
         hub.listen(self._on_message)
 
@@ -81,17 +82,18 @@ class ResponseDelay:
 
         `run` and `name` say what is held: an action's run, or a command.
         """
-        cue, now = self._cue, self._hub.now()
+        last = self._held[-1][0] if self._held else None
+        cue = self._cue or last
         if cue is None or source in _NOBODY:
             return False
-        # Behind what is held already: the order of the presses is the order of the acts.
-        until = max(cue.until, self._held[-1][0] if self._held else 0)
-        if until <= now:
+        if last is not None:  # behind it: the order of the presses is the order of the acts
+            cue = replace(cue, until=max(cue.until, last.until))
+        elif cue.until <= self._hub.now():
             return False
         self._hub.publish(
-            m.ActionHeld(run=run, action=name, sort=cue.sort, cued=cue.cued, until=until)
+            m.ActionHeld(run=run, action=name, sort=cue.sort, cued=cue.cued, until=cue.until)
         )
-        self._held.append((until, run, begin))
+        self._held.append((cue, run, begin))
         self._wait()
         return True
 
@@ -111,14 +113,14 @@ class ResponseDelay:
             self._timer.cancel()
             self._timer = None
         if self._held:
-            delay = max(0, self._held[0][0] - self._hub.now()) / 1_000_000
+            delay = max(0, self._held[0][0].until - self._hub.now()) / 1_000_000
             self._timer = asyncio.get_running_loop().call_later(delay, self._release)
 
     def _release(self) -> None:
         """Begin all whose moment has come; if one of them cannot, those behind it still do."""
         self._timer = None
         try:
-            while self._held and self._held[0][0] <= self._hub.now():
+            while self._held and self._held[0][0].until <= self._hub.now():
                 self._held.popleft()[2]()
         finally:
             self._wait()

@@ -100,7 +100,7 @@ class ScriptController:
         publish: Publishes where a script stands.
         experiment: What the file says.
         phases: Which phase holds.
-        waits: Whether a run waits: nothing of it has begun.
+        waits: Whether a run waits: it could begin, and nothing of it has begun.
         latched: Whether the stop is pressed.
         withdraw: Cuts a run short.
     """

@@ -301,16 +301,19 @@ class Session:
         """
         action = self.experiment.action(name)
         panel = action.panel if action else ""
-        reason = stale or self._why_not(name, origin) or self._no_moment(at)
+        why_not = self._why_not(name, origin)
+        repair = action is not None and not action.steps and action in self.experiment.repairs
+        reason = stale or why_not or self._no_moment(at)
+        if at and repair and not reason:
+            reason = f"{name!r} depends on what was said last: play it now"
         if reason or action is None:
             self.runner.refuse(name, panel, origin, reason)
             self.scripts.publish()
             if stale:
                 raise RequestError(f"{name!r} not played ({stale})", AGAIN)
-            raise RequestError(reason, command=self._command_that_would_help(action, origin))
-        if not action.steps and action in self.experiment.repairs:
-            if at:
-                raise RequestError(f"{name!r} depends on what was said last: play it now")
+            command = self._command_that_would_help(action, origin) if why_not else ""
+            raise RequestError(reason, command=command)
+        if repair:
             return self.repairs.play(action, origin, when_busy)
         later = LaterStart(at, lambda: self._refusal_of(name, origin)) if at else None
         run, refused = self.runner.play(action, origin, when_busy, later=later)
@@ -527,9 +530,10 @@ class Session:
         return bool(self.parts.no_action(found, RequestOrigin(request.source, "", request.console)))
 
     def _has_not_begun(self, run: str) -> bool:
-        """Whether a run was asked for and nothing of it has begun."""
+        """Whether a run was asked for now, and nothing of it has begun."""
         action = self.state.actions.get(run)
-        return action is not None and action.dispatched is None
+        waits = action is not None and action.dispatched is None
+        return waits and run not in self.runner.scheduled
 
     def _cancel_waiting_line(self, run: str) -> None:
         """Cut a line short that waits behind one that was not played."""
@@ -692,7 +696,9 @@ class Session:
         """
         if at > self.hub.now():
             raise RequestError("a marker cannot mark a moment that is still to come")
-        self.hub.publish(m.Marker(text=text, source=source, tells=tells, at=max(-1, at)))
+        if at < -1:
+            raise RequestError("a marker cannot mark a moment before the session")
+        self.hub.publish(m.Marker(text=text, source=source, tells=tells, at=at))
 
     def note(self, text: str, tells: tuple[str, ...] = ()) -> None:
         """A note in the log."""
@@ -754,6 +760,8 @@ class Session:
         """Lock or unlock a panel."""
         if panel not in {known.title for known in self.experiment.panels}:
             raise RequestError(f"there is no panel {panel!r}")
+        if locked:  # by hand: no phase unlocks it
+            self.phases.locked.discard(panel)
         self._lock(panel, locked, "")
 
     def _lock(self, panel: str, locked: bool, source: str) -> None:

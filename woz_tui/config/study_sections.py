@@ -205,8 +205,10 @@ def _problems(design: Design, conditions: Sequence[str]) -> Iterator[tuple[str, 
             "with one condition for each participant there is no order; write order: blocks",
         )
     elif count < 2 and (design.order != "fixed" or not design.within):
-        listed = "the file lists one" if count else "the file lists none"
-        yield "order", f"needs at least two conditions,  {listed}; without them: order: fixed"
+        yield (
+            "order",
+            f"needs at least two conditions, not {count}; list more, or write order: fixed",
+        )
     if design.block is not None and design.order != "blocks":
         yield "block", "only order: blocks has blocks"
     elif design.block is not None and count and design.block % count:

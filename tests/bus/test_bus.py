@@ -157,10 +157,10 @@ def test_full_queue_busy_replace_and_deadline() -> None:
 
 def test_what_is_sent_when_another_one_gives_way_ends_once_as_all_do() -> None:
     async def scenario(rig: Rig) -> None:
-        def gaze(command: str, on_end: Callable[[m.End], object] = lambda end: None) -> None:
+        def gaze(command: str, on_end: Callable[[m.End], None] | None = None) -> None:
             args: dict[str, Json] = {"does": "done", "seconds": 1.0}
             asked = Command(command=command, verb="gaze", args=args, driver="head", source="key")
-            rig.bus.submit(asked, lambda end: on_end(end) and None)
+            rig.bus.submit(asked, on_end)
 
         gaze("c1")
         gaze("c2", lambda end: gaze("c4"))

@@ -11,7 +11,6 @@ import msgspec
 import pytest
 
 from tests.replay.logs import PLAN, SECOND, START, KeptSamples, Viewer, recording_of, stamped, story
-from woz_tui.log import coding_file
 from woz_tui.log.coding_file import Coding, CodingError, coding_path, read_codings
 from woz_tui.log.file_names import FileName
 from woz_tui.protocol import codec
@@ -183,16 +182,16 @@ def test_what_a_full_disk_took_in_part_costs_no_later_code(
     write = os.write
 
     def a_part(file: int, data: bytes) -> int:
-        monkeypatch.setattr(coding_file.os, "write", write)
+        monkeypatch.setattr(os, "write", write)
         return write(file, data[:9])
 
     if torn == "the header":
-        monkeypatch.setattr(coding_file.os, "write", a_part)
+        monkeypatch.setattr(os, "write", a_part)
         with pytest.raises(CodingError, match="No space left"):
             watched(tmp_path)
     it = watched(tmp_path)
     if torn == "a code":
-        monkeypatch.setattr(coding_file.os, "write", a_part)
+        monkeypatch.setattr(os, "write", a_part)
         assert not it.ask(r.AskMarker(text="smiles")).ok
     assert it.ask(r.AskMarker(text="nods")).ok
     found = read_codings(coding_path(tmp_path / LOG))

@@ -47,13 +47,19 @@ class RepairController:
         self._last = request
         self._action = self._action if request.action == REWORD else request.action
 
-    def play(self, action: Action, origin: RequestOrigin, when_busy: str) -> str:
-        """Play it; the run's id. Raises `RequestError`; the refusal is in the log too."""
-        if action.name == INTERRUPT:
+    def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
+        """Play it; the run's id. Raises `RequestError`; the refusal is in the log too. `at`: for
+        which moment it was asked, if not for now.
+        """
+        steps: Steps | str
+        if at:
+            steps = f"{action.name!r} depends on what was said last: play it now"
+        elif action.name == INTERRUPT:
             run, _ = self.runner.play(action, origin, when_busy, steps=[])
             self._interrupt()
             return run
-        steps = self._other_words() if action.name == REWORD else self._again()
+        else:
+            steps = self._other_words() if action.name == REWORD else self._again()
         if isinstance(steps, str):
             self.runner.refuse(action.name, action.panel, origin, steps)
             raise RequestError(steps)

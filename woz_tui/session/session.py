@@ -132,8 +132,8 @@ class Session:
             lambda: self.ended,
             lambda: self.clock.wall().date(),
         )
-        logs = self.recorder.folder
-        self.engagement = EngagementController(robot, self.state, self.locked, logs)
+        folder = self.recorder.folder
+        self.engagement = EngagementController(robot, self.state, self.locked, folder)
         self.profiles = ProfileLimits(self.hub.publish)
         self.parts = PartLimits(lambda: self.experiment, lambda: self.state.wizards, self._helpers)
         self.study = StudyController(
@@ -143,7 +143,7 @@ class Session:
             identity=lambda: self.identity,
             set_trial=self.set,
             trial_began=self._trial_began,
-            logs=(logs, self.recorder.path.parent),
+            logs=(folder, self.recorder.path.parent),
         )
         self.drivers = make_drivers(
             self.experiment,
@@ -302,10 +302,7 @@ class Session:
         action = self.experiment.action(name)
         panel = action.panel if action else ""
         why_not = self._why_not(name, origin)
-        repair = action is not None and not action.steps and action in self.experiment.repairs
         reason = stale or why_not or self._no_moment(at)
-        if at and repair and not reason:
-            reason = f"{name!r} depends on what was said last: play it now"
         if reason or action is None:
             self.runner.refuse(name, panel, origin, reason)
             self.scripts.publish()
@@ -313,8 +310,8 @@ class Session:
                 raise RequestError(f"{name!r} not played ({stale})", AGAIN)
             command = self._command_that_would_help(action, origin) if why_not else ""
             raise RequestError(reason, command=command)
-        if repair:
-            return self.repairs.play(action, origin, when_busy)
+        if not action.steps and action in self.experiment.repairs:
+            return self.repairs.play(action, origin, when_busy, at)
         later = LaterStart(at, lambda: self._refusal_of(name, origin)) if at else None
         run, refused = self.runner.play(action, origin, when_busy, later=later)
         self.scripts.publish()
@@ -531,9 +528,8 @@ class Session:
 
     def _has_not_begun(self, run: str) -> bool:
         """Whether a run was asked for now, and nothing of it has begun."""
-        action = self.state.actions.get(run)
-        waits = action is not None and action.dispatched is None
-        return waits and run not in self.runner.scheduled
+        action, late = self.state.actions.get(run), run in self.runner.scheduled
+        return action is not None and action.dispatched is None and not late
 
     def _cancel_waiting_line(self, run: str) -> None:
         """Cut a line short that waits behind one that was not played."""
@@ -694,10 +690,8 @@ class Session:
         """A marker in the log, of the moment `at` on the axis of `t` (-1: now); `tells` as in
         `messages.RestrictedMessage`.
         """
-        if at > self.hub.now():
-            raise RequestError("a marker cannot mark a moment that is still to come")
-        if at < -1:
-            raise RequestError("a marker cannot mark a moment before the session")
+        if not -1 <= at <= self.hub.now():
+            raise RequestError("a marker marks no moment before the session or still to come")
         self.hub.publish(m.Marker(text=text, source=source, tells=tells, at=at))
 
     def note(self, text: str, tells: tuple[str, ...] = ()) -> None:

@@ -82,6 +82,32 @@ async def test_port_that_comes_late_is_found(tmp_path: Path) -> None:
         await driver.close()
 
 
+async def test_no_torque_goes_on_while_the_stop_is_pressed(tmp_path: Path) -> None:
+    heard = Heard(tmp_path)
+    link = tmp_path / "servos"
+    driver = DynamixelServos("head", head(link, torque=True), heard.context)
+    await driver.open()
+    await heard.first(DriverLost)
+    await driver.stop(Scope.ALL)
+    with ServoBus([11, 12, 13], link) as bus:
+        await heard.until(lambda: any("torque is off" in one.text for one in heard.all(Notice)))
+        await heard.first(DriverConnected)
+        assert not any(bus.servo(number).torque for number in (11, 12, 13))
+        await driver.close()
+
+
+async def test_a_stop_while_the_torque_goes_on_waits_for_the_servos(tmp_path: Path) -> None:
+    def late(bus: ServoBus) -> None:
+        bus.faults.latency = 0.03
+
+    async with stand(tmp_path, prepare=late, ready=False, torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        await it.driver.stop(Scope.ALL)
+        held = [it.bus.servo(number).torque for number in (12, 13)]
+        await it.ticks(5)
+        assert [it.bus.servo(number).torque for number in (12, 13)] == held
+
+
 async def test_port_in_use_names_the_other_program(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
         heard = Heard(tmp_path)

@@ -64,7 +64,6 @@ class DynamixelServos(Driver):
         super().__init__(name, settings, context)
         self.loop = ServoLoop(name, settings, context)
         self._started = False
-        self._stopped = False
 
     @classmethod
     def verbs(cls, settings: ServoSettings) -> tuple[Verb, ...]:
@@ -99,7 +98,6 @@ class DynamixelServos(Driver):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb; returns the setpoints really taken, and what was changed in them."""
-        self._stopped = False
         if self.settings.follows and job.verb not in ("torque", "reboot"):
             raise RejectedError(
                 f"the joints follow {self.settings.follows!r}; ask it to {job.verb}"
@@ -122,7 +120,7 @@ class DynamixelServos(Driver):
         """
         if scope is Scope.DRIVE:
             return None
-        self._stopped = True
+        self.loop.stopped = True
         self._follow_body(False)
         if not self._started or not (self.loop.online or self.loop.holding):
             return None  # every joint is limp
@@ -130,7 +128,7 @@ class DynamixelServos(Driver):
 
     async def resume(self) -> None:
         """The stop was released: follow the body again, slowly until each joint has met it."""
-        self._stopped = False
+        self.loop.stopped = False
         self._follow_body(True)
 
     def _follow_body(self, follow: bool) -> None:
@@ -152,7 +150,7 @@ class DynamixelServos(Driver):
         if not self._started:
             return
         try:
-            if self.settings.rest_on_close and not self._stopped:
+            if self.settings.rest_on_close and not self.loop.stopped:
                 await self.rest()
             else:
                 await self._all_limp()

@@ -42,6 +42,8 @@ class ServoLoop:
         #: Whether servos answer now, and whether any held its joint when they last did.
         self.online = False
         self.holding = False
+        #: The stop is pressed: no torque goes on by itself.
+        self.stopped = False
         self._settings = settings
         self._context = context
         self.following = BodyFollower(settings, context) if settings.follows else None
@@ -130,11 +132,15 @@ class ServoLoop:
 
     def _begin(self, chain: ServoChain) -> None:
         first, self._first = self._first, False
-        if first and self._settings.torque:
-            ready = [s.name for s in chain.servos.values() if s.status is ServoStatus.READY]
-            for name, why in chain.set_torque(ready, on=True).items():
-                self._context.notice("error", f"no torque on {name}: {why}")
-        elif not first:
+        wanted = first and self._settings.torque
+        if wanted:
+            # Before the stop is looked at: whoever presses it from here on waits for the servos.
+            self.holding = True
+            for servo in chain.servos.values():
+                if servo.status is ServoStatus.READY and not self.stopped:
+                    for name, why in chain.set_torque([servo.name], on=True).items():
+                        self._context.notice("error", f"no torque on {name}: {why}")
+        if (wanted or not first) and not any(one.torque for one in chain.servos.values()):
             self._context.notice(
                 "info",
                 "servos connected; torque is off",

@@ -100,6 +100,20 @@ async def test_the_list_of_phases(size: tuple[int, int]) -> None:
         assert [(each.phase, each.source) for each in asked] == [("ride", "key")]
 
 
+async def test_between_trials_the_screen_offers_a_trial_and_no_phase() -> None:
+    study = {"design": {"order": "fixed", "within": True, "trials": 2}}
+    async with sitting(guide(study=study), size=(160, 50)) as seat:
+        assert "* trial" in seat.text("StopBar")
+        assert ") phase" not in seat.text("StopBar")
+        await opened(seat, "PhasesDialog")
+        assert "begin with a trial" in seat.drawn()
+        assert "after ;" not in seat.drawn()
+        await seat.press("ctrl+q")
+        await at(seat, m.TrialStarted(trial=1))
+        assert "* trial" not in seat.text("StopBar")
+        assert ") phase" in seat.text("StopBar")
+
+
 async def test_a_file_without_phases_shows_none() -> None:
     async with sitting(scenes.welcome()) as seat:
         assert "phase" not in seat.drawn()

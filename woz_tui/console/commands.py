@@ -79,8 +79,12 @@ def _has_robot(state: ConsoleState) -> bool:
     return bool(state.robot_outlines)
 
 
-def _has_phases(state: ConsoleState) -> bool:
-    return bool(state.settings.phases)
+def _phases_can_begin(state: ConsoleState) -> bool:
+    return bool(state.settings.phases) and not _between_trials(state)
+
+
+def _between_trials(state: ConsoleState) -> bool:
+    return state.session.study.between_trials
 
 
 def _has_script(state: ConsoleState) -> bool:
@@ -184,7 +188,7 @@ COMMANDS = (
     ),
     _row("script_back", _script(-1), opens=False),
     _row("script_on", _script(1), opens=False),
-    _row("phase_next", sends=_next_phase, once=True, hint=KeyHint(2.5, "phase", _has_phases)),
+    _row("phase_next", sends=_next_phase, once=True, hint=KeyHint(2.5, "phase", _phases_can_begin)),
     _row("phases", opens("screens.phases:PhasesDialog"), users=WATCHER),
     _row("say", opens("screens.say:SayDialog"), hint=KeyHint(3, "say")),
     _row(
@@ -243,7 +247,12 @@ COMMANDS = (
     _arrow("hip_left", "hip", "roll", 1, "hip"),
     _arrow("hip_right", "hip", "roll", -1, "hip"),
     _row("start", opens("screens.start:StartDialog")),
-    _row("trial", calls("screens.training:open_trial"), users=WATCHER),
+    _row(
+        "trial",
+        calls("screens.training:open_trial"),
+        hint=KeyHint(2.5, "trial", _between_trials),
+        users=WATCHER,
+    ),
     _row("preflight", opens("screens.preflight:PreflightDialog"), users=WATCHER),
     _row("reload", opens("screens.reload:ReloadDialog")),
     _row("drivers", opens("screens.drivers:DriversDialog"), users=EVERYBODY),

@@ -25,10 +25,12 @@ class PhasesDialog(ChoiceDialog):
     hint = "arrows choose · enter begins it · ctrl+q closes"
 
     def lines(self) -> list[Row]:
-        """Where there is none, that the file has none."""
-        if self._phases:
-            return []
-        return [(("The experiment file has no phases. phases: [...] adds them.", "muted"),)]
+        """Where none can begin, why."""
+        if not self._phases:
+            return [(("The experiment file has no phases. phases: [...] adds them.", "muted"),)]
+        if self.state.session.study.between_trials:
+            return [(("Phases begin with a trial.", "muted"),)]
+        return []
 
     @property
     def _phases(self) -> Sequence[PhaseView]:
@@ -63,7 +65,7 @@ class PhasesDialog(ChoiceDialog):
         parts = []
         if study.phase is not None and study.phase.label == phase.name:
             parts.append("present")
-        elif not study.can_begin(phase, self._phases):
+        elif phase.after and not study.can_begin(phase, self._phases):
             parts.append(f"after {' or '.join(map(state.heading, phase.after))}")
         if phase.planned:
             parts.append(f"planned {elapsed(round(phase.planned * 1_000_000))}")

@@ -72,7 +72,7 @@ class RecognitionPart(NaoqiPart):
             raise DriverError(
                 f"speech is not recognised: {error.what}", error.remedy or remedy
             ) from None
-        self._context.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")
+        self._ready()
         self._polling.start(self._poll())
 
     def lost(self) -> None:
@@ -110,14 +110,25 @@ class RecognitionPart(NaoqiPart):
         """What was read shall not be read again."""
         await self._robot.call("ALMemory", "insertData", RECOGNIZED, [])
 
+    def _ready(self) -> None:
+        self._context.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")
+
     async def _poll(self) -> None:
         while True:
-            with contextlib.suppress(DeviceLostError):  # the connection says when it is there again
+            try:
                 await self._poll_once()
+            except DeviceLostError:
+                pass  # the connection says when it is there again
+            except DriverError as error:
+                self._context.sensor(SPEECH, "stale", error.what)
+            else:
+                self._ready()
             await asyncio.sleep(POLL_S)
 
     async def _poll_once(self) -> None:
-        """Ask once, and publish what is new. Raises `DeviceLostError`."""
+        """Ask once, and publish what is new. Raises `DriverError`: words that the robot's memory
+        keeps would be read again.
+        """
         values = await self._query.values((DETECTED, RECOGNIZED))
         speaks = flag(values[DETECTED]) is True
         if not speaks:

@@ -105,6 +105,20 @@ async def test_words_without_a_beginning_are_a_segment_of_their_own(
         assert len(it.heard.all(SpeechStarted)) == 2, "the robot lingers; nobody begins anew"
 
 
+async def test_a_memory_that_takes_nothing_costs_no_more_than_its_moment(
+    listens: Listens, robot: StandIn
+) -> None:
+    async with listens() as it:
+        await robot.fault("refuse:ALMemory.insertData=busy")
+        await robot.set(f"memory:{RECOGNIZED}", ["yes", 0.9])
+        stale = await it.heard.state(SPEECH, "stale")
+        assert "busy" in stale.why
+        await robot.fault("none")
+        await it.heard.first(SpeechText)
+        await it.heard.state(SPEECH, "ready")
+        assert _said(it) == [(1, "yes")]
+
+
 async def test_old_words_and_sessions_do_not_count(listens: Listens, robot: StandIn) -> None:
     await robot.set(f"memory:{RECOGNIZED}", ["yes", 0.9])
     async with listens() as it:

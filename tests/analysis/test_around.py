@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.report_tables import circumstances
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import DesignView, Questionnaire, StudySettings, WelcomeSettings
@@ -230,6 +231,7 @@ def test_what_the_wizard_had_and_could_see() -> None:
         .add(1, m.PerceptionChanged(hidden=["gaze"], blurred=["transcript"]))
     )
     it.add(2, m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]))
+    it.add(2.5, m.ShapingChanged(floor_us=0, jitter_us=0, cues=[]))
     it.add(3, m.ProfileChanged(profile="child")).add(4, m.ProfileChanged())
     it.add(5, m.ConditionsAssigned(participant="P07", order=["a", "b"], method="latin-square"))
     it.add(6, m.ExperimentReloaded(experiment_sha256="x", changes=[]))
@@ -243,5 +245,8 @@ def test_what_the_wizard_had_and_could_see() -> None:
         (("gaze",), ("transcript",))
     ]
     assert (figures.shaping[0].floor_us, figures.shaping[0].cues) == (800_000, ("speech",))
+    delays = [each for each in circumstances(figures) if "answer" in each]
+    assert ["no sooner than 0.8 s" in each for each in delays] == [True, False]
+    assert "at once" in delays[1]
     assert (figures.profiles, figures.order, figures.reloads) == (("child",), ("a", "b"), 1)
     assert figures.rerun_of == "other"

@@ -183,6 +183,15 @@ def test_which_states_are_cues_can_be_said() -> None:
     assert figures.cues[0].what == "EngagedWithUnknown"
 
 
+def test_a_marker_counts_from_the_moment_that_its_program_measured() -> None:
+    it = ExampleSession().add(3, m.Marker(text="go", source="program", at=2_000_000)).act(4)
+    it.add(9, m.Marker(text="go", source="program", at=7_000_000)).end(30)
+    assert fates(told(it)) == [("marker", "answered", 2.0), ("marker", "missed", None)]
+    early = ExampleSession().act(2.5)
+    early.add(3, m.Marker(text="go", source="program", at=2_000_000))
+    assert fates(told(early.end(20))) == [("marker", "answered", 0.5)]
+
+
 def test_markers_of_humans_are_cues() -> None:
     it = ExampleSession().add(3, m.Marker(text="asks", source="wizard")).act(5)
     it.add(7, m.Marker(text="x", source="action")).add(8, m.Marker(text="y", source="preflight"))

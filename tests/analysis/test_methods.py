@@ -82,6 +82,16 @@ def test_a_robot_that_a_stop_did_not_reach_is_said() -> None:
     assert "base" not in found
 
 
+def test_a_lost_console_is_no_emergency_stop() -> None:
+    it = ExampleSession().act(1).add(3, m.StopPressed(source="console-lost", scope="drive"))
+    drive: list[m.AnyMessage] = [
+        m.StopConfirmed(confirmed=[], missing=["robot"], unreached=["robot"], elapsed_us=1)
+    ]
+    found = text(told(it.add(3, *drive).end(60)))
+    assert "emergency stop" not in found
+    assert "did not reach" not in found
+
+
 def test_what_was_not_recorded_is_said() -> None:
     it = ExampleSession(participant="", condition="", wizard="").end(60)
     found = text(told(it))

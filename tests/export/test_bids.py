@@ -209,6 +209,14 @@ def test_a_code_that_was_corrected_at_once_took_no_part(tmp_path: Path) -> None:
     assert (tmp_path / "eaf" / "P01_S01.eaf").exists()
 
 
+def test_a_marker_stands_at_the_moment_that_its_program_measured(tmp_path: Path) -> None:
+    late = m.Marker(text="onset", source="program", at=2_000_000)
+    dataset = course_to(tmp_path, "bids", [(0, start()), (3, late), (4, m.Marker(text="key"))])
+    (path,) = dataset.rglob("*_events.tsv")
+    rows = [row for row in table(path) if row["trial_type"] == "marker"]
+    assert [float(row["onset"]) for row in rows] == [2, 4]
+
+
 def test_what_came_before_the_first_code_is_nobodys(tmp_path: Path) -> None:
     course: list[Timed] = [
         (0, start(participant="")),

@@ -135,6 +135,20 @@ def test_a_marker_that_no_human_has_put_is_no_cue(play: Play, source: str) -> No
     assert play(scene).kinds(m.ActionHeld) == []
 
 
+def test_a_marker_delays_from_the_moment_that_its_program_measured(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        hub = stage.session.hub
+        hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["marker"]))
+        await asyncio.sleep(2)
+        flip = hub.now() - SECOND // 2
+        hub.publish(m.Marker(text="onset", source="program", at=flip))
+        stage.session.play("Hello", KEY)
+        [held] = (line for line in stage.lines if isinstance(line, m.ActionHeld))
+        assert (held.cued, held.until) == (flip, flip + SECOND)
+
+    play(scene)
+
+
 @pytest.mark.parametrize("listed", [True, False])
 def test_what_the_model_sees_is_a_cue_if_the_file_says_so(play: Play, listed: bool) -> None:
     async def scene(stage: Stage) -> None:

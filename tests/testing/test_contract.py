@@ -169,6 +169,19 @@ class Restless(Right):
         return ("warmth",)
 
 
+class Careful(Right):
+    """Waits for the end of what it cancels, and lets that out."""
+
+    async def open(self) -> None:
+        await super().open()
+        self.task = asyncio.create_task(asyncio.Event().wait())
+
+    async def close(self) -> None:
+        self.task.cancel()
+        await super().close()
+        await self.task
+
+
 @dataclass(frozen=True)
 class Ruled:
     """Settings with rules that nobody asks for: it is no `Section`."""
@@ -226,6 +239,7 @@ async def test_remarks_about_arguments_are_right() -> None:
         (Stubborn, "stop(ALL) with nothing running: took more than 0.5 s"),
         (OnlyOnce, "close for the second time: raised RuntimeError('closed already')"),
         (Careless, "close: left 'forgotten' running"),
+        (Careful, "close: raised CancelledError()"),
         (Restless, "close: published something afterwards"),
         (Lawless, "Settings: nobody calls its problems()"),
         (Excited, "examine: raised OSError('no such port')"),
@@ -370,6 +384,19 @@ class Waiting(Spinner):
         await asyncio.Event().wait()
 
 
+class Cancels(Spinner):
+    """Cancels what its commands wait for when the cable is pulled."""
+
+    def told(self, health: Health) -> None:
+        super().told(health)
+        if health is Health.LOST:
+            self.answer.cancel()
+
+    async def spin(self, cable: Cable) -> None:
+        self.answer = asyncio.get_running_loop().create_future()
+        await self.answer
+
+
 class GivesUp(Spinner):
     """Never finds again what it has lost."""
 
@@ -389,6 +416,7 @@ class GivesUp(Spinner):
         (OneStopOnly, "perform after a stop: ended at once and raised DeviceLostError"),
         (Optimistic, "an unplugged device: health is not LOST"),
         (Waiting, "an unplugged device: perform goes on"),
+        (Cancels, r"an unplugged device: perform raised CancelledError\(\)"),
         (GivesUp, "a device that is back: is not CONNECTED"),
     ],
 )

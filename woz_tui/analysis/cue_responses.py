@@ -130,7 +130,7 @@ class _Cues:
 
     def marker(self, marker: m.Marker) -> None:
         """Somebody sets a marker."""
-        self._give("marker", self.t, marker.text)
+        self._give("marker", marker.moment, marker.text)
 
     def _give(self, cue_type: str, t: int, what: str, since: int | None = None) -> None:
         """A cue at `t`. An act after `since` may have answered it early; None: nothing can."""

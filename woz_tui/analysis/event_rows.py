@@ -458,7 +458,7 @@ def marks(timeline: Timeline) -> Iterator[MarkRow]:
     for each in timeline.of(e.MomentEpisode):
         match each.message:
             case m.Marker() as marker if marker.source != PREFLIGHT:
-                yield MarkRow(each.begin, "marker", marker.text, source=marker.source)
+                yield MarkRow(marker.moment, "marker", marker.text, source=marker.source)
             case m.Note() as note:
                 yield MarkRow(each.begin, "note", note.text)
             case m.Mistake() as wrong:

@@ -11,7 +11,17 @@ from dataclasses import dataclass
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.study_figures import StudyFacts, WizardTraining
-from woz_tui.analysis.text_format import Some, capital, counted, listed, neither, times, was, were
+from woz_tui.analysis.text_format import (
+    Some,
+    answer_delay,
+    capital,
+    counted,
+    listed,
+    neither,
+    times,
+    was,
+    were,
+)
 
 #: What the guidelines ask for and no log can know.
 BY_HAND = (
@@ -27,11 +37,6 @@ _ORDERS = {
     "blocks": "in shuffled blocks",
     "fixed": "in a fixed order",
     "hand": "by hand",
-}
-_CUES = {
-    "speech": "the end of the visitor's speech",
-    "engagement": "a change of the visitor's engagement",
-    "marker": "a marker",
 }
 _SOURCES = {
     "key": "by key",
@@ -212,11 +217,7 @@ def _production(facts: StudyFacts) -> Iterator[str]:
         yield f"The profile {profile} restricted the choice in {counted(count, 'session')}."
     yield from _acted(facts)
     for (floor, jitter, cues), count in sorted(facts.shaped.items()):
-        named = listed([_CUES.get(cue, cue) for cue in cues], "or") or "any cue"
-        yield (
-            f"In {counted(count, 'session')} the robot answered {named} no sooner than"
-            f" {_seconds(floor)} s after it{_jitter(jitter)}."
-        )
+        yield f"In {counted(count, 'session')} {answer_delay(cues, floor, jitter)}."
     if facts.held.median is not None:
         yield (
             f"Earlier actions were delayed: {counted(facts.held.n, 'action')}, by"
@@ -264,10 +265,6 @@ _ENDS = {
     ),
     "open": ("has no end in the log", "have no end in the log"),
 }
-
-
-def _jitter(jitter_us: int) -> str:
-    return f", plus a random 0 to {_seconds(jitter_us)} s" if jitter_us else ""
 
 
 def _recognition(facts: StudyFacts) -> Iterator[str]:

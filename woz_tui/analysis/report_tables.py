@@ -17,7 +17,16 @@ from woz_tui.analysis.participant_groups import (
     Total,
 )
 from woz_tui.analysis.participants import condition_text, participant_text
-from woz_tui.analysis.text_format import NONE, clock, counted, digits, duration, listed, percent
+from woz_tui.analysis.text_format import (
+    NONE,
+    answer_delay,
+    clock,
+    counted,
+    digits,
+    duration,
+    listed,
+    percent,
+)
 from woz_tui.protocol.messages import Json
 
 #: Values of one setting that are named in a row; beyond, there were more.
@@ -460,10 +469,8 @@ def circumstances(figures: SessionFigures) -> Iterator[str]:
         hidden += [f"{listed(view.blurred)} blurred"] if view.blurred else []
         yield f"from {clock(view.t)} the wizard's screen had {', '.join(hidden) or 'everything'}"
     for shaping in figures.shaping:
-        yield (
-            f"from {clock(shaping.t)} answers to {listed(shaping.cues)} were delayed by at least"
-            f" {shaping.floor_us / 1e6:g} s, and up to {shaping.jitter_us / 1e6:g} s later"
-        )
+        delay = answer_delay(shaping.cues, shaping.floor_us, shaping.jitter_us)
+        yield f"from {clock(shaping.t)} {delay}"
     if figures.profiles:
         yield f"profiles in use: {', '.join(figures.profiles)}"
     if figures.reloads:

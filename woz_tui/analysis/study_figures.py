@@ -156,10 +156,10 @@ class StudyFacts:
             if ALL_CUES in part.reactions:
                 self.results.update(part.reactions[ALL_CUES].results)
                 self.reactions.extend(part.reactions[ALL_CUES].times)
-        stops = sum(stop.scope == "all" for stop in figures.stops)  # not those of driving alone
-        self.stops += stops
+        stops = [stop for stop in figures.stops if stop.scope == "all"]  # not of driving alone
+        self.stops += len(stops)
         self.stopped_sessions += bool(stops)
-        self.unreached.update(name for stop in figures.stops for name in stop.unreached)
+        self.unreached.update(name for stop in stops for name in stop.unreached)
         for view in {_hidden(each) for each in figures.restrictions} - {((), ())}:
             self.views[view] += 1
 
@@ -190,7 +190,7 @@ def _hidden(restriction: RestrictionRow) -> tuple[tuple[str, ...], tuple[str, ..
 
 
 def _shaped(shaping: ShapingRow) -> tuple[int, int, tuple[str, ...]]:
-    if not shaping.floor_us and not shaping.jitter_us:
+    if not shaping.cues or not (shaping.floor_us or shaping.jitter_us):
         return 0, 0, ()
     return shaping.floor_us, shaping.jitter_us, tuple(sorted(shaping.cues))
 

@@ -67,6 +67,23 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     return f"{', '.join(words[:-1])} {last} {words[-1]}"
 
 
+#: What a robot may answer, in words.
+_CUES = {
+    "speech": "the end of the visitor's speech",
+    "engagement": "a change of the visitor's engagement",
+    "marker": "a marker",
+}
+
+
+def answer_delay(cues: Sequence[str], floor_us: int, jitter_us: int) -> str:
+    """How soon the robot answered these cues: the sentence of `shaping.changed`."""
+    if not cues or not (floor_us or jitter_us):
+        return "the robot answered at once"
+    more = f", plus a random 0 to {jitter_us / 1e6:g} s" if jitter_us else ""
+    named = listed([_CUES.get(cue, cue) for cue in cues], "or")
+    return f"the robot answered {named} no sooner than {floor_us / 1e6:g} s after it{more}"
+
+
 def neither(words: Sequence[str]) -> str:
     """`not a`, `neither a nor b`, `neither a, b nor c`."""
     return f"not {words[0]}" if len(words) == 1 else f"neither {listed(words, 'nor')}"

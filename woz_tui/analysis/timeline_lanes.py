@@ -283,8 +283,8 @@ def _instant(each: e.Episode) -> Instant | None:
     if isinstance(each, e.QuestionnaireEpisode) and each.started is not None:
         return Instant(each.begin, each.started.title or each.name, "questionnaire")
     match each.message if isinstance(each, e.MomentEpisode) else None:
-        case m.Marker(text=text, source=source) if source != PREFLIGHT:
-            return Instant(each.begin, text, "marker", source)
+        case m.Marker(text=text, source=source) as marker if source != PREFLIGHT:
+            return Instant(marker.moment, text, "marker", source)
         case m.Note(text=text):
             return Instant(each.begin, text, "note")
         case m.Mistake(action=action, text=text):

@@ -183,7 +183,7 @@ def trials(
     for message in messages:
         end = max(end, message.t)
         if isinstance(message, m.Marker):
-            marks.append((message.t, message.text.strip().casefold()))
+            marks.append((message.moment, message.text.strip().casefold()))
         for again, course in zip(models, courses, strict=True):
             again.apply(message)
             if again.follower is not None:

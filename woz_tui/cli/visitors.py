@@ -157,9 +157,10 @@ def _add(store: VisitorStore, arguments: Namespace) -> int:
 
 def _rename(store: VisitorStore, arguments: Namespace) -> int:
     before = _find(store, arguments.name)
-    after = store.rename(before.name, arguments.new)
-    if key_of(before.name) in {key_of(one.name) for one in FaceStore(default_path()).faces()}:
-        after = store.profile(after.name, label=before.name)  # what the face is called
+    faces = {key_of(one.name) for one in FaceStore(default_path()).faces()}
+    # What the face is called.
+    label = before.name if key_of(before.name) in faces else None
+    after = store.rename(before.name, arguments.new, label=label)
     _print(arguments, {**_fields(after), "was": before.name}, f"{before.name} is now {after.name}")
     return 0
 
@@ -210,8 +211,17 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
         return 1
     # The face first: if something fails it is the name that is left to try again with.
     gone = face_store.forget(faces)
-    if visitors:
-        store.forget(*(visitor.name for visitor in visitors))
+    try:
+        if visitors:
+            store.forget(*(visitor.name for visitor in visitors))
+    except UnsavedError as error:
+        if not gone:
+            raise
+        left = ", ".join(visitor.name for visitor in visitors)
+        raise VisitorsError(
+            f"{error.reason}; deleted faces: {', '.join(gone)}; still stored: {left}",
+            f"{error.remedy}, then repeat the command",
+        ) from None
     forgotten: list[Json] = [visitor.name for visitor in visitors]
     told: list[Json] = [*gone]
     text = ", ".join(dict.fromkeys([*(visitor.name for visitor in visitors), *gone])) or "nobody"

@@ -181,6 +181,9 @@ class EventExtractor:
         session.figures = replace(figures, lines=session.lines, redacted=session.redacted)
         for event in session.events:
             self._belongs(event, timeline.contexts.at(event.begin, event.seq))
+            at = event.details.get("at") if event.kind == "marker" else None
+            if isinstance(at, int) and 0 <= at < event.begin:
+                event.begin = at
         for episode in timeline.episodes:
             make = _EVENTS.get(type(episode))
             made = make(self, episode) if make is not None else None

@@ -537,6 +537,11 @@ class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):
     source: str = msgspec.field(default_factory=lambda: "key")
     console: str = ""
 
+    @property
+    def moment(self) -> int:
+        """The moment that it marks; a program cannot have measured a later one than its line's."""
+        return min(self.at, self.t) if self.at >= 0 else self.t
+
 
 class Note(RestrictedMessage, frozen=True, kw_only=True, tag="note"):
     """A sentence that a wizard, a watcher or a program typed."""

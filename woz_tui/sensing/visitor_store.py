@@ -170,11 +170,14 @@ class VisitorStore:
             change = changes.both(change, changes.labelled(name, face))
         return self._change(change, name)
 
-    def rename(self, old: str, new: str) -> Visitor:
-        """Give them another name; profile, meetings and labels stay."""
+    def rename(self, old: str, new: str, *, label: str | None = None) -> Visitor:
+        """Give them another name, and a label of their face; profile, meetings and labels stay."""
         with _bad_names_refused():
             name = name_of(new)
-        return self._change(changes.renamed(old, name), name)
+            change = changes.renamed(old, name)
+            if label is not None:
+                change = changes.both(change, changes.labelled(name, label_of(label)))
+        return self._change(change, name)
 
     def forget(self, *names: str) -> None:
         """Remove all there is of them, in one change; refused if somebody is not there."""

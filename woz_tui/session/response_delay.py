@@ -67,8 +67,8 @@ class ResponseDelay:
                 self._cued("speech", ended)
             case m.EngagementChanged(t=t):
                 self._cued("engagement", t)
-            case m.Marker(t=t, source=source) if source not in _MACHINE:
-                self._cued("marker", t)
+            case m.Marker(source=source) as marker if source not in _MACHINE:
+                self._cued("marker", marker.moment)
 
     def _cued(self, sort: str, t: int) -> None:
         if sort in self._settings.cues:

@@ -308,10 +308,9 @@ async def loses(driver_class: type[Driver], device: Devices) -> list[Finding]:
                     "raise DeviceLostError",
                 )
                 running.cancel()
-            elif not isinstance(running.exception(), DeviceLostError):
+            elif not isinstance(error := _raised(running), DeviceLostError):
                 life.wrong(
-                    "an unplugged device",
-                    f"perform raised {running.exception()!r}, not DeviceLostError",
+                    "an unplugged device", f"perform raised {_shown(error)}, not DeviceLostError"
                 )
         if not await life.healthy(Health.LOST, Health.FAULTED):
             life.wrong("an unplugged device", f"health is not LOST after {NOTICE_S:g} s")
@@ -391,8 +390,8 @@ class _Life:
         await asyncio.wait([running], timeout=QUIET_S)
         if not running.done():
             return running
-        how = repr(running.exception()) if running.exception() else "nothing"
-        self.wrong(what, f"ended at once and raised {how}", "give the Device a command that lasts")
+        how = f"ended at once and raised {_shown(_raised(running))}"
+        self.wrong(what, how, "give the Device a command that lasts")
         return None
 
     async def cancelled(self, running: asyncio.Task[Any], what: str) -> None:
@@ -403,35 +402,33 @@ class _Life:
             self.wrong(
                 what, f"goes on for more than {PROMPT_S:g} s", "end and raise CancelledError"
             )
-        elif not running.cancelled() and not isinstance(running.exception(), DriverError):
-            how = repr(running.exception()) if running.exception() else "nothing"
-            self.wrong(what, f"raised {how}", "raise CancelledError again")
+        elif not isinstance(error := _raised(running), asyncio.CancelledError | DriverError):
+            self.wrong(what, f"raised {_shown(error)}", "raise CancelledError again")
 
     async def quiet(self, what: str, call: Awaitable[object], limit: float | None = None) -> None:
         """A call that raises nothing and takes no longer than `limit`, or PROMPT_S, in seconds."""
         limit = PROMPT_S if limit is None else limit
-        try:
-            await asyncio.wait_for(call, limit)
-        except TimeoutError:
-            self.wrong(what, f"took more than {limit:g} s")
-        except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
-            self.wrong(what, f"raised {error!r}")
+        match await _raised_within(call, limit):
+            case None:
+                return
+            case TimeoutError():
+                self.wrong(what, f"took more than {limit:g} s")
+            case asyncio.CancelledError() as error:
+                remedy = "suppress it where you wait for the end of what you cancelled"
+                self.wrong(what, f"raised {error!r}", remedy)
+            case error:
+                self.wrong(what, f"raised {error!r}")
 
     async def refuses(
         self, what: str, kind: type[DriverError], command: PlainJob = _UNKNOWN_VERB
     ) -> None:
         """A command that is refused at once with the right exception."""
         remedy = f"raise {kind.__name__}"
-        try:
-            await asyncio.wait_for(self.driver.perform(command), PROMPT_S)
-        except kind:
-            return
-        except TimeoutError:
+        error = await _raised_within(self.driver.perform(command), PROMPT_S)
+        if isinstance(error, TimeoutError):
             self.wrong(what, f"took more than {PROMPT_S:g} s", f"{remedy} at once")
-        except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
-            self.wrong(what, f"raised {error!r}", remedy)
-        else:
-            self.wrong(what, "raised nothing", remedy)
+        elif not isinstance(error, kind):
+            self.wrong(what, f"raised {_shown(error)}", remedy)
 
     async def _left_behind(self) -> None:
         """Tasks and threads that outlive the driver; they get as long as a stop to end."""
@@ -445,3 +442,25 @@ class _Life:
             await asyncio.sleep(0.01)
         for one in left:
             self.wrong("close", f"left {one!r} running")
+
+
+def _raised(ended: asyncio.Task[Any]) -> BaseException | None:
+    """What a command that has ended raised; `Task.exception` raises of one that was cancelled."""
+    return asyncio.CancelledError() if ended.cancelled() else ended.exception()
+
+
+def _shown(error: BaseException | None) -> str:
+    return "nothing" if error is None else repr(error)
+
+
+async def _raised_within(call: Awaitable[object], limit: float) -> BaseException | None:
+    """What a call raises; `TimeoutError` if it takes longer than `limit` seconds."""
+    try:
+        await asyncio.wait_for(call, limit)
+    except asyncio.CancelledError as error:
+        if (task := asyncio.current_task()) is not None and task.cancelling():
+            raise  # the test itself is cancelled
+        return error
+    except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
+        return error
+    return None

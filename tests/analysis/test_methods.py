@@ -184,7 +184,7 @@ def test_cues_that_the_end_cut_off_are_not_held_against_the_wizard() -> None:
     found = text(told(it.end(60)))
     assert (
         "Of 2 cues that needed an answer, the wizard answered 1 within 10 s (100.0 % of those "
-        "not cut off by the end)." in found
+        "not cut off by a break or by the end of the trial or the log)." in found
     )
 
 

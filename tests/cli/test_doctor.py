@@ -178,6 +178,20 @@ def test_a_robot_file_is_examined_without_an_experiment(
     assert refused["remedy"] == "woz doctor EXPERIMENT --robot nao"
 
 
+def test_a_computer_that_no_driver_is_at_is_an_error(
+    visit: Callable[..., Visit], tmp_path: Path
+) -> None:
+    drivers = "{arm: {type: simulated, at: arm-pi}, head: {type: simulated}}"
+    (tmp_path / "f1.yaml").write_text(f"name: f1\ndrivers: {drivers}\n")
+    seen = visit("f1.yaml", "--at", "armpi", "--json")
+    [wrong] = seen.find("Computer")
+    assert (seen.code, wrong["level"], wrong["remedy"]) == (1, "error", "there are arm-pi")
+    assert not seen.find("Driver")
+    [elsewhere] = visit("f1.yaml", "--at", "arm-pi", "--json").find("Driver head")
+    assert elsewhere["text"] == "its hardware is at the computer of the session"
+    assert visit("--at", "arm-pi", "--json").code == 1
+
+
 def test_a_missing_file_is_an_error_and_the_machine_is_examined_all_the_same(
     visit: Callable[..., Visit],
 ) -> None:

@@ -79,6 +79,16 @@ def test_a_plot_that_cannot_be_written_is_told_at_once(
     assert "nowhere" in err
 
 
+@pytest.mark.parametrize(
+    "words", [["--bursts", "5", "samples.jsonl"], ["--bench", "--bursts", "5", "--plot", "x.svg"]]
+)
+def test_bursts_that_would_be_ignored_or_ignore_are_refused(
+    capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    assert main(["engagement", *words]) == 2
+    assert "--bursts" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("runs", ["0", "-1", "x", "1000001"])
 def test_a_number_of_runs_that_is_none(capsys: pytest.CaptureFixture[str], runs: str) -> None:
     with pytest.raises(SystemExit) as stopped:

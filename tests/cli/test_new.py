@@ -58,7 +58,7 @@ def test_what_is_asked_for_stands_in_it(tmp_path: Path) -> None:
 
 
 def test_what_no_option_says_is_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "e.yaml"
+    path = tmp_path / "my study.yaml"
     answers = iter(["", "paper", "study", "polite, rude", "", "de"])
     asked: list[str] = []
 
@@ -73,7 +73,7 @@ def test_what_no_option_says_is_asked(tmp_path: Path, capsys: pytest.CaptureFixt
     assert (experiment.language, experiment.keyboard) == ("fr", "us")
     out = capsys.readouterr().out
     assert "one of: study, free" in out
-    assert f"woz run {path}" in out
+    assert f"woz run '{path}'" in out
     assert "no errors" in out
 
 

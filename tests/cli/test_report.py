@@ -217,6 +217,22 @@ def test_without_their_dates_two_sessions_of_one_code_are_two(
     assert "UTC" not in told(capsys, "report", *(here / "out").glob("*S01.jsonl"))[1]
 
 
+def test_tables_of_no_session_leave_those_that_were_there(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study(here / "logs")
+    told(capsys, "report", "logs", "--csv", "csv")
+    before = (here / "csv" / "sessions.csv").read_bytes()
+    (here / "torn").mkdir()
+    (here / "torn" / "2026-03-01T10-00-00_P07_S01.jsonl").write_text("{")
+    for wrong in ("lgos", "torn"):
+        code, _, err = told(capsys, "report", wrong, "--csv", "csv")
+        assert code == 1
+        assert "woz report: csv was not written: there is nothing to report" in err
+        assert not any("wrote" in line for line in err)
+        assert (here / "csv" / "sessions.csv").read_bytes() == before
+
+
 def test_everything_at_once_in_files(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study(here / "logs")
     code, out, err = told(capsys, "report", "logs", "--csv", "csv", "--html", "page.html", "--json")

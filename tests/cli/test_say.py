@@ -121,6 +121,9 @@ def test_the_voices_of_this_machine(
     shown = capsys.readouterr().out
     assert "German" in shown
     assert "joe" not in shown
+    assert cli.main(["voices", "--language", "it"]) == 1
+    told = capsys.readouterr().err
+    assert "de, en" in told and "apt install" not in told
 
 
 def test_no_voices(

@@ -13,6 +13,8 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.export.logs import STEM, Timed, courses, session_of, start, visit, write
 from tests.export.out import course_to, exported
+from woz_tui.analysis.tables import EVENTS, FIGURES, SAMPLES
+from woz_tui.export.csv_files import CsvExporter
 from woz_tui.protocol import messages as m
 from woz_tui.system.text_cleaning import visible
 
@@ -158,3 +160,8 @@ def test_several_sessions_stand_in_the_same_tables_under_names_of_their_own(tmp_
     assert [row["log"] for row in sessions] == [STEM, f"{STEM}-2"], "each session once"
     logs = {row["log"] for row in read_back(tmp_path / "out" / "events.csv")}
     assert logs == {STEM, f"{STEM}-2"}
+
+
+def test_the_readme_names_every_table() -> None:
+    tables = {f"`{table.name}.csv`" for table in (*FIGURES, EVENTS, SAMPLES)}
+    assert {name for name in tables if name not in CsvExporter.about} == set()

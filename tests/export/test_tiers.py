@@ -10,9 +10,20 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.export.logs import Timed, courses, session_of, start, visit
-from woz_tui.export.tiers import Tier, TierSpan, tiers_of, unique_names, without_overlaps
+from woz_tui.export.eaf import EafExporter
+from woz_tui.export.textgrid import TextGridExporter
+from woz_tui.export.tiers import (
+    AFTER,
+    BEFORE,
+    Tier,
+    TierSpan,
+    tiers_of,
+    unique_names,
+    without_overlaps,
+)
 from woz_tui.protocol import messages as m
 
+GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
 SPANS = st.lists(
     st.builds(
         lambda begin, length: TierSpan(begin, begin + length, f"{begin}+{length}"),
@@ -116,3 +127,10 @@ def test_every_action_of_any_course_is_on_a_tier(tmp_path: Path, course: list[Ti
     actions = [event for event in session.events if event.kind == "action"]
     panels = [tier for tier in tiers_of(session) if tier.name.startswith(("panel ", "actions"))]
     assert sum(len(tier.spans) for tier in panels) == len(actions)
+
+
+def test_readmes_and_guide_name_every_tier() -> None:
+    names = {f"`{name}`" for name, *_ in (*BEFORE, *AFTER)}
+    for text in (EafExporter.about, TextGridExporter.about, GUIDE.read_text(encoding="utf-8")):
+        words = " ".join(text.split())
+        assert {name for name in names if name not in words} == set()

@@ -156,7 +156,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure("cues_superseded", "", "cues that were superseded before an answer: by another one of "
             "their type, by the visitor going on to speak, by the model leaving the state",
             "superseded", lambda part: reactions(part).results.get("superseded", 0)),
-    Measure("cues_cut", "", "cues whose window was still open when the log ended", "cut",
+    Measure("cues_cut", "", "cues still open when the trial, the condition or the log ended, or a "
+            "break began", "cut",
             lambda part: reactions(part).results.get("cut", 0)),
     Measure(
         "reaction_median_s", "s", "median time from a cue to the wizard action that answered it",

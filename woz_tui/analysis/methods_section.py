@@ -308,7 +308,7 @@ def _performance(facts: StudyFacts) -> Iterator[str]:
 _NOT_DUE = {
     "answered_early": "answered before they came",
     "superseded": "superseded",
-    "cut": "cut off by the end",
+    "cut": "cut off by a break or by the end of the trial or the log",
 }
 
 

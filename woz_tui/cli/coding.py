@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -60,7 +61,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if not any(found.by_coder.values()):
         print(
             f"woz coding: {path.name} has no codes\n"
-            f"woz coding: set some with woz replay {arguments.log} --coder K1",
+            f"woz coding: set some with woz replay {shlex.quote(str(arguments.log))} --coder K1",
             file=sys.stderr,
         )
         return 1

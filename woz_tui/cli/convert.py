@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
@@ -73,7 +74,7 @@ def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         replace(output.resolve(), text)  # what was there stays until all of it is on the disk
     except OSError as error:
         raise ConvertError(f"{output} cannot be written: {error.strerror or error}") from error
-    print(f"wrote {output}; check it with: woz check {output}", file=sys.stderr)
+    print(f"wrote {output}; check it with: woz check {shlex.quote(str(output))}", file=sys.stderr)
     return 0
 
 

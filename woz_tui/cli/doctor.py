@@ -100,6 +100,10 @@ def examine(
     yield DoctorSection("Ports", _ports())
     if experiment is not None:
         yield from _experiment(experiment, robot, at)
+    elif robot or at:
+        option = "--robot" if robot else "--at"
+        finding = Finding("error", option, "no file is named", f"woz doctor FILE {option} ...")
+        yield DoctorSection("Robot file", [finding])
 
 
 def _terminal() -> list[Finding]:
@@ -176,6 +180,12 @@ def _experiment(path: Path, robot: str, at: str) -> Iterator[DoctorSection]:
     findings = bounded(str(path), lambda: load_devices(path, robot, loaded), LOAD_S)
     yield DoctorSection("Robot file" if is_robot else "Experiment", findings)
     for devices in loaded:
+        places = {spec.at.name for spec in devices.drivers if spec.at is not None}
+        if at and at not in places:
+            known = f"there are {', '.join(sorted(places))}" if places else "leave --at out"
+            text = f"no driver of {path.name} is at a computer of this name"
+            yield DoctorSection("Computer", [Finding("error", f"--at {at}", text, known)])
+            continue
         for spec in devices.drivers:
             findings = _driver(spec, devices, at)
             yield DoctorSection(f"Driver {spec.name} ({spec.kind})", findings)
@@ -230,8 +240,8 @@ def _problem(problem: Problem) -> Finding:
 def _driver(spec: DriverSpec, devices: _Devices, at: str) -> list[Finding]:
     place = spec.at.name if spec.at is not None else ""
     if place != at:
-        text = f"its hardware is at {place}" if place else "its hardware is at the session's"
-        remedy = f"there: woz doctor ROBOT_FILE --at {place}" if place else ""
+        text = f"its hardware is at {place or 'the computer of the session'}"
+        remedy = f"there: woz doctor ROBOT_FILE{f' --at {place}' if place else ''}"
         return [Finding("info", spec.name, text, remedy)]
     probe = Probe(spec.name, spec.settings, devices.folder)
     driver: type[Driver] = devices.catalogue[spec.type]

@@ -211,8 +211,10 @@ def _together(arguments: Namespace) -> None:
     if arguments.bench:
         if arguments.file is not None:
             raise OptionsError(f"--bench makes its visitors up: so it cannot read {arguments.file}")
+        if arguments.bursts is not None and arguments.plot is not None:
+            raise OptionsError("--bursts and --plot: take one of them")
         return
-    for name in ("runs", "seed", "plot"):
+    for name in ("runs", "seed", "plot", "bursts"):
         if getattr(arguments, name) is not None:
             raise OptionsError(f"--{name} needs --bench")
 

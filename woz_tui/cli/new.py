@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import shutil
 import sys
 import tempfile
@@ -152,13 +153,14 @@ def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
     if not abilities.moves:
         print("  This robot has no gestures that the template knows; add `play: ...` yourself.")
     print("Next:")
+    file = shlex.quote(str(path))
     for command, what in (
-        (f"woz run {path}", "a session"),
-        (f"woz check --keys {path}", "after each edit: what is wrong, and the keys"),
-        (f"woz train {path} --wizard W1", "learn the keys"),
-        *(((f"woz design {path}", "who gets which condition"),) if experiment.study.design else ()),
+        (f"woz run {file}", "a session"),
+        (f"woz check --keys {file}", "after each edit: what is wrong, and the keys"),
+        (f"woz train {file} --wizard W1", "learn the keys"),
+        *(((f"woz design {file}", "who gets which condition"),) if experiment.study.design else ()),
     ):
-        print(f"  {command:<{24 + len(str(path))}}  {what}")
+        print(f"  {command:<{24 + len(file)}}  {what}")
 
 
 # -- the questions ---------------------------------------------------------------------------------

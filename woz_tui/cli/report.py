@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
-from contextlib import nullcontext
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from woz_tui.cli.error_sentences import os_error_text
 from woz_tui.cli.safe_streams import json_text
 
 if TYPE_CHECKING:
+    from woz_tui.analysis.csv_package import TableFiles
     from woz_tui.analysis.figure_counting import FigureOptions
     from woz_tui.analysis.participant_groups import GroupedSessions
     from woz_tui.analysis.session_reading import ReportExtras, SessionReport
@@ -84,10 +85,12 @@ def _report(arguments: argparse.Namespace) -> int:
     kept: list[SessionReport] = []
     sessions: list[object] = []
     try:
-        with table_files(arguments.csv) if arguments.csv else nullcontext() as files:
+        with ExitStack() as opened:
+            files: TableFiles | None = None
             for report in reading.reports(_extras(arguments, len(reading.paths))):
                 grouped.add(report.figures)
-                if files is not None:
+                if arguments.csv:  # opened late: of no session, older ones are not emptied
+                    files = files or opened.enter_context(table_files(arguments.csv))
                     files.add(report.figures)
                 if arguments.json:
                     sessions.append(figures_json.plain(report.figures))
@@ -104,19 +107,15 @@ def _report(arguments: argparse.Namespace) -> int:
         _print_json(sessions, grouped, reading.problems)
     elif kept or grouped.sessions:
         _print(arguments, grouped, kept, len(reading.paths))
-    _print_written(arguments, nothing=not kept)
+    _print_written(arguments, nothing=not grouped.sessions)
     return reading.print_problems("woz report")
 
 
 def _print_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
-    """Prints which files were written. A page of no session is not: an older one may be there."""
-    if arguments.csv:
-        print(f"woz report: wrote {arguments.csv}", file=sys.stderr)
-    if arguments.html and nothing:
-        sentence = f"woz report: {arguments.html} was not written: there is nothing to report"
-        print(sentence, file=sys.stderr)
-    elif arguments.html:
-        print(f"woz report: wrote {arguments.html}", file=sys.stderr)
+    """Prints which files were written. Of no session there are none: older ones may be there."""
+    for path in filter(None, (arguments.csv, arguments.html)):
+        sentence = f"{path} was not written: there is nothing to report"
+        print(f"woz report: {sentence if nothing else f'wrote {path}'}", file=sys.stderr)
 
 
 class SessionReader:

@@ -36,10 +36,12 @@ def run(arguments: Namespace) -> int:
 def _voices(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     wanted = arguments.language.lower()
     found: dict[VoiceFound, None] = {}
+    languages: set[str] = set()
     asked = speakers(arguments, catalogue)
     for one in asked:
         probe = Probe(one.name, one.settings, one.folder)
         for voice in asyncio.run(one.kind.voices(probe)):
+            languages.add(voice.language)
             if voice.language.lower().replace("_", "-").startswith(wanted):
                 found[voice] = None
     if arguments.json:
@@ -52,12 +54,15 @@ def _voices(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
             table.add_row(*map(Text, (voice.engine, voice.name, voice.language, voice.detail)))
         TextConsole(page=100).print(table)
     else:
-        print(_why_none(arguments, asked), file=sys.stderr)
+        print(_why_none(arguments, asked, languages), file=sys.stderr)
     return 0 if found else 1
 
 
-def _why_none(arguments: Namespace, asked: list[Speaker]) -> str:
-    """Why there is nothing to list, and what helps."""
+def _why_none(arguments: Namespace, asked: list[Speaker], languages: set[str]) -> str:
+    """Why there is nothing to list, and what helps. `languages`: of all voices that there are."""
+    if languages:
+        there = ", ".join(sorted(languages - {""})) or "voices whose language is unknown"
+        return f"no voice speaks {arguments.language!r}; there are: {there}"
     if not asked:
         return f"no driver of {arguments.experiment} speaks"
     silent = [one.name for one in asked if not _lists_voices(one.kind)]

@@ -19,11 +19,12 @@ from woz_tui.protocol.messages import Reading
 _ABOUT = f"""## Files
 
 - `events.csv`: everything that happened, one row each; the table to begin with
-- `trials.csv`, `conditions.csv`: trials, and the figures of each condition
+- `trials.csv`, `phases.csv`, `conditions.csv`: trials, phases, and the figures of each condition
 - `cues.csv`, `actions.csv`, `latencies.csv`: answers to cues, actions and commands counted
 - `engagement.csv`, `episodes.csv`: states of the engagement machine, by trial and as they were
 - `questionnaires.csv`, `questionnaires_wide.csv`: answers
 - `settings.csv`: settings of robots, and where they differed from the requested values
+- `wizards.csv`: what each of several wizards played
 - `trainings.csv`: trainings of wizards
 - `sessions.csv`: the sessions, and what is wrong with their logs
 - `samples.csv`: values of the sensors (only with `--samples`)

@@ -45,13 +45,13 @@ _ABOUT = """## Files
 One `.eaf` for each session: open it in ELAN. Where the visitor was recorded, a `.wav` of the same
 name runs along with the session: silence where nobody was recorded.
 
-Tiers: `trials`, `breaks`, `engagement` (the state), `visitor speech` (as it was understood),
-`robot speech` (from the moment when it began to speak), `panel ...` (the actions of each panel,
-from the request to the end; the outcome in brackets unless it was done), `stops`, `questionnaires`,
-`markers`, `notes`, `mistakes`, `cues`, `drivers`, `settings` (of the session), `settings that
-differ` (what a robot had, and what was wanted), `conflicts` (of a robot's settings). What overlaps
-is on a tier `...-2`. Nothing is shorter than 40 ms: moments and shorter things were prolonged to
-that."""
+Tiers: `trials`, `phases`, `breaks`, `engagement` (the state), `visitor speech` (as it was
+understood), `robot speech` (from the moment when it began to speak), `panel ...` (the actions of
+each panel, from the request to the end; the outcome in brackets unless it was done), `stops`,
+`questionnaires`, `markers`, `notes`, `mistakes`, `cues`, `drivers`, `settings` (of the session),
+`settings that differ` (what a robot had, and what was wanted), `conflicts` (of a robot's settings),
+and of each coder the tiers that they coded in a replay, called after them. What overlaps is on a
+tier `...-2`. Nothing is shorter than 40 ms: moments and shorter things were prolonged to that."""
 
 
 class EafExporter(Exporter):

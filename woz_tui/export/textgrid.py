@@ -22,13 +22,14 @@ One `.TextGrid` for each session: open it in Praat. Where the visitor was record
 same name runs along with the session (silence where nobody was recorded); open it with
 *Open long sound file*, select both, *View & Edit*.
 
-Interval tiers: `trials`, `breaks`, `engagement` (the state), `visitor speech` (as it was
+Interval tiers: `trials`, `phases`, `breaks`, `engagement` (the state), `visitor speech` (as it was
 understood), `robot speech` (from the moment when it began to speak), `panel ...` (the actions of
 each panel, from the request to the end; the outcome in brackets unless it was done), `stops`,
 `questionnaires`, `settings that differ` (what a robot had, and what was wanted), `conflicts` (of a
 robot's settings). Point tiers: `markers`, `notes`, `mistakes`, `cues`, `drivers`, `settings` (of
-the session). What overlaps is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to
-that. Line ends and tabs in texts are shown as ␊ and ␉."""
+the session). Of each coder the tiers that they coded in a replay, called after them. What overlaps
+is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to that. Line ends and tabs in
+texts are shown as ␊ and ␉."""
 
 
 class TextGridExporter(Exporter):

@@ -50,7 +50,7 @@ _Sorts = Sequence[tuple[str, bool, Callable[[ExportEvent], bool]]]
 
 #: Tiers in this order, whether they hold points, and what goes onto them. Those of the panels, with
 #: the actions, come after the robot's speech.
-_BEFORE: _Sorts = (
+BEFORE: _Sorts = (
     ("trials", False, _of("trial")),
     ("phases", False, _of("phase")),
     ("breaks", False, _of("break")),
@@ -58,7 +58,7 @@ _BEFORE: _Sorts = (
     ("visitor speech", False, _of("speech")),
     ("robot speech", False, _spoken),
 )
-_AFTER: _Sorts = (
+AFTER: _Sorts = (
     ("stops", False, _of("stop")),
     ("questionnaires", False, _of("questionnaire")),
     ("markers", True, _of("marker")),
@@ -88,7 +88,7 @@ def tiers_of(session: ExportSession) -> list[Tier]:
         elif event.kind == "code":
             name = one_line(f"{event.source} {event.label}")
             codes.setdefault(name, Tier(name, points=event.end is None)).spans.append(_span(event))
-    tiers = [*_filled(session, _BEFORE), *panels.values(), *_filled(session, _AFTER)]
+    tiers = [*_filled(session, BEFORE), *panels.values(), *_filled(session, AFTER)]
     tiers += codes.values()
     for tier in tiers:
         tier.spans.sort(key=lambda span: (span.begin, span.end))

@@ -181,6 +181,19 @@ def test_a_training_has_its_score(tmp_path: Path) -> None:
     assert "75.0 %  3 of 4 cues right, 1 missed, 0 wrong, 0 uncalled" in plain
 
 
+def test_only_sessions_with_participants_are_compared(tmp_path: Path) -> None:
+    trained, again = Story(session="S03"), Story(session="S04")
+    trained.tell(1, m.CueGiven(cue="q1", sort="question", expects=["Hello"], window_us=4_000_000))
+    again.tell(1, m.RerunStarted(original="x", original_session="S01"))
+    stories = (ordinary("P01", "warm"), ordinary("P02", "cold", "S02"), trained, again)
+    page = render([story.report(tmp_path) for story in stories])
+    [compared] = re.findall(r'<table class="sortable">.*?</table>', page, re.DOTALL)
+    sessions = set(re.findall(r"S0\d", re.sub(r"<[^>]+>", " ", compared)))
+    assert sessions == {"S01", "S02"}
+    overview = page.partition("Re-runs")[2].partition("</div>")[0]
+    assert "S04" in overview
+
+
 def test_slow_sensors_have_curves_without_holes(text: str) -> None:
     lanes = {lane["title"]: lane for lane in data(text, 1)["lanes"]}
     points = lanes["distance"]["points"]

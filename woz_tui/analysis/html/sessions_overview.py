@@ -29,12 +29,16 @@ def overview(found: Sequence[SessionEntry]) -> Markup | None:
     if len(found) < 2:
         return None
     damaged = [entry for entry in found if entry.figures.wholeness.sentences]
+    reruns = [entry for entry in found if entry.figures.rerun_of]
+    trained = [entry for entry in found if entry.figures.training is not None]
+    played = [entry for entry in found if entry not in reruns and entry not in trained]
     return tag(
         "section",
         tag("h2", f"{len(found)} sessions", id="overview"),
         _damage(damaged, len(found)),
-        _table(found),
+        _table(played) if played else None,
         list(_totals(found)),
+        _reruns(reruns),
         _strips(found),
         aria_labelledby="overview",
         class_="overview",
@@ -47,6 +51,13 @@ def _damage(damaged: Sequence[SessionEntry], number: int) -> Markup | None:
     names = [tag("li", _link(entry)) for entry in damaged]
     words = f"{len(damaged)} of {number} logs are incomplete"
     return tag("div", tag("h3", words), tag("ul", names), class_="damage", role="note")
+
+
+def _reruns(found: Sequence[SessionEntry]) -> Markup | None:
+    if not found:
+        return None
+    names = [tag("li", _link(entry)) for entry in found]
+    return tag("div", tag("h3", "Re-runs, which are not counted as sessions"), tag("ul", names))
 
 
 def _link(entry: SessionEntry, text: str = "") -> Markup:

@@ -255,10 +255,14 @@ def test_the_store_of_an_experiment_and_the_one_beside_the_logs(
 def test_two_commands_at_once_lose_nothing(file: Path) -> None:
     command = [sys.executable, "-m", "woz_tui", "visitors"]
     changes = [["rename", "Anna", "A01"], ["profile", "Bob", "--age-group", "child"], ["add", "Cy"]]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
 
     def start(words: list[str]) -> subprocess.Popen[bytes]:
-        return subprocess.Popen([*command, *words, "--file", str(file)], cwd=ROOT, **pipes)
+        return subprocess.Popen(
+            [*command, *words, "--file", str(file)],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
 
     for words, process in [(words, start(words)) for words in changes]:
         # A busy machine may keep one waiting for longer than a command waits.

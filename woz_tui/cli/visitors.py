@@ -217,9 +217,9 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
     except UnsavedError as error:
         if not gone:
             raise
-        left = ", ".join(visitor.name for visitor in visitors)
+        names = ", ".join(visitor.name for visitor in visitors)
         raise VisitorsError(
-            f"{error.reason}; deleted faces: {', '.join(gone)}; still stored: {left}",
+            f"{error.reason}; deleted faces: {', '.join(gone)}; still stored: {names}",
             f"{error.remedy}, then repeat the command",
         ) from None
     forgotten: list[Json] = [visitor.name for visitor in visitors]

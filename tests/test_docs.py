@@ -6,6 +6,7 @@ import ast
 import os
 import re
 import subprocess
+import tomllib
 from collections.abc import Iterator
 
 import pytest
@@ -133,6 +134,16 @@ def test_every_page_is_in_the_index() -> None:
     pages = [path.relative_to(ROOT / "docs") for path in sorted((ROOT / "docs").rglob("*.md"))]
     wanted = {str(page) for page in pages if "decisions" not in page.parts} - {"README.md"}
     assert wanted - set(re.findall(r"\]\(([^)#\s]+)", index)) == set()
+
+
+def test_how_an_extra_is_installed_stands_in_one_place() -> None:
+    """A bare `pip` is another one than that of the installation, and Debian refuses it."""
+    places = {"docs/how-to/install.md", "woz_tui/system/extras.py", "tests/test_docs.py"}
+    named = {name for name in tracked() if "install 'woz-tui[" in text(name)}
+    assert named <= places
+    extras = set(tomllib.loads(text("pyproject.toml"))["project"]["optional-dependencies"])
+    rows = re.findall(r"^\| (`.*?) \|", text("docs/how-to/install.md"), re.M)
+    assert set(re.findall(r"`(.*?)`", " ".join(rows))) == extras - {"dev", "pepper"}
 
 
 @pytest.mark.parametrize("path", generated.FILES)

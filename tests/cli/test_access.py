@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from woz_tui import cli
 from woz_tui.network.certificates import AccessFile
+from woz_tui.remote.access_server import MAY_BE
 
 
 @pytest.fixture(autouse=True)
@@ -22,13 +24,28 @@ def test_a_name_gets_a_file_stands_in_the_list_and_loses_its_access(
     assert cli.main(["access", "list"]) == 0
     assert "woz access new" in capsys.readouterr().out
     assert cli.main(["access", "new", "anna", "--address", "robot.local:8765"]) == 0
-    assert "{anna: watcher}" in capsys.readouterr().out
+    capsys.readouterr()
     assert AccessFile.read(tmp_path / "anna.access").address == "robot.local:8765"
     cli.main(["access", "list"])
     assert "anna" in capsys.readouterr().out
     assert cli.main(["access", "revoke", "anna"]) == 0
     cli.main(["access", "list"])
     assert "revoked" in capsys.readouterr().out
+
+
+def test_what_is_told_to_type_is_let_in(capsys: pytest.CaptureFixture[str]) -> None:
+    """`woz attach` alone joins as a wizard; drivers have a port of their own."""
+    cli.main(["access", "new", "bea"])
+    shown = capsys.readouterr().out
+    role = re.search(r"\{bea: (\w+)\}", shown)
+    assert role is not None
+    assert "wizard" in MAY_BE[role[1]]
+    assert "woz attach --access bea.access HOST:8765" in shown
+    assert shown.rstrip().endswith("--access bea.access HOST:7447")
+    cli.main(["access", "new", "carl", "--address", "robot.local:9000"])
+    shown = capsys.readouterr().out
+    assert "--listen 0.0.0.0:9000" in shown
+    assert shown.rstrip().endswith("--access carl.access")
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,11 @@ from woz_tui.cli.argument_types import listen_address, number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.console.text_console import TextConsole
 from woz_tui.network.certificates import AccessError, Authority
+from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
 
 LONGEST_DAYS = 3650
+#: Where the manual's sessions listen for other machines.
+USUAL_PORT = 8765
 
 
 def add(parser: ArgumentParser) -> None:
@@ -55,16 +58,19 @@ def _new(arguments: Namespace) -> int:
     if target.exists():
         raise AccessError(f"{target} exists; choose another file with -o")
     issued = Authority().new(arguments.name, int(arguments.days), arguments.address, target)
-    where = "" if arguments.address else " HOST:PORT"
+    port = ListenAddress.read(arguments.address).port if arguments.address else USUAL_PORT
+    where = "" if arguments.address else f" HOST:{port}"
+    drivers = "" if arguments.address else f" HOST:{ListenAddress.read(DRIVERS_LISTEN).port}"
     print(
         f"{target}: gives {issued.name} access until {issued.expires[:10]}. Keep it secret.\n"
-        f"1. Write the role into the experiment: session: {{access: {{{issued.name}: watcher}}}}\n"
-        "   (wizard, program, watcher or participant; who may only watch joins with --watch)\n"
+        f"1. Write the role into the experiment: session: {{access: {{{issued.name}: wizard}}}}\n"
+        "   (or program, watcher, participant)\n"
         "2. Copy the file to the other machine in a safe way, such as scp.\n"
-        "3. Start here: woz run FILE --listen 0.0.0.0:8765\n"
+        f"3. Start here: woz run FILE --listen 0.0.0.0:{port}\n"
         f"   and there: woz attach --access {target.name}{where}\n"
+        "   (a program or watcher adds --watch, a participant --questionnaire)\n"
         f"For a computer that has drivers of the robot: `at: {issued.name}` in the robot file,\n"
-        f"   there: woz drivers --serve ROBOT_FILE --access {target.name}{where}"
+        f"   there: woz drivers --serve ROBOT_FILE --access {target.name}{drivers}"
     )
     return 0
 

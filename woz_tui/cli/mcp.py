@@ -17,8 +17,9 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.client import WozError, connect
 from woz_tui.client.tools import Tool, ToolCaller
+from woz_tui.system.extras import install_command
 
-MISSING = "`woz mcp` needs the package `mcp`: pip install 'woz-tui[mcp]'"
+MISSING = f"`woz mcp` needs the package `mcp`: {install_command('mcp')}"
 INSTRUCTIONS = (
     "You play a social robot in an experiment with people. A human wizard watches, can stop"
     " everything at any time and sees what you do. A tool returns when the robot has done it."

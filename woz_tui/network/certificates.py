@@ -18,6 +18,7 @@ import msgspec
 
 from woz_tui.network.listen_address import is_access_name
 from woz_tui.system import files
+from woz_tui.system.extras import install_command
 from woz_tui.system.user_folders import config_folder
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ BEGINNING = datetime(2000, 1, 1, tzinfo=UTC)
 #: Longest name, in characters.
 LONGEST_NAME = 40
 #: What cannot be done without the extra.
-MISSING = "certificates need the package `cryptography`: pip install 'woz-tui[network]'"
+MISSING = f"certificates need the package `cryptography`: {install_command('network')}"
 
 
 class AccessError(Exception):

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
 from woz_tui.network.driver_messages import MOST_BYTES
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
+from woz_tui.system.extras import install_command
 
 if TYPE_CHECKING:
     import zenoh
@@ -45,7 +46,7 @@ _PRIORITIES = (
 )
 #: What cannot be done without the extra.
 MISSING = "drivers on another computer need the package `eclipse-zenoh`"
-MISSING_REMEDY = "pip install 'woz-tui[remote-drivers]'"
+MISSING_REMEDY = install_command("remote-drivers")
 
 #: Is given what came.
 Receive = Callable[[bytes], None]

@@ -31,6 +31,7 @@ from woz_drivers.faces.face_networks import (
     interpreted,
 )
 from woz_tui.drivers.contract import DriverError
+from woz_tui.system.extras import install_command
 
 
 def seen(face: FoundFace) -> SeenFace:
@@ -109,7 +110,7 @@ def main() -> int:
         sys.stderr.write(f"{error.what}: {error.remedy}\n")
         return 1
     except ImportError as error:
-        sys.stderr.write(f"{error}: pip install 'woz-tui[faces]'\n")
+        sys.stderr.write(f"{error}: {install_command('faces')}\n")
         return 1
     sampler = PictureSampler(layout, mirrored=words.mirror, flipped=words.flip)
     networks = FaceNetworks(sampler, *found, far=words.far)

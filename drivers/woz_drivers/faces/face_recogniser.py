@@ -35,6 +35,7 @@ from woz_drivers.faces.face_geometry import CROP_SIDE
 from woz_drivers.faces.face_networks import Floats
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.face_store import FaceStore, default_path, key_of
+from woz_tui.system.extras import install_command
 
 #: Of a network that recognises faces: a crop (112 x 112 x 3, 0 to 255) in, 128 numbers out.
 Recognition = Callable[[Floats], Floats]
@@ -179,7 +180,7 @@ def main() -> int:
         sys.stderr.write(f"{error.what}: {error.remedy}\n")
         return 1
     except ImportError as error:
-        sys.stderr.write(f"{error}: pip install 'woz-tui[faces-identity]'\n")
+        sys.stderr.write(f"{error}: {install_command('faces-identity')}\n")
         return 1
     serve(
         sys.stdin, answers.write, FaceRecogniser(network, FaceStore(default_path()), options.alike)

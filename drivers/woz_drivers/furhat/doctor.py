@@ -25,6 +25,7 @@ from woz_drivers.simulated.argument_values import did_you_mean
 from woz_drivers.simulated_process import SimulatedProcess
 from woz_drivers.web_socket_line import failure_reason
 from woz_tui.drivers.contract import DriverError, Finding, Probe
+from woz_tui.system.extras import install_command
 
 #: Seconds for the connection, and for each question.
 _WITHIN_S = 3.0
@@ -123,4 +124,4 @@ def _decoder(subject: str) -> list[Finding]:
     if importlib.util.find_spec("PIL") is not None:
         return []
     text = "its camera's pictures can be kept, but not shown: the package pillow is missing"
-    return [Finding("info", subject, text, "pip install 'woz-tui[furhat]'")]
+    return [Finding("info", subject, text, install_command("furhat"))]

@@ -22,10 +22,11 @@ from woz_drivers.live_pictures import LivePictures, kept_picture
 from woz_tui.drivers.contract import DriverContext, DriverError, Job, Verb
 from woz_tui.protocol.camera_pictures import CameraWatched
 from woz_tui.protocol.messages import Json
+from woz_tui.system.extras import install_command
 
 _NO_DECODER = DriverError(
     "the package pillow is missing, which decodes them",
-    "pip install 'woz-tui[furhat]'",
+    install_command("furhat"),
 )
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from woz_drivers.hands.device_models import MOST_DIALS, MOST_KEYS, STREAM_DECK
 from woz_drivers.hands.hand_device import HandDevice, KeyFace
 from woz_tui.drivers.contract import DeviceLostError
+from woz_tui.system.extras import install_command
 
 #: How often the library looks for pressed keys, in Hz; its own 20 would make a press 50 ms late.
 _POLL_HZ = 100
@@ -40,7 +41,7 @@ def find_decks() -> list[Any]:
     except ImportError as error:
         raise DeviceLostError(
             "a Stream Deck cannot be read: the package streamdeck is missing",
-            "pip install 'woz-tui[hands]'",
+            install_command("hands"),
         ) from error
     try:
         return list(DeviceManager().enumerate())

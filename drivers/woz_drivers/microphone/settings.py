@@ -11,6 +11,7 @@ from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechCriteria
 from woz_drivers.resident_program import resident_words
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
+from woz_tui.system.extras import install_command
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +92,7 @@ class MicrophoneSettings(Section):
             found.append(("device", "it is for arecord; put the device into your command instead"))
         if self.speech == "voice" and not voice_detection.installed():
             found.append(
-                ("speech", "`voice` needs a package: pip install 'woz-tui[voice-detection]'")
+                ("speech", f"`voice` needs a package: {install_command('voice-detection')}")
             )
         if self.detects_voices and self.rate % voice_detection.MODEL_RATE:
             found.append(("rate", "must be 16000, 32000 or 48000 where `speech` is `voice`"))

@@ -17,6 +17,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from woz_tui.system.extras import install_command
+
 PACKAGE = "faster_whisper"
 #: What it raises of its hub, its run time and its files.
 _ERRORS = (OSError, RuntimeError, ValueError)
@@ -30,7 +32,7 @@ def main() -> None:
         # Imported here: it is an extra.
         package = importlib.import_module(PACKAGE)
     except ImportError:
-        sys.exit("faster-whisper is not installed: pip install 'woz-tui[whisper]'")
+        sys.exit(f"faster-whisper is not installed: {install_command('whisper')}")
     try:
         model = package.WhisperModel(
             options.model, device="cpu", compute_type="int8", cpu_threads=options.threads

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers.speech.voice_list import piper_folders, piper_models
+from woz_tui.system.extras import install_command
 
 #: So many Piper programs stay loaded, each with one voice at one speed.
 _MOST = 3
@@ -127,7 +128,7 @@ def main() -> None:
     options = _parser().parse_args()
     command = tuple(options.piper.split()) if options.piper else piper_command()
     if not command:
-        sys.exit("piper is not installed: pip install 'woz-tui[piper]', or give --piper PROGRAM")
+        sys.exit(f"piper is not installed: {install_command('piper')}, or give --piper PROGRAM")
     voices = PiperVoices(command, options.model, (*options.voices, *piper_folders(Path())))
     with tempfile.TemporaryDirectory(prefix="woz-piper-") as folder:
         try:

@@ -1,0 +1,15 @@
+"""What to type when a package is missing that only an extra of woz-tui installs."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+
+
+def install_command(extra: str) -> str:
+    """The command that installs an extra where it is missing: beside this interpreter.
+
+    A plain `pip` may be another one, which Debian refuses. woz-tui itself is there already, so
+    pip looks for what the extra adds and for nothing else.
+    """
+    return f"{shlex.quote(sys.executable)} -m pip install 'woz-tui[{extra}]'"

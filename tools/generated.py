@@ -16,6 +16,7 @@ from tools import (
     driver_settings,
     engagement_diagram,
     experiment_reference,
+    keymap_reference,
     log_reference,
     pepper_coverage,
     protocol_reference,
@@ -40,6 +41,7 @@ def _schema(make: Callable[[], Mapping[str, Any]], _: str) -> str:
 FILES: Mapping[str, Callable[[str], str]] = {
     "docs/explanation/engagement.md": engagement_diagram.refreshed,
     "docs/how-to/export.md": redaction_lists.refreshed,
+    "docs/how-to/keymap.md": keymap_reference.refreshed,
     "docs/how-to/pepper.md": pepper_coverage.refreshed,
     "docs/how-to/render.md": lambda page: replaced(page, "inputs", inputs_table()),
     "docs/how-to/robots.md": lambda page: replaced(page, "robots", robots.markdown(bundled())),

@@ -10,8 +10,9 @@ from typing import Any, ClassVar
 
 import pytest
 
+from tools import ROOT
 from woz_tui.config.actions import ACTION_FIELDS
-from woz_tui.config.session_verbs import ENGAGEMENT_VERBS, WAIT, session_verbs
+from woz_tui.config.session_verbs import BML_VERB, ENGAGEMENT_VERBS, WAIT, session_verbs
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -435,5 +436,7 @@ def test_what_only_a_device_shows_is_found(
 
 def test_the_words_it_reserves_are_those_of_actions_session_and_model() -> None:
     session = [verb.name for verb in session_verbs()]
-    assert set(RESERVED) == {*ACTION_FIELDS, WAIT.name, *session}
+    assert set(RESERVED) == {*ACTION_FIELDS, WAIT.name, BML_VERB.name, *session}
     assert set(MODEL_VERBS) == set(ENGAGEMENT_VERBS)
+    page = (ROOT / "drivers/README.md").read_text(encoding="utf-8")
+    assert [word for word in (*RESERVED, *MODEL_VERBS) if f"`{word}`" not in page] == []

@@ -25,7 +25,7 @@ from woz_tui.drivers.contract import Driver
 from woz_tui.system.files import replace
 
 _HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
-docs/how-to/woz4u.md explains how each key was converted; `woz check` shows this file's keys."""
+docs/how-to/woz4u.md explains how each key was converted; `woz check --keys` shows the keys."""
 
 
 def add(parser: ArgumentParser) -> None:

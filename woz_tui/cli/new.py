@@ -84,7 +84,9 @@ def add(parser: ArgumentParser) -> None:
         default="interview",
         help="what the robot does (default: interview)",
     )
-    parser.add_argument("--robot", help="simulated, pepper, or a robot file")
+    parser.add_argument(
+        "--robot", help="a name that `woz robots` lists, or a robot file (default: simulated)"
+    )
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument(
         "--study", dest="study", action="store_true", default=None, help="with participants"

@@ -93,7 +93,8 @@ def add_keymap(parser: ArgumentParser) -> None:
         "--keymap",
         type=Path,
         default=None,
-        help="file that moves the console's own keys (default: ~/.config/woz/keymap.yaml)",
+        help="file that moves the console's own keys, such as a line `say: ctrl+g`"
+        " (default: ~/.config/woz/keymap.yaml)",
     )
 
 

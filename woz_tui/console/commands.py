@@ -1,6 +1,6 @@
 """What the wizard can do beside playing actions: a row for each command of the console.
 
-Its keys stand in `config/keys/console_keys.py`, because experiments may not take them. Help,
+Their keys stand in `config/keys/builtin_keys.json`, because experiments may not take them. Help,
 palette, lowest line and keyboard read these rows; `replay/replay_commands.py` has those of a
 replay.
 

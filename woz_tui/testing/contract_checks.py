@@ -42,7 +42,7 @@ from woz_tui.testing.recording_context import PlainJob, RecordingContext, until
 #: Words that mean something else in every action: its own fields, and the session's verbs.
 RESERVED = (
     *("key", "label", "name", "help", "locked", "when_busy", "on", "until", "steps", "then"),
-    *("wait", "mark", "note", "set", "lock", "unlock"),
+    *("wait", "mark", "note", "set", "lock", "unlock", "bml"),
 )
 #: Verbs of the engagement model: in an experiment that has it a driver's could not be called.
 MODEL_VERBS = (

@@ -419,7 +419,7 @@ class SimulatedRobot(Driver):
         for role, step in steps.items():
             if step and role not in self._roles:
                 raise RejectedError(
-                    f"this robot has no joint for {role}", "see `woz check` for joints"
+                    f"this robot has no joint for {role}", "its robot file names its joints"
                 )
         steps = {role: step for role, step in steps.items() if step}
         return self._aim(

@@ -338,8 +338,8 @@ def typeable(chord: str, layout: str) -> bool:
 
 
 def load_keymap(path: Path, layout: str = "us") -> tuple[BuiltinKey, ...]:
-    """The console's keys with this file's changes (`say: ctrl+g`, ids and keys as `woz check` lists
-    them). Raises `ExperimentError` with every problem.
+    """The console's keys with this file's changes (`say: ctrl+g`; docs/how-to/keymap.md lists the
+    ids). Raises `ExperimentError` with every problem.
 
     The stop cannot be moved, and nothing can be put on its bytes.
     """

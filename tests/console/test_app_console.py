@@ -257,6 +257,26 @@ async def test_page_keys_turn_the_pages(on: str, back: str) -> None:
         assert "Action 0 " in seat.text("ActionPanels")
 
 
+async def test_a_panel_of_many_pages_is_seen_whole() -> None:
+    (panel,) = scenes.many_panels(10)
+    many = [action for each in scenes.many_panels(90) for action in each.actions]
+    shown = [replace_fields(panel, actions=many), scenes.panels()[0]]
+    async with sitting(scenes.welcome(shown=shown)) as seat:
+        seen = ""
+        for page in (1, 2, 3, 1):
+            seen += seat.text("ActionPanels")
+            assert f"page {page}/3" in seat.text("StopBar")
+            await seat.press("tab")
+        assert all(f"Action {number} " in seen for number in range(90))
+        assert "Goodbye" in seen
+        await seat.press("shift+tab", "shift+tab")
+        assert "page 3/3" in seat.text("StopBar")
+        await seat.press("shift+tab")
+        seat.console.terminal_found(KITTY)  # the caps are made anew
+        await seat.settle()
+        assert "page 2/3" in seat.text("StopBar")
+
+
 async def test_the_first_alt_chord_of_a_plain_terminal_is_explained_once() -> None:
     async with sitting() as seat:
         for _ in range(2):

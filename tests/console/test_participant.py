@@ -162,6 +162,68 @@ async def test_a_lost_line_keeps_the_answers_and_sends_them_again() -> None:
         assert "2 of 4" in seat.drawn()
 
 
+#: A scale, then a text.
+TWO: dict[str, m.Json] = {**studied.QUICK, "items": [studied.SCALES[0], studied.SCALES[3]]}
+
+
+async def lost(seat: Seat) -> None:
+    await asyncio.to_thread(seat.feed.cut, "gone")
+    await seat.settle()
+    seat.app.wake()
+    await seat.settle()
+    assert "Just a moment" in seat.drawn()
+
+
+async def test_a_text_that_was_not_confirmed_is_kept_as_answers_are() -> None:
+    async with seated() as seat:
+        await seat.tell(studied.started(TWO))
+        await seat.press("enter", "6", *"kind")
+        for away, back in (("ctrl+d", "n"), ("up", "down")):
+            await seat.press(away)
+            assert "kind" not in seat.drawn()
+            await seat.press(back, "!")
+            assert "kind!" in seat.drawn()
+        await lost(seat)
+        assert "kind" not in seat.drawn()
+        await seat.tell(studied.welcome(studied.started(TWO), role="participant"))
+        assert "kind!!" in seat.drawn()
+        seat.clock.advance(1)
+        await seat.press("backspace", "backspace", "enter")
+        asked = seat.feed.last(r.AskAnswer)
+        assert isinstance(asked, r.AskAnswer)
+        assert asked.text == "kind"
+
+
+async def test_a_text_that_was_left_out_after_all_does_not_come_back() -> None:
+    async with seated() as seat:
+        await seat.tell(studied.started(TWO))
+        await seat.press("enter", "6", *"kind", "ctrl+d", "n")
+        seat.clock.advance(1)
+        await seat.press("tab")
+        seat.clock.advance(1)
+        await seat.press("enter" if "finish" not in seat.drawn() else "backspace")
+        assert "Anything else?" in seat.drawn()
+        assert "kind" not in seat.drawn()
+
+
+async def test_the_next_participant_gets_nothing_of_the_one_before() -> None:
+    """The line is away while one round ends and the next one of the same questionnaire begins."""
+    async with seated() as seat:
+        await seat.tell(studied.started(TWO))
+        seat.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
+        await seat.press("enter", "6", *"kind")
+        await lost(seat)
+        sent = len(seat.feed.asked)
+        later = studied.started(TWO, t=studied.NOW + 60 * studied.SECOND)
+        await seat.tell(studied.welcome(later, role="participant"))
+        assert len(seat.feed.asked) == sent
+        await seat.press("enter")
+        assert "1 of 2" in seat.drawn()
+        await seat.press("3")
+        assert "Anything else?" in seat.drawn()
+        assert "kind" not in seat.drawn()
+
+
 async def test_the_end_of_the_session_ends_it() -> None:
     async with seated() as seat:
         await seat.tell(m.SessionEnd(reason="wizard", t=studied.NOW))

@@ -165,6 +165,17 @@ async def test_the_stop_goes_through_a_text_field() -> None:
         await seat.until(lambda: seat.console.dialog is None)
 
 
+async def test_a_text_that_the_wizard_left_is_there_when_she_goes_on() -> None:
+    words: dict[str, Json] = {**studied.QUICK, "items": [studied.SCALES[3]]}
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat, words)
+        await seat.press("enter")
+        await seat.type("kind")
+        await seat.press("ctrl+q")
+        await seat.press("asterisk", "q", "enter")
+        assert "kind" in seat.drawn()
+
+
 async def test_no_key_of_the_experiment_plays_meanwhile() -> None:
     async with sitting(studied.welcome()) as seat:
         await asking(seat)

@@ -18,7 +18,7 @@ from textual.widgets import OptionList
 
 from tests.console.driving import screen_text
 from tests.console.scripted import ScriptedFeed
-from tests.replay.logs import SECOND, START, KeptSamples, recording_of, story
+from tests.replay.logs import PLAN, SECOND, START, KeptSamples, recording_of, stamped, story
 from woz_tui.console.cells import Cells
 from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.message_feed import OnLost, OnMessages
@@ -26,7 +26,9 @@ from woz_tui.console.replay.replay_app import ReplayConsole
 from woz_tui.console.replay.replay_commands import ReplayKeyboard
 from woz_tui.console.theme import Appearance
 from woz_tui.log.coding_file import Coding
+from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.replay.player import ReplayPlayer, ReplayStart
 from woz_tui.replay.recording import Recording
 from woz_tui.system.clock import ManualClock
@@ -242,6 +244,19 @@ async def test_an_action_of_then_lights_its_cap_up() -> None:
         assert not [look for row in panels.rows for _, look in row if look == "flash"]
 
 
+async def test_the_page_of_an_action_of_then_is_shown() -> None:
+    names = [f"Action {number}" for number in range(60)]
+    panel = PanelView(title="All", actions=[ActionView(name=each, label=each) for each in names])
+    plan = msgspec.structs.replace(PLAN, panels=[panel], script=[])
+    asked = m.ActionRequested(run="a1", action="Action 59", source="key")
+    told = stamped([(0, START), (0.2, plan), (3, asked), (60, m.Note(text="over"))])
+    start = ReplayStart(at_us=2 * SECOND)
+    async with watching(start, recording=recording_of(told)) as seat:
+        assert "Action 59" not in seat.text("ActionPanels")
+        await seat.pass_time(2)
+        assert "Action 59" in seat.text("ActionPanels")
+
+
 async def test_the_keys_of_the_session_are_shown_but_play_nothing() -> None:
     async with watching() as seat:
         assert "h" in seat.text("ActionPanels")
@@ -315,11 +330,12 @@ async def test_a_place_that_is_not_there() -> None:
 
 
 async def test_help_shows_the_keys_of_the_replay() -> None:
-    async with watching(size=(100, 50)) as seat:
+    async with watching(size=(100, 60)) as seat:
         await seat.press("?")
         for part in ("stand still, go on", "5 s back", "twice the speed", "Hello"):
             assert part in seat.drawn
         assert "drive forward" not in seat.drawn
+        assert "would do" not in seat.drawn
 
 
 async def test_what_is_missing_is_in_the_header_and_can_be_read() -> None:
@@ -371,6 +387,30 @@ async def test_a_code_is_typed_while_the_replay_stands_still_and_chosen_the_next
         before = it.t
         await it.pass_time(1)
         assert it.t > before, "it goes on"
+
+
+@pytest.mark.parametrize("keys", [("space", "m"), ("space", "space", "m"), ("m",)])
+async def test_the_replay_stands_still_while_a_code_is_typed_and_then_is_as_it_was(
+    keys: tuple[str, ...],
+) -> None:
+    """However soon behind the pause: what the screen shows is older than the keys."""
+    async with watching(ReplayStart(at_us=4 * SECOND)) as it:
+        await it.pass_time(10)  # the greeting is gone: no key is a reason to paint any more
+        await it.press(*keys)
+        await it.pass_time(3)
+        assert it.t == 14 * SECOND
+        await it.press("ctrl+q")
+        await it.pass_time(3)
+        assert it.t == (14 if keys == ("space", "m") else 17) * SECOND
+
+
+async def test_a_dialog_that_closes_at_once_lets_the_replay_go_on() -> None:
+    async with watching(ReplayStart(at_us=4 * SECOND)) as it:
+        for key in ("m", "escape"):
+            it.console.post_message(Key(key, key_to_character(key)))
+        await it.press()
+        await it.pass_time(3)
+        assert it.t == 7 * SECOND
 
 
 async def test_what_is_typed_is_the_code_also_where_a_longer_one_was_set_before(

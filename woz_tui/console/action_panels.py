@@ -208,11 +208,29 @@ _LOOK = {
 
 @dataclass(frozen=True, slots=True)
 class PanelSelection:
-    """What does not come from messages: key caps, the chosen panel, the key just pressed."""
+    """What does not come from messages: key caps, the chosen panel, the key just pressed.
+
+    `further`: how many pages behind the one on which the chosen panel begins are turned.
+    """
 
     caps: Mapping[str, KeyCap]
     chosen: int = 0
     pressed: str = ""
+    further: int = 0
+
+    def page(self, arranged: PanelLayout) -> int:
+        """The page that is shown."""
+        return min(arranged.page_of(self.chosen) + self.further, arranged.pages - 1)
+
+    def at(self, page: int, arranged: PanelLayout, panel: int | None = None) -> PanelSelection:
+        """The same with this page turned, and `panel` chosen; else the first one that begins on the
+        page, or the one that goes on there.
+        """
+        if panel is None:
+            there = [slot.panel for slot in arranged.slots if slot.page == page]
+            begun = (each for each in there if arranged.page_of(each) == page)
+            panel = min(begun, default=max(there, default=0))
+        return replace(self, chosen=panel, further=page - arranged.page_of(panel))
 
 
 def cap_width(state: ConsoleState, board: PanelSelection, glyphs: Glyphs) -> int:
@@ -243,7 +261,7 @@ def panel_rows(
     state: ConsoleState, frame: PaintFrame, arranged: PanelLayout, board: PanelSelection
 ) -> list[Row]:
     """The page with the chosen panel, as large as the frame."""
-    page = arranged.page_of(board.chosen)
+    page = board.page(arranged)
     cap = cap_width(state, board, frame.glyphs)
     column_frame = replace(frame, width=arranged.width)
     grid: dict[tuple[int, int], Row] = {}
@@ -406,7 +424,7 @@ class ActionPanels(Cells):
         arranged = self._arranged
         if arranged is None or arranged.pages < 2:
             return ""
-        return f"page {arranged.page_of(self.board.chosen) + 1}/{arranged.pages}"
+        return f"page {self.board.page(arranged) + 1}/{arranged.pages}"
 
     def needs(self, state: ConsoleState, glyphs: Glyphs) -> int:
         """Lines in which all panels find room on one page of this width, as far as they do."""
@@ -419,33 +437,24 @@ class ActionPanels(Cells):
         """
         if not state.front:
             return
-        firsts = self._firsts(len(state.front))
-        if len(firsts) > 1 and self._arranged is not None:
-            pages = list(firsts)
-            at = pages.index(self._arranged.page_of(self.board.chosen))
-            chosen = firsts[pages[(at + by) % len(pages)]]
+        arranged = self._arranged
+        if arranged is not None and arranged.pages > 1:
+            page = (self.board.page(arranged) + by) % arranged.pages
+            self.board = self.board.at(page, arranged)
         else:
             chosen = (self.board.chosen + by) % len(state.front)
-        self.board = replace(self.board, chosen=chosen)
+            self.board = replace(self.board, chosen=chosen, further=0)
 
-    def _firsts(self, panels: int) -> dict[int, int]:
-        """Page -> the first panel that begins on it."""
-        arranged, found = self._arranged, dict[int, int]()
-        if arranged is not None:
-            for panel in range(panels):
-                found.setdefault(arranged.page_of(panel), panel)
-        return found
-
-    def turn_to(self, state: ConsoleState, action: str) -> None:
-        """Choose the panel on which an action is."""
-        for index, panel in enumerate(state.front):
-            if any(each.name == action for each in panel.actions):
-                self.board = replace(self.board, chosen=index)
+    def turn_to(self, action: str) -> None:
+        """Turn to the page on which an action is, and choose its panel."""
+        arranged = self._arranged
+        for slot in arranged.slots if arranged is not None else ():
+            if arranged is not None and slot.action is not None and slot.action.name == action:
+                self.board = self.board.at(slot.page, arranged, slot.panel)
 
     def bear(self, caps: Mapping[str, KeyCap]) -> None:
         """Show these key caps."""
-        chosen = self.board.chosen if self.board.caps else 0
-        self.board = PanelSelection(caps, chosen)
+        self.board = replace(self.board, caps=caps)
 
     def press(self, action: str) -> None:
         """Let an action's key cap light up; an empty name lets all go dark."""

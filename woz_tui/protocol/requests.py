@@ -327,11 +327,12 @@ class AskTraining(Request, frozen=True, kw_only=True, tag="training"):
 class AskReplay(Request, frozen=True, kw_only=True, tag="replay"):
     """Move through a log that is being replayed; a robot process refuses it.
 
+    `pause` stands still, or goes on; `hold` stands still and replies whether it played (`plays`).
     `seek` goes `by_s` seconds on or back, `go` to a time (`12:34`, `754.2`) or to the marker with
     the text `to`.
     """
 
-    what: Literal["pause", "step", "faster", "slower", "seek", "go"]
+    what: Literal["pause", "hold", "step", "faster", "slower", "seek", "go"]
     by_s: float = 0.0
     to: str = ""
 

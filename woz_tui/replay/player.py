@@ -220,6 +220,9 @@ class ReplayPlayer:
         match request:
             case AskReplay(what="pause"):
                 return None, self._pause(now)
+            case AskReplay(what="hold"):
+                plays = not self.still
+                return {"plays": plays}, self._pause(now) if plays else []
             case AskReplay(what="step"):
                 return self._step(now)
             case AskReplay(what="faster"):

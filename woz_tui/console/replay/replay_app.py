@@ -75,7 +75,7 @@ class ReplayConsole(Console):
         super()._take_in(local)
         while self.inbox.played:
             action = self.inbox.played.popleft()
-            self._panels.turn_to(self.state, action)
+            self._panels.turn_to(action)
             self._panels.press(action)
             self._flash_until = local + round(FLASH_S * 1_000_000)
 

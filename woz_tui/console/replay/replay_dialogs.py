@@ -15,7 +15,7 @@ from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.console.screens.dialog import Dialog, ReportDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.console.screens.note import NoteDialog
-from woz_tui.protocol.requests import AskMarker, AskReplay
+from woz_tui.protocol.requests import AskMarker, AskReplay, Reply
 from woz_tui.protocol.welcome import ReplayedLog
 from woz_tui.replay.seek import time_of
 from woz_tui.system.text_cleaning import elapsed
@@ -72,21 +72,26 @@ class GoDialog(SearchDialog[TimelinePlace]):
 class _PausesReplay(Dialog):
     """Stands still while it is open, and goes on if it went."""
 
-    _was_playing = False
+    _played = _over = False
 
     def on_mount(self) -> None:
         """Stand still."""
-        replay = self.state.replay
-        self._was_playing = replay is not None and not replay.paused and not replay.ended
-        self._toggle()
+        self.requests.ask(AskReplay(what="hold"), self._held)
+
+    def _held(self, reply: Reply) -> None:
+        self._played = isinstance(reply.data, dict) and reply.data.get("plays") is True
+        if self._over:
+            self._go_on()
 
     def closing(self) -> None:
-        """Go on."""
+        """Go on; a dialog may close before it has the reply."""
         super().closing()
-        self._toggle()
+        self._over = True
+        self._go_on()
 
-    def _toggle(self) -> None:
-        if self._was_playing:
+    def _go_on(self) -> None:
+        if self._played:
+            self._played = False
             self.requests.ask(AskReplay(what="pause"))
 
 

@@ -52,6 +52,8 @@ class QuestionnaireDialog(Dialog):
                 self.call_later(self.leave)
 
     def closing(self) -> None:
-        """What is to be asked behind it is offered."""
+        """Keep what was typed; what is to be asked behind it is offered."""
+        for sheet in self.query(QuestionnaireSheet):
+            sheet.keep_draft()
         if self._over:
             self.app.call_later(offer_due, self.console_app)

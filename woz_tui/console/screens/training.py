@@ -70,9 +70,10 @@ class ScoreDialog(_Training):
         told = self._training
         counted = told.right + told.wrong + told.missed
         share = f"{told.right / counted:.0%}" if counted else "no cue"
+        others = f"wrong {told.wrong}, missed {told.missed}, pressed without a cue {told.uncalled}"
         rows: list[Row] = [
             ((f"{share}: {told.right} of {counted} right", "strong"),),
-            ((f"wrong {told.wrong}, missed {told.missed}, uncalled {told.uncalled}", "plain"),),
+            ((others, "plain"),),
         ]
         if told.median_us >= 0:
             rows.append(((f"median reaction {told.median_us / 1_000_000:.2f} s", "plain"),))

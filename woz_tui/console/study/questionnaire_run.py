@@ -88,6 +88,12 @@ class QuestionnaireRun:
         return self.asked.answers.get(self.item.name) if self.item is not None else None
 
     @property
+    def text(self) -> str:
+        """What stands in the text field at first: what was typed last, or answered before."""
+        answered = self.answer.text if self.answer is not None else ""
+        return self.asked.drafts.get(self.item.name, answered) if self.item is not None else ""
+
+    @property
     def wants_text(self) -> bool:
         """Whether a text field is to be shown."""
         return self.page is QuestionnairePage.ITEM and self.item is not None and self.item.text
@@ -321,6 +327,7 @@ class QuestionnaireRun:
 
     def resume(self, asked: OpenQuestionnaire) -> None:
         """Take the state after a lost connection: send again what was not confirmed."""
+        asked.drafts = self.asked.drafts
         self.asked = asked
         for request in list(self.unconfirmed.values()):
             value = None if request.value is None else round(request.value)

@@ -22,7 +22,7 @@ from woz_tui.console.study.questionnaire_pages import (
     words_rows,
 )
 from woz_tui.console.study.questionnaire_run import QuestionnaireRun
-from woz_tui.console.study.questionnaires import OpenQuestionnaire
+from woz_tui.console.study.questionnaires import ItemAnswer, OpenQuestionnaire
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire, Reply
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 
@@ -106,7 +106,10 @@ class QuestionnaireSheet(Vertical):
         self.run: QuestionnaireRun | None = None
         self._lines: Words = []
         self._words = ENGLISH
+        #: The item for whose text the field is shown, of which run, and its answer by then.
         self._field_item = ""
+        self._field_run: QuestionnaireRun | None = None
+        self._field_answer: ItemAnswer | None = None
         self._field_height = _FIELD
         self._kept: QuestionnaireRun | None = None
         self._away = False
@@ -151,7 +154,7 @@ class QuestionnaireSheet(Vertical):
         self._lines, self._words, self._away, self._notice = lines or [], words, away, notice
         if asked is None or away:
             self.run = None
-        elif run is None or run.asked.name != asked.name:
+        elif run is None or run.asked.round != asked.round:
             self.run = QuestionnaireRun(asked, self._send, self._now_us, words)
         elif run.asked is not asked:
             self.run = run
@@ -231,6 +234,12 @@ class QuestionnaireSheet(Vertical):
     def _frame(self, cells: Cells) -> PaintFrame:
         return PaintFrame(cells.size.width, cells.size.height, 0, self._glyphs)
 
+    def keep_draft(self) -> None:
+        """Keep the text that stands in the field and is not confirmed."""
+        if self._field_run is not None and self._field_item:
+            asked = self._field_run.asked
+            asked.keep_draft(self._field_item, self._field.text, self._field_answer)
+
     def _show_field(self, run: QuestionnaireRun | None) -> None:
         """The field with what was written before, while its item is shown."""
         field = self._field
@@ -246,10 +255,12 @@ class QuestionnaireSheet(Vertical):
         name = item.name if item is not None else ""
         if name == self._field_item:
             return
-        self._field_item = name
+        self.keep_draft()
+        self._field_item, self._field_run = name, run
         field.display = bool(name)
         if run is not None and name:
-            field.text = run.answer.text if run.answer is not None else ""
+            self._field_answer = run.answer
+            field.text = run.text
             field.move_cursor(field.document.end)
             field.focus()
         else:

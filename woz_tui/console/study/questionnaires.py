@@ -28,10 +28,21 @@ class ItemAnswer:
 
 @dataclass(slots=True)
 class OpenQuestionnaire:
-    """A questionnaire that is put to somebody; answers by item."""
+    """A questionnaire that is put to somebody; answers by item.
+
+    `began`: when, on the axis of `t`; None: not known. `drafts`: texts that were typed here and not
+    confirmed, by item.
+    """
 
     questionnaire: Questionnaire
     answers: dict[str, ItemAnswer] = field(default_factory=dict)
+    began: int | None = None
+    drafts: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def round(self) -> tuple[str, int | None]:
+        """It is another one each time it is put to somebody."""
+        return self.name, self.began
 
     @property
     def name(self) -> str:
@@ -52,6 +63,14 @@ class OpenQuestionnaire:
         """Somebody answered, here or at another terminal."""
         value = None if told.value is None else round(told.value)
         self.answers[told.item] = ItemAnswer(value, told.text, told.skipped)
+
+    def keep_draft(self, item: str, text: str, before: ItemAnswer | None) -> None:
+        """Keep a text that was left. `before`: the answer when it was begun; a newer one holds."""
+        confirmed = before.text if before is not None else ""
+        if self.answers.get(item) == before and text != confirmed:
+            self.drafts[item] = text
+        else:
+            self.drafts.pop(item, None)
 
     def first_open(self) -> int:
         """The first item without an answer; behind the last one if there is none."""

@@ -52,9 +52,8 @@ class StudyView:
 
     session: SessionState = field(default_factory=SessionState)
     questionnaires: tuple[Questionnaire, ...] = ()
-    #: The questionnaire that is put to somebody now, and the message that began it.
+    #: The questionnaire that is put to somebody now.
     open_questionnaire: OpenQuestionnaire | None = None
-    _started: m.QuestionnaireStarted | None = None
     #: The last cue of a training.
     _cue: m.CueGiven | None = None
     #: What became of it, or of a press without one.
@@ -225,17 +224,15 @@ class StudyView:
         """
         current = self.session.study.questionnaire
         if current is None:
-            self.open_questionnaire = self._started = None
+            self.open_questionnaire = None
             return
-        round_ = (current.name, current.started)
-        if (
-            self.open_questionnaire is None
-            or (self.open_questionnaire.name, self._started) != round_
-        ):
-            self._started = current.started
-            self.open_questionnaire = OpenQuestionnaire(self._open(current.name, current.started))
+        started, asked = current.started, self.open_questionnaire
+        began = started.t if started is not None else None
+        if asked is None or asked.round != (current.name, began):
+            opened = OpenQuestionnaire(self._open(current.name, started), began=began)
+            self.open_questionnaire = opened
             for answer in current.answers.values():
-                self.open_questionnaire.apply(answer)
+                opened.apply(answer)
 
     def _open(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
         """As it was begun; what that does not say, as the file has it."""

@@ -91,6 +91,19 @@ async def test_a_failure_raises_what_failed_and_what_to_do(host: Served) -> None
             await woz.press("Fall")
 
 
+async def test_a_drive_stop_that_is_confirmed_meanwhile_is_no_answer_to_a_stop(
+    host: Served,
+) -> None:
+    def lost(message: m.AnyMessage) -> None:
+        if isinstance(message, m.StopPressed):
+            nobody = m.StopConfirmed(confirmed=[], missing=[], elapsed_us=0, scope="drive")
+            host.session.hub.publish(nobody)
+
+    host.session.hub.listen(lost)
+    async with connect(host.path) as woz:
+        assert (await woz.stop()).confirmed == ["robot"]
+
+
 async def test_the_stop_raises_in_whoever_waits_and_is_confirmed_to_who_pressed(
     host: Served,
 ) -> None:

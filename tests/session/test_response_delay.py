@@ -345,22 +345,31 @@ def cued(hub: Hub, floor: float) -> None:
     hub.publish(m.Marker(text="go"))
 
 
-@pytest.mark.parametrize("how", ["drop", "clear"])
-def test_what_was_dropped_keeps_nothing_waiting(how: str) -> None:
+def test_what_was_dropped_keeps_nothing_waiting() -> None:
     begun: list[int] = []
 
     async def scene(hub: Hub, shaper: ResponseDelay) -> None:
         cued(hub, 30)
         assert shaper.hold("r1", "x", "key", lambda: begun.append(-1))
-        if how == "drop":
-            shaper.drop("r1")
-        else:
-            shaper.clear()
+        shaper.drop("r1")
         cued(hub, 2)
         assert shaper.hold("r2", "x", "key", lambda: begun.append(hub.now()))
 
     held_by(scene)
     assert begun == [pytest.approx(2 * SECOND, abs=100)]
+
+
+def test_nothing_waits_behind_what_was_held_and_has_been_replaced(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        stage.session.play("Map", KEY)
+        stage.session.cancel(stage.session.play("Welcome", KEY))
+        shaped(stage, 0)
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(0.001)
+        assert stage.puppet().calls == [("say", {"text": "Hello P07"})]
+
+    assert play(scene).kinds(m.ActionSuperseded) == ["ActionSuperseded"]
 
 
 def test_nothing_passes_what_is_held_where_the_file_holds_nothing_any_more() -> None:

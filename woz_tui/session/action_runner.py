@@ -159,16 +159,11 @@ class ActionRunner:
             self._schedule(run_id, action.name, later, lambda: self._begin_late(run, later))
             return run_id, ""
         calls = calls_in(steps)
-        if not self._holds(run_id, action.name, origin, calls, lambda: self._begin(run)):
+        if not self._holds(run_id, action.name, origin, calls, lambda: self._advance(run)):
             self._advance(run)
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
             self._supersede(run.id, action.label, origin, calls)
         return run_id, run.ended.reason if isinstance(run.ended, m.ActionRefused) else ""
-
-    def _begin(self, run: ActionRun) -> None:
-        """Begin a run that was held, unless it has been ended meanwhile."""
-        if run.id in self._runs:
-            self._advance(run)
 
     def _begin_late(self, run: ActionRun, later: LaterStart) -> None:
         if (refusal := later.why_not()) is not None:
@@ -194,7 +189,9 @@ class ActionRunner:
         loop = asyncio.get_running_loop()
         due()
 
-    def _unschedule(self, run: str) -> None:
+    def _forget_begin(self, run: str) -> None:
+        """A run or command has ended: nothing of it begins any more."""
+        self._delay.drop(run)
         if (timer := self.scheduled.pop(run, None)) is not None:
             timer.cancel()
 
@@ -310,7 +307,7 @@ class ActionRunner:
     def _let_go(self, command: str, reason: str, code: str = "stopped") -> None:
         """End a single command that was held without sending it, and log that."""
         held, on_end = self._held.pop(command)
-        self._unschedule(command)
+        self._forget_begin(command)
         self._bus.refuse(held, code, reason, on_end)
 
     def _remember(self, played: str, name: str, origin: RequestOrigin) -> None:
@@ -454,7 +451,7 @@ class ActionRunner:
     def _finish(self, run: ActionRun, end: m.ActionEnd) -> None:
         if self._runs.pop(run.id, None) is None:
             return
-        self._unschedule(run.id)
+        self._forget_begin(run.id)
         if run.timer is not None:
             run.timer.cancel()
         run.ended = end
@@ -498,7 +495,6 @@ class ActionRunner:
         """End one run, or one command that belongs to none; says whether it was under way."""
         run = self._runs.get(run_id)
         found = self._bus.cancel(run_id, reason)
-        self._delay.drop(run_id)
         if run_id in self._held:
             self._let_go(run_id, reason)
             return True
@@ -553,7 +549,6 @@ class ActionRunner:
 
     def _drop_held(self, reason: str) -> None:
         """End everything that is held after a cue."""
-        self._delay.clear()
         for command in list(self._held):
             self._let_go(command, reason)
 

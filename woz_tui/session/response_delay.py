@@ -102,11 +102,6 @@ class ResponseDelay:
         self._held = deque(entry for entry in self._held if entry[1] != run)
         self._wait()
 
-    def clear(self) -> None:
-        """Forget everything that is held."""
-        self._held.clear()
-        self._wait()
-
     def _wait(self) -> None:
         """Wake up for the first that is held now, not for one that has been dropped."""
         if self._timer is not None:

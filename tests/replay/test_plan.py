@@ -83,6 +83,7 @@ def test_a_command_is_repeated_at_the_moment_at_which_it_began(tmp_path: Path) -
         (command(verb="toggle", driver="engagement"), [dispatched(), done()], "engagement model"),
         (command(verb="bml", driver="bml"), [dispatched(), done()], "command by command"),
         (command(verb="learn_face"), [dispatched(), done()], "person who is there now"),
+        (command(verb="face_consent"), [dispatched(), done()], "person who is there now"),
         (command(verb="sound", source="body"), [dispatched(), done()], "body requests it"),
     ],
 )

@@ -192,6 +192,56 @@ def test_a_face_is_learnt_after_a_consent_that_is_in_the_log(tmp_path: Path, ans
     assert not [text for text in room.notices if "did not learn" in text]
 
 
+class Learner(Guide):
+    """Learns a face whoever asks for it, as a Pepper does."""
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        name = Argument("name", "text", required=True)
+        return (*super().verbs(settings), Verb("learn_face", "", (name,), lane="identity"))
+
+
+def test_a_name_that_the_wizard_gives_is_no_consent(tmp_path: Path) -> None:
+    settings = replace(ASKING, handshake=replace(ASKING.handshake, face_consent="Your face?"))
+    made = guided(tmp_path, settings)
+    spec = replace(made.drivers[0], verbs=Learner.verbs(None))
+
+    async def scenario(room: Room) -> None:
+        await answers(room, 1, "My name is Bruno")
+        await answers(room, 2, "Yes!")
+        await asyncio.sleep(1.5)
+        room.tell("visitor", code="Bruno")
+        await asyncio.sleep(2)
+        saves(room)
+
+    room = in_room(tmp_path, stranger(scenario), replace(made, drivers=(spec,)), kind=Learner)
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert "Your face?" in said
+    assert "learn_face" not in [verb for verb, _ in room.commands]
+    assert stored(tmp_path) == ["Bruno"]
+
+
+def test_the_name_counts_where_the_time_ends_with_the_question_for_the_face(
+    tmp_path: Path,
+) -> None:
+    handshake = replace(ASKING.handshake, seconds=10.0, silence=8.0, face_consent="Your face?")
+    made = guided(tmp_path, replace(ASKING, handshake=handshake))
+    spec = replace(made.drivers[0], verbs=Learner.verbs(None))
+
+    async def scenario(room: Room) -> None:
+        await answers(room, 1, "My name is Bruno")
+        await answers(room, 2, "Yes!")
+        await asyncio.sleep(12)
+        saves(room)
+
+    room = in_room(tmp_path, stranger(scenario), replace(made, drivers=(spec,)), kind=Learner)
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert said[-2:] == ["Your face?", "Nice to meet you, Bruno!"]
+    assert "eng2unknow" not in room.outcomes
+    assert "learn_face" not in [verb for verb, _ in room.commands]
+    assert stored(tmp_path) == ["Bruno"]
+
+
 def test_silence_is_asked_again_and_then_left_alone(tmp_path: Path) -> None:
     """Attempts and time are bounded."""
 
@@ -234,6 +284,19 @@ def test_the_stop_silences_the_question_and_its_release_asks_anew(tmp_path: Path
     room = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING), linger=0.1)
     said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
     assert said == [ASKING.handshake.ask] * 2 + ["Nice to meet you, Carla!"]
+
+
+def test_a_stop_that_outlasts_the_handshake_says_how_it_goes_on(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        await asyncio.sleep(0.5)
+        room.session.stop("key")
+        await asyncio.sleep(60)
+        assert room.shown.state == "EngagedWithUnknown"
+        room.session.release("key")
+        await asyncio.sleep(2)
+
+    room = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING), linger=0.1)
+    assert any("handshake: begin" in notice.remedy for notice in room.of(m.Notice))
 
 
 def test_a_store_that_cannot_be_read_costs_a_notice_and_no_name(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from woz_tui.analysis.played_actions import SESSION_SOURCES
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.drivers.argument_check import ArgumentError, checked
-from woz_tui.drivers.contract import Verb
+from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Verb
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import SCHEMA
@@ -35,8 +35,8 @@ from woz_tui.timeline.timeline import Timeline
 
 #: Whose commands they are, in the log of the re-run.
 REPLAY = "replay"
-#: These take something in from the room, and in a re-run another one stands there.
-LEARNING = frozenset({"learn_face", "listen_room"})
+#: These concern who is in the room, and in a re-run another one stands there.
+LEARNING = frozenset({LEARN_FACE, FACE_CONSENT, "listen_room"})
 #: What of the session's own verbs has a meaning without a participant and a wizard's panels.
 SESSION_VERBS = frozenset({"mark", "note"})
 #: Markers that the session itself puts: the preflight's, and those of the verb `mark`.
@@ -251,7 +251,7 @@ def _senseless(command: m.Command) -> str:
     if command.driver == BML:
         return "what it consists of is repeated command by command"
     if command.verb in LEARNING:
-        return "it would learn from the person who is there now"
+        return "it would concern the person who is there now"
     if command.source not in SESSION_SOURCES:
         return f"{command.source} requests it by itself, also in the re-run"
     return ""

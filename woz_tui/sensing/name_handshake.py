@@ -4,9 +4,9 @@ Pure: time comes in as whole microseconds, what the robot shall do comes back as
 
     handshake = Handshake(settings, visitors.is_taken)
     order = handshake.begin(t)              -> Say: the robot speaks it
-    handshake.said(t)                       its utterance has ended, in whatever way: silence counts
+    handshake.robot_finished(t)             its utterance has ended, in whatever way: silence counts
     handshake.speaks(t) / .spoke(t)         the visitor begins, stops: meanwhile nothing is asked
-    order = handshake.heard(text, t)        what was understood ("" for nothing)
+    order = handshake.visitor_said(text, t) what was understood ("" for nothing)
     order = handshake.advance(t)            time passes; at the latest at `due()`
     order = handshake.learnt(ok, t)         answer to Learn: face and name are stored, or not
     order = handshake.recognised(name, t)   the recogniser knows them meanwhile
@@ -37,6 +37,9 @@ from woz_tui.config.visitor_names import VisitorNameError, name_of, quoted_name
 from woz_tui.sensing.answer_parsing import NameAnswer, NameAnswerParser
 
 _SECOND = 1_000_000
+#: The machine ends a handshake by the same time. The question for the face is over before, so that
+#: the confirmed name is there first.
+_BEFORE_END = _SECOND // 2
 #: So many words in a row of the robot's own are an echo.
 _ECHO = 3
 #: The only variable that the sentences know.
@@ -45,7 +48,7 @@ _NAME = "name"
 
 @dataclass(frozen=True, slots=True)
 class Say:
-    """The robot shall say this; `said` when it is over."""
+    """The robot shall say this; `robot_finished` when it is over."""
 
     text: str
     why: str
@@ -254,6 +257,7 @@ class Handshake:
         if not self._asks_for_face:
             return self._learn(consent=None)
         self.stage = HandshakeStage.CONSENT
+        self._ends -= _BEFORE_END
         return self._say(self._settings.face_consent, "asks whether the face may be learnt")
 
     def _consented(self, answer: NameAnswer) -> Order:

@@ -2,7 +2,8 @@
 
 The handshake is the wizard's unless the settings say otherwise: the machine waits in *Handshake*,
 a notice says what is to be done, and `visitor: CODE` or `handshake: fail` ends it. With `by: robot`
-the robot asks. While the stop is pressed nobody asks; after the release the question comes anew.
+the robot asks. While the stop is pressed nobody asks; after the release the question comes anew,
+or a notice if the time for it is over.
 """
 
 from __future__ import annotations
@@ -226,6 +227,8 @@ class VisitorRecognition:
         self._logs = logs
         self.visitors = self._read_visitors(store_at(settings.visitors, self._logs))
         self._introduction: RobotHandshake | None = None
+        #: The time of a handshake was over while the stop was pressed.
+        self._unasked = False
 
     def adopt(self, settings: EngagementSettings) -> None:
         """Other settings count from the next handshake on; another file from now on."""
@@ -268,12 +271,17 @@ class VisitorRecognition:
 
     def entered(self, change: Transition) -> None:
         """The machine is in another state."""
-        refused = self._introduction is not None and self._introduction.consent is False
-        if not self._robot.is_over() and not refused:
+        # Where the robot asks for the face only a yes counts, whoever gives the name.
+        handshake = self._settings.handshake
+        asks = handshake.by == "robot" and handshake.face_consent.strip()
+        agreed = self._introduction is not None and self._introduction.consent
+        if not self._robot.is_over() and (agreed or not asks):
             _learn_faces(self._robot, change)
-        if change.was == State.HANDSHAKE and self._introduction is not None:
-            introduction, self._introduction = self._introduction, None
-            introduction.left(change.outcome, self.name(change.visitor))
+        if change.was == State.HANDSHAKE:
+            self._unasked = handshake.by == "robot" and self._robot.is_stopped
+            if self._introduction is not None:
+                introduction, self._introduction = self._introduction, None
+                introduction.left(change.outcome, self.name(change.visitor))
         if change.now == State.HANDSHAKE:
             self._introduce()
         elif change.now == State.KNOWN and change.visitor:
@@ -304,6 +312,12 @@ class VisitorRecognition:
         """The stop was released."""
         if state is State.HANDSHAKE:
             self._introduce()
+        elif state is State.UNKNOWN and self._unasked:
+            self._notice(
+                "its time was over while the stop was pressed",
+                "`handshake: begin` asks again; `visitor` gives a name",
+            )
+        self._unasked = False
 
     # -- the handshake -----------------------------------------------------------------------------
 
@@ -338,12 +352,16 @@ class VisitorRecognition:
     def _hears(self) -> bool:
         return any(SPEECH_TEXT in spec.sensors for spec in self._robot.experiment().drivers)
 
-    def _notice(self, text: str) -> None:
+    def _notice(
+        self,
+        text: str,
+        remedy: str = "use `visitor` to give a name, or `handshake: fail` to continue without one",
+    ) -> None:
         self._robot.hub.publish(
             m.Notice(
                 level="info",
                 text=f"handshake: {text}",
-                remedy="use `visitor` to give a name, or `handshake: fail` to continue without one",
+                remedy=remedy,
                 tells=("engagement",),
             )
         )

@@ -105,6 +105,25 @@ def test_a_changed_experiment_is_shown_and_refused(
     assert "use --changed to run it nevertheless" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "alien"),
+    [
+        (["--robot", "--at", "0:02", "--headless", "--yes"], "--at"),
+        (["--robot", "--speed", "0.5", "--paused", "--headless"], "--paused, --speed"),
+        (["--dry-run", "--max-idle", "3"], "--max-idle"),
+        (["--headless", "--yes"], "--yes, --headless"),
+        (["--dry-run", "--coder", "C"], "--dry-run"),
+    ],
+)
+def test_options_of_the_screen_and_of_the_robot_are_not_mixed(
+    words: list[str], alien: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = log(tmp_path, *one(1, "c1"), (9, END))
+    assert main(["replay", str(path), *words]) == 2
+    assert f"leave {alien} out" in capsys.readouterr().err
+    assert [each.name for each in tmp_path.glob("*.jsonl")] == [LOG]
+
+
 def test_nobody_to_ask_is_a_no(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = log(tmp_path, *one(1, "c1"), (9, END))
     assert main(["replay", str(path), "--robot", "--headless"]) == 1

@@ -59,6 +59,25 @@ def test_a_face_that_was_known_before_the_handshake_does_not_end_it() -> None:
     assert log.path[-1] == KNOWN
 
 
+@pytest.mark.parametrize(
+    ("sign", "value", "verdict"),
+    [
+        ("presence", "on", 1),
+        ("gaze", "off", 0),
+        ("distance", "off", 0),
+        ("distance", "0.8", 1),
+        ("distance", "0", 1),
+        ("distance", "1e300", 0),
+        ("identity", "V07", "V07"),
+        ("identity", "Unknown", "Unknown"),
+    ],
+)
+def test_what_the_wizard_says_of_a_sign_holds(sign: str, value: str, verdict: object) -> None:
+    log = Log()
+    log.tell("sense", sign=sign, value=value)
+    assert log.follower.model.verdicts[sign] == verdict
+
+
 def test_another_participant_who_stands_there_is_seen_at_once() -> None:
     """They are no participant of a forced state: signs that say the same as before count."""
     log = Log()

@@ -117,15 +117,35 @@ def _coder(text: str) -> str:
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay it; the exit code."""
-    if arguments.coder and (arguments.reveal or arguments.robot or arguments.dry_run):
-        option = "--reveal" if arguments.reveal else "--robot"
-        print(f"woz: --coder hides the condition: leave {option} out", file=sys.stderr)
+    wrong = _mixed(arguments)
+    if wrong:
+        print(f"woz: {wrong}", file=sys.stderr)
         return 2
     if arguments.robot or arguments.dry_run:
         from woz_tui.cli import rerun  # noqa: PLC0415
 
         return rerun.play(arguments)
     return console_start.with_terminal(lambda: _show(arguments))
+
+
+def _mixed(arguments: argparse.Namespace) -> str:
+    """Which options do not go together; empty: all do."""
+    again = {"--robot": arguments.robot, "--dry-run": arguments.dry_run}
+    if arguments.coder:
+        why, alien = "--coder hides the condition", {"--reveal": arguments.reveal, **again}
+    elif any(again.values()):
+        why = "the robot is sent the whole session at its own speed"
+        alien = {
+            "--at": arguments.at,
+            "--paused": arguments.paused,
+            "--speed": arguments.speed != 1.0,
+            "--max-idle": arguments.max_idle,
+        }
+    else:
+        why = "a replay on the screen does not move the robot"
+        alien = {"--yes": arguments.yes, "--headless": arguments.headless}
+    given = ", ".join(name for name, value in alien.items() if value)
+    return f"{why}: leave {given} out" if given else ""
 
 
 def _show(arguments: argparse.Namespace) -> int:

@@ -34,6 +34,8 @@ SPEECH_TEXT = "speech.text"
 LEARN_FACE = "learn_face"
 #: The verb by which such a driver is told that somebody consents, or does not: `name`, `given`.
 FACE_CONSENT = "face_consent"
+#: Seconds that `rest` may take.
+REST_WAIT_S = 10.0
 
 
 class DriverError(Exception):
@@ -600,7 +602,9 @@ class Driver(Performer):
         """The connection `client` has ended, and with it whatever it held."""
 
     async def rest(self) -> None:
-        """Take the safe pose in which the robot may be left alone. Cancelled by the stop."""
+        """Take the safe pose in which the robot may be left alone. Cancelled by the stop, and after
+        `REST_WAIT_S`.
+        """
 
     async def close(self) -> None:
         """Let go of the hardware, once or more at the end: torque off, ports closed, tasks, threads

@@ -462,7 +462,7 @@ def _verdict(sign: str, value: object | None) -> float | bool | None:
         return value
     number = sample_values.number(value)
     if sign == "distance":
-        if number is None or not number > 0.0:
+        if number is None or not number >= 0.0:
             raise ValueError(f"{value!r} is no distance: a number of metres, on or off")
         return number
     if number not in (0.0, 1.0):

@@ -12,7 +12,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import guarded
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.sensor_names import published_names
-from woz_tui.drivers.contract import Driver, DriverError
+from woz_tui.drivers.contract import REST_WAIT_S, Driver, DriverError
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.plugins import PluginError
 from woz_tui.network.driver_line import DriverRouter
@@ -80,9 +80,8 @@ def _routers(experiment: Experiment) -> dict[str, DriverRouter]:
     return {listen: DriverRouter(listen, names) for listen, names in places.items()}
 
 
-#: Seconds that drivers may take to open, and to rest and to close when the session ends.
+#: Seconds that drivers may take to open, and to close when the session ends.
 OPEN_WAIT_S = 3.0
-REST_WAIT_S = 10.0
 CLOSE_WAIT_S = 8.0
 
 log = logging.getLogger(__name__)

@@ -7,12 +7,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
+from woz_tui.drivers.contract import REST_WAIT_S
 from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Sibling
 from woz_tui.motion.body_shape import BodyShape, pose_problems
 from woz_tui.motion.body_verbs import CONTROLS
 from woz_tui.motion.builtin_moves import BUILT_IN
+from woz_tui.motion.easing import PEAK_SPEEDS
 from woz_tui.motion.move_files import NAME, NAME_RULE, MoveFolder, read_folder
 from woz_tui.motion.move_types import Move
+
+#: Servos stand so long after the body until their torque goes off, in seconds.
+_SETTLING_S = 1.0
 
 # -- repertoire -----------------------------------------------------------------------------------
 # The moves that a body can play: those built in, and those of its folder.
@@ -77,6 +82,21 @@ class BodySettings(BodyShape):
         found = [*BodyShape.problems(self), *self._joint_names(), *self._angle_problems()]
         # Move files name joints, so they are read only where the joints are right.
         return found or [*self._name_problems()]
+
+    def warnings(self) -> list[tuple[str, str]]:
+        """Joints whose servos let go before they are at rest."""
+        found = []
+        for name, angle in self.rest_pose.items() if self.servos else ():
+            joint = self.joints[name]
+            way = max(joint.max - angle, angle - joint.min)
+            seconds = way * PEAK_SPEEDS[self.easing] / joint.speed
+            if seconds > REST_WAIT_S - _SETTLING_S:
+                text = (
+                    f"its way to the rest pose may take {seconds:.0f} s; the torque goes off"
+                    f" after {REST_WAIT_S:g} s"
+                )
+                found.append((f"joints.{name}.speed", text))
+        return found
 
     def included(self) -> MoveFolder:
         """The move files, which belong to the experiment as its other files do."""

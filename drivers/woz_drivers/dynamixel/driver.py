@@ -35,9 +35,9 @@ from woz_tui.protocol.messages import Json
 #: A restarted servo answers again within about a second; after this it is reported missing.
 REBOOT_S = 5.0
 REBOOT_LOOK_S = 0.1
-#: The body that is followed may take so long to its rest pose, in seconds; it is there when no
-#: setpoint has moved by more than `STILL` degrees between two looks for `STILL_S` seconds.
-BODY_REST_S, STILL_S, LOOK_S = 8.0, 0.5, 0.1
+#: A body that does not tell is at rest when no setpoint has moved by more than `STILL` degrees
+#: between two looks for `STILL_S` seconds.
+STILL_S, LOOK_S = 0.5, 0.1
 STILL = 0.05
 #: The thread is given so long to end; one tick is enough unless the port hangs.
 JOIN_S = 2.0
@@ -270,11 +270,12 @@ class DynamixelServos(Driver):
             await self._move(None, [Keyframe({name: rest[name] for name in ways}, seconds)])
 
     async def _body_at_rest(self, following: BodyFollower) -> None:
-        """Return when no joint is held, or the body is at rest or silent, and the joints stand."""
+        """Return when no joint is held, or the body is at rest or silent, and the joints stand.
+
+        However long that takes: the session ends it after `REST_WAIT_S`, and says so.
+        """
         held, since = await self._ask(_held), 0.0
-        for _ in range(round(BODY_REST_S / LOOK_S)):
-            if not held or following.still or since >= STILL_S:
-                return
+        while held and not following.still and since < STILL_S:
             await asyncio.sleep(LOOK_S)
             before, held = held, await self._ask(_held)
             moved = any(abs(held[name] - before.get(name, 0.0)) > STILL for name in held)

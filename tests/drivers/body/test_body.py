@@ -48,6 +48,15 @@ def test_a_joints_name_can_be_told_from_everything_else(name: str, why: str) -> 
     assert why in problem
 
 
+def test_joints_that_servos_let_go_of_on_the_way_to_rest_are_named() -> None:
+    slow = {"lean": JointShape("z", -75, 75, 8), "nod": JointShape("y", -40, 40, 100)}
+    body = BodySettings(slow, servos="head", rest={"lean": 20.0})
+    [(path, warning)] = body.warnings()
+    assert path == "joints.lean.speed"
+    assert "12 s" in warning
+    assert BodySettings(slow, rest={"lean": 20.0}).warnings() == []
+
+
 def test_readings_are_declared_as_they_are_published() -> None:
     assert Body.sensors(small()) == (
         *("setpoint.pan", "setpoint.tilt", "joint.pan", "joint.tilt", "tick"),

@@ -118,11 +118,13 @@ def _placed(value: Any, place: str, places: Mapping[str, Callable[[str], bool]])
     match value:
         case str() if place in places:
             return value if places[place](value) else _without_words(value, frozenset())
-        case list() if place in places or _leads(place, places):
+        case list() if places.get(place) is is_label and _flat(value):
+            return value
+        case list() if _leads(place, places):
             return [
-                _without_words(item, frozenset())
-                if isinstance(item, list)
-                else _placed(item, place, places)
+                _placed(item, place, places)
+                if isinstance(item, dict)
+                else _without_words(item, frozenset())
                 for item in value
             ]
         case dict() if _leads(place, places):

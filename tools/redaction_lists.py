@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import re
+from collections.abc import Iterable, Mapping
 
 from tools import replaced
-from woz_tui.config.engagement import RUNS
 from woz_tui.export import redaction
 
 
@@ -34,21 +34,21 @@ def kept() -> str:
     )
 
 
-#: What a text must be to stay at its place.
-_SUCH = {
-    redaction.is_word: "if it is a lone word or a colour",
-    redaction.is_run: f"if it is {' or '.join(RUNS)}",
-    redaction.is_label: "whatever the experiment file calls it",
-}
-
-
-def _places(kind: str, places: Mapping[str, Callable[[str], bool]]) -> str:
+def _places(kind: str, places: Mapping[str, re.Pattern[str]]) -> str:
     such = [
-        ", ".join(_code(place for place, test in places.items() if test is wanted)) + f" ({words})"
-        for wanted, words in _SUCH.items()
-        if wanted in places.values()
+        f"{', '.join(_code(place for place, its in places.items() if its == wanted))} ({words})"
+        for wanted, words in {pattern: _such(pattern) for pattern in places.values()}.items()
     ]
-    return f"\nWithin {kind}: {'; '.join(such)}."
+    return f"\nIn {kind}: {'; '.join(such)}."
+
+
+def _such(pattern: re.Pattern[str]) -> str:
+    """What a text must be to stay at its place."""
+    if pattern is redaction.WORD:
+        return "if it is a lone word or a colour"
+    if pattern is redaction.LABEL:
+        return "whatever the experiment file says"
+    return f"if it is {' or '.join(pattern.pattern.split('|'))}"
 
 
 def _code(names: Iterable[str]) -> Iterable[str]:

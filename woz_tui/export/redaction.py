@@ -8,11 +8,11 @@ does not know included. Dates go as well.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from woz_tui.config.engagement import RUNS
-from woz_tui.config.study import CUES
+from woz_tui.config.study import CUES, WHENS
 from woz_tui.protocol.messages import Json
 
 PLACEHOLDER = "[redacted]"
@@ -50,36 +50,31 @@ KEPT_INSIDE: Mapping[str, frozenset[str]] = {
     "panels": frozenset({"title", "name", "key", "verbs", "without"}),
     "signs": frozenset({"filter"}),
 }
-_WORD = re.compile(r"[A-Za-z]{1,20}|#[0-9a-f]{6}|", re.ASCII)
+#: A lone word or a colour, as a robot's settings; its address is none.
+WORD = re.compile(r"[A-Za-z]{1,20}|#[0-9a-f]{6}|", re.ASCII)
+#: Whatever the experiment file says there: names of questionnaires, verbs, titles of panels.
+LABEL = re.compile(r".*", re.DOTALL)
 
 
-def is_word(text: str) -> bool:
-    """Whether it is a lone word or a colour, as a robot's settings; its address is none."""
-    return _WORD.fullmatch(text) is not None
+def _one_of(*words: str) -> re.Pattern[str]:
+    return re.compile("|".join(words))
 
 
-def is_run(text: str) -> bool:
-    """Whether it says how the engagement model runs."""
-    return text in RUNS
-
-
-def is_label(text: str) -> bool:
-    """The experiment file gives any text there: names of questionnaires, verbs, panels' titles."""
-    return True
-
-
-#: Texts within objects that stay in these kinds only, each by its place, if they are such texts:
-#: what a robot had set, and what decides the figures of a session.
-KEPT_AT: Mapping[str, Mapping[str, Callable[[str], bool]]] = {
-    "command.done": {"sent.run": is_run},
-    "engagement.settings": {"settings.start": is_run},
+#: Texts that stay in these kinds only, each by its place, if they are such texts: what a robot had
+#: set, and words of the program and labels that decide the figures of a session.
+KEPT_AT: Mapping[str, Mapping[str, re.Pattern[str]]] = {
+    "addressed.changed": {"chosen": _one_of("rule", "hand")},
+    "command.done": {"sent.run": _one_of(*RUNS)},
+    "console.lost": {"why": _one_of("left", "closed", "silent", "taken over")},
+    "engagement.settings": {"settings.start": _one_of(*RUNS)},
+    "questionnaire.ended": {"reason": _one_of("done", "declined", "left")},
     "session.plan": {
-        **{f"settings.study.answers.{cue}": is_label for cue in CUES},
-        "settings.study.questionnaires.name": is_label,
-        "settings.study.questionnaires.when": is_word,
+        **{f"settings.study.answers.{cue}": LABEL for cue in CUES},
+        "settings.study.questionnaires.name": LABEL,
+        "settings.study.questionnaires.when": _one_of(*WHENS),
     },
     "settings.shown": {
-        f"{field}.{name}": is_word
+        f"{field}.{name}": WORD
         for field in ("values", "wanted")
         for name in ("engagement", "eyes", "state")
     },
@@ -101,7 +96,7 @@ def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
     places = KEPT_AT.get(kind_name, {})
     return {
         _name(name): _placed(value, name, places)
-        if _leads(name, places)
+        if name in places or _leads(name, places)
         else _field(name, value, kept)
         for name, value in fields.items()
         if name != "ts"
@@ -113,12 +108,13 @@ def _leads(place: str, places: Iterable[str]) -> bool:
     return any(each.startswith(f"{place}.") for each in places)
 
 
-def _placed(value: Any, place: str, places: Mapping[str, Callable[[str], bool]]) -> Json:
+def _placed(value: Any, place: str, places: Mapping[str, re.Pattern[str]]) -> Json:
     """What stands at `place`, of whose texts those at the `places` stay."""
     match value:
         case str() if place in places:
-            return value if places[place](value) else _without_words(value, frozenset())
-        case list() if places.get(place) is is_label and _flat(value):
+            kept = places[place].fullmatch(value) is not None
+            return value if kept else _without_words(value, frozenset())
+        case list() if places.get(place) is LABEL and _flat(value):
             return value
         case list() if _leads(place, places):
             return [

@@ -69,16 +69,19 @@ def test_another_robot_than_the_files_own_is_started_again(lab: Lab) -> None:
 
 
 def test_started_again_it_goes_on_with_the_participant_of_the_moment(lab: Lab) -> None:
-    terminal = lab.run(lab.file("guide.yaml", scenes.guide()), "--condition", "warm")
+    text = scenes.guide() + "profiles: {child: {panels: [Speech]}}\n"
+    terminal = lab.run(lab.file("guide.yaml", text), "--condition", "warm")
     log = lab.log
     with Program(lab.socket()) as program:
         assert program.ask("set", participant="P02", condition="cold")["ok"]
+        assert program.ask("profile", profile="child")["ok"]
     lab.host_process().kill()
     terminal.wait_text("Start the robot process again")
     terminal.send("\r")
     second = Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
     start = second.wait("session.start").fields
     assert (start["participant"], start["condition"]) == ("P02", "cold")
+    second.wait("profile.changed", profile="child")
 
 
 def test_left_alone_it_rests_and_ends(lab: Lab) -> None:

@@ -30,6 +30,19 @@ async def test_a_stop_that_did_not_arrive_is_told_when_the_line_is_back() -> Non
         assert "the stop is not pressed: press it again" in seat.text("StopBar")
 
 
+async def test_a_stop_that_ended_with_the_robot_process_is_told_when_it_is_back() -> None:
+    confirmed = m.StopConfirmed(confirmed=["voice", "head"], missing=[], elapsed_us=9, t=NOW)
+    for still in (False, True):
+        pressed = m.StopPressed(source="key", t=NOW)
+        async with sitting() as seat:
+            await seat.tell(pressed, confirmed)
+            seat.feed.cut("it closed the connection")
+            await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
+            state = [*scenes.healthy(), *([pressed, confirmed] if still else [])]
+            await seat.tell(scenes.welcome(state))
+            assert ("not pressed any more" in seat.text("StopBar")) is (not still)
+
+
 async def test_a_robot_process_that_is_back_before_anything_is_painted_is_not_lost() -> None:
     async with sitting() as seat:
         seat.feed.cut("the robot process closed the connection")

@@ -113,7 +113,7 @@ class Console(ScreenApp):
         self._asked_in: SessionStart | None = None
         self._edition = 0
         self._training: TrainingChanged | None = None
-        self._was_lost = self._alt_told = False
+        self._was_lost = self._was_stopped = self._alt_told = False
         self._lost_t = 0
         self._loss = Loss("")
         self._news = News()
@@ -219,7 +219,7 @@ class Console(ScreenApp):
 
     def _cut(self, loss: Loss, local: int) -> None:
         self.state.lose(loss)
-        self._loss = loss
+        self._loss, self._was_stopped = loss, self.state.stop is not None
         self.requests.forget()
         self._news = News()  # what is lost, and what can be done, comes first
         if not self._was_lost:
@@ -273,6 +273,8 @@ class Console(ScreenApp):
         if self._stop_asked is not None and self.state.stop is None:
             self._stop_asked = None
             self.news(f"{back}; the stop is not pressed: press it again", "warn")
+        elif self._was_stopped and self.state.stop is None:
+            self.news(f"{back}; the stop is not pressed any more", "warn")
         elif late:
             why = next(reversed(late.values()))
             self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")

@@ -293,9 +293,8 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         return _undelivered(state.lost, "CONFIRMED" if state.stop else "DELIVERED", glyphs, width)
     if state.lost:
         why = f" {glyphs.error} {state.lost.part.title}: {clean(state.lost.why)}"
-        what = " No key is sent. enter shows what the robot does and what can be done"
-        otherwise: Row = ((fit(what, width), "alarm-soft"),)
-        return [((fit(why, width), "alarm"),), _news_row(bar.news, frame) or otherwise]
+        what = "No key is sent. enter shows what the robot does and what can be done"
+        return [((fit(why, width), "alarm"),), _below(what, bar.news, frame)]
     if asked_us is not None:
         waited = millis(frame.now - asked_us)
         first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
@@ -317,10 +316,11 @@ def _news_rows(news: News, glyphs: Glyphs, width: int, stop: str) -> list[Row]:
     return [cut(first, width, glyphs.ellipsis), last] if rest else [last]
 
 
-def _news_row(news: News, frame: PaintFrame) -> Row:
-    """News below something that stays; empty without news."""
-    text = f" {frame.glyphs.plain(clean(news.text))}"
-    return ((fit(text, frame.width, frame.glyphs.ellipsis), news.look),) if news.text else ()
+def _below(what: str, news: News, frame: PaintFrame) -> Row:
+    """What stands below an alarm, or news for their time."""
+    text, look = (news.text, news.look) if news.text else (what, "alarm-soft")
+    text = f" {frame.glyphs.plain(clean(text))}"
+    return ((fit(text, frame.width, frame.glyphs.ellipsis), look),)
 
 
 def _undelivered(loss: Loss, what: str, glyphs: Glyphs, width: int) -> list[Row]:
@@ -336,6 +336,7 @@ def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintF
     does = "releases it" if confirmed else "releases it, after a question"
     hint = f"{release} {does} " if release else ""
     if state.lost:
+        left += ", confirmed by all" if confirmed else ""
         hint = f"{state.lost.part.sentence} "
     if len(left) + len(hint) >= width:
         hint = ""
@@ -343,8 +344,9 @@ def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintF
     if not stop.settled:
         second: Row = ((fit(" waiting for the drivers to confirm", width), "alarm-soft"),)
         return [first, second]
-    if confirmed and (told := _news_row(bar.news, frame)):
-        return [first, told]
+    if confirmed and (state.lost or bar.news.text):
+        why = state.lost.why if state.lost else ""
+        return [first, _below(f"enter shows what can be done: {why}", bar.news, frame)]
     row = settled_row(stop, state.short_names, glyphs, width, release)
     blanks = max(0, width - length(row))
     return [first, cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)]

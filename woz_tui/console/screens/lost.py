@@ -15,6 +15,12 @@ from woz_tui.console.screens.typed import has_typed
 from woz_tui.log.file_names import current_path
 from woz_tui.system.text_cleaning import clean
 
+#: What helps meanwhile.
+_SWITCH = (
+    "No key reaches the robot from here until it is back, not even the stop: use the robot's own"
+    " switch."
+)
+
 
 def open_lost(app: ConsoleApp) -> None:
     """The robot cannot be reached: say so and offer what can be done."""
@@ -62,8 +68,7 @@ class LostDialog(ChoiceDialog):
         return [
             ((f"{self.glyphs.error} {clean(loss.why)}", "bad"),),
             ((loss.part.robot, "plain"),),
-            (("No key reaches the robot from here until it is back, not even the stop:", "plain"),),
-            (("use the robot's own switch. This console connects again by itself.", "plain"),),
+            ((f"{_SWITCH} This console connects again by itself.", "plain"),),
             ((log, "plain"),),
             ((_log(state.log) or "(the log is not known)", "strong"),),
         ]

@@ -126,6 +126,7 @@ async def test_the_wizards_line_leaves_what_the_robot_says_itself(
         task.cancel()  # as the bus does in the same turn
         await asyncio.sleep(0)
         assert await it.part.stop(Scope.DRIVE) == ("live voice",)
+        await asyncio.wait([task])
         await talk.begin()
         talk.say()
         await talk.until_played(2 * WORD)

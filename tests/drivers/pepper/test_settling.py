@@ -17,7 +17,7 @@ from woz_drivers.naoqi_robot.robot_connection import simulated_naoqi
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.drivers.heard import Heard, Ordered
+from tests.drivers.heard import Heard, Ordered, until
 from tests.drivers.pepper.played import PACE, QUIET, Played
 from tests.fakes.naoqi import StandIn, stand_in, stand_in_here
 from woz_tui.drivers.contract import DeviceLostError, Scope
@@ -91,8 +91,9 @@ async def test_a_stop_while_the_settings_are_applied_keeps_the_robot_from_coming
         assert await robot.trace("ALAutonomousLife.setState") == []
         pressed.clear()
         await driver.resume()  # it is asked again, and that is stopped again
-        await driver.perform(Ordered("eyes", {"color": "red"}))
+        await until(lambda: bool(pressed))
         await pressed[0]
+        await driver.perform(Ordered("eyes", {"color": "red"}))
         assert await robot.trace("ALAutonomousLife.setState") == []
         await driver.resume()
         await robot.called("ALAutonomousLife.setState")

@@ -9,8 +9,11 @@ from woz_tui.config.keys import BUILTIN_KEYS
 def refreshed(page: str) -> str:
     """The page with its table of today."""
     rows = [
-        f"| `{item.id}` | `{item.chord.replace('|', chr(92) + '|')}` | {item.description} |"
+        f"| `{item.id}` | `{item.chord.replace('|', chr(92) + '|')}` | {item.description}"
+        f" | {'yes' if item.yields else ''} |"
         for item in BUILTIN_KEYS
         if item.movable
     ]
-    return replaced(page, "keys", "\n".join(("| id | key | does |", "|---|---|---|", *rows)))
+    return replaced(
+        page, "keys", "\n".join(("| id | key | does | gives way |", "|---|---|---|---|", *rows))
+    )

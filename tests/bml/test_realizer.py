@@ -334,6 +334,10 @@ def test_the_timetable_says_what_a_robot_does_and_shows_it(
         assert any(line.startswith("n") and "◆" in line for line in printed.splitlines())
     assert cli.main(["bml", "--dry-run", "--robot", "servo-head", str(file)]) == 0
     assert "BEHAVIOR_TYPE_NOT_SUPPORTED" in capsys.readouterr().out
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "mine.yaml").write_text("{name: mine, drivers: {m: {type: simulated}}}")
+    assert cli.main(["bml", "--dry-run", "--robot", "mine", str(file)]) == 0, "beside the block"
+    assert "on mine" in capsys.readouterr().out
     assert cli.main(["bml", "--dry-run", "--robot", "peper", str(file)]) == 1
     assert "pepper" in capsys.readouterr().err
 

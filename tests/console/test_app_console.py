@@ -303,7 +303,7 @@ async def test_a_refusal_names_the_key_that_helps_as_it_is_bound_here() -> None:
             ref=ref, ok=False, reason="nobody", hint="choose", command="start"
         )
         await seat.press("space")
-        await seat.until(lambda: "nobody (^N: choose)" in seat.text("StopBar"))
+        await seat.until(lambda: "nobody; press ^N to choose" in seat.text("StopBar"))
 
 
 async def test_messages_in_a_burst_are_painted_at_most_ten_times_a_second() -> None:

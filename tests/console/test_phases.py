@@ -163,7 +163,7 @@ async def test_a_line_outside_of_a_trial_is_named_once(trial: bool) -> None:
             await at(seat, m.TrialStarted(trial=1))
         asked = m.ActionRequested(run="a1", action="Hello", panel="Speech", source="key")
         await at(seat, asked, 5001)
-        assert ("outside of a trial (* begins one)" in seat.text("StopBar")) is not trial
+        assert ("outside of a trial; press * to begin one" in seat.text("StopBar")) is not trial
         await seat.pass_time(30)
         await at(seat, m.ActionRequested(run="a2", action="Nod", panel="x", source="key"), 5002)
         assert "outside of a trial" not in seat.text("StopBar")

@@ -263,7 +263,7 @@ async def test_what_was_not_ticked_is_told_with_the_first_trial() -> None:
     async with sitting(studied.welcome(), size=(160, 50)) as seat:
         await seat.tell(studied.trial(1, "warm", ago=0))
         assert "2 not ticked in the preflight" in seat.text("StopBar")
-        assert "lists them)" in seat.text("StopBar"), "the key that opens the list is named"
+        assert "to list them" in seat.text("StopBar"), "the key that opens the list is named"
         assert f"▲ Trial 1 of 4 begins  not ticked: {studied.CHECKS[0]}" in seat.text("EventList")
         assert seat.console.dialog is None
 

@@ -51,8 +51,9 @@ def on_stage(tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]]) -> St
 
 def test_arrow_keys_of_a_locked_panel_are_refused_and_logged(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(RequestError, match=LOCKED):
+        with pytest.raises(RequestError, match=LOCKED) as caught:
             stage.session.send("drive", {"x": 0.1}, "", ARROW)
+        assert (caught.value.hint, caught.value.command) == ("find 'Unlock Movement'", "find")
         stage.session.send("play", {"move": "nod"}, "", ARROW)  # nothing covers it
 
     stage = on_stage(tmp_path, scenario)

@@ -98,20 +98,26 @@ def test_a_failed_step_ends_the_action_and_names_the_reason(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("name", "reason"),
+    ("name", "reason", "hint", "command"),
     [
-        ("Nope", "there is no action 'Nope'"),
-        ("Never", "'Never' is locked"),
-        ("Go", "the panel 'Base' is locked"),
-        ("Hello", "{participant} has no value yet"),
+        ("Nope", "there is no action 'Nope'", "", ""),
+        ("Never", "'Never' is locked", "the experiment file locks it", ""),
+        ("Go", "the panel 'Base' is locked", "find 'Unlock Base'", "find"),
+        (
+            *("Hello", "{participant} has no value yet"),
+            *("choose participant and condition", "start"),
+        ),
     ],
 )
-def test_refusals_are_said_and_logged(tmp_path: Path, name: str, reason: str) -> None:
+def test_refusals_are_said_and_logged(
+    tmp_path: Path, name: str, reason: str, hint: str, command: str
+) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.lock("Base", True)
         with pytest.raises(RequestError) as caught:
             stage.session.play(name, KEY)
-        assert caught.value.reason == reason
+        error = caught.value
+        assert (error.reason, error.hint, error.command) == (reason, hint, command)
 
     stage = on_stage(tmp_path, scenario, identity=SessionIdentity())
     assert stage.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionRefused"]

@@ -235,7 +235,7 @@ class Lane:
             pending.refuse("busy", f"{self.driver_name} is busy")
             return
         elif len(self._waiting) >= self._room_for(pending):
-            pending.refuse("full", f"queue full ({len(self._waiting)})")
+            pending.refuse("full", f"queue full ({len(self._waiting)})", "wait, or empty the queue")
             return
         self._waiting.append((pending, args))
         self._watch_deadline(pending)

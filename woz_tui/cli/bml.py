@@ -57,8 +57,8 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--robot",
         default="",
-        help="with --dry-run and no session: a robot file, or the name of a robot (default:"
-        " simulated)",
+        help="with --dry-run and no session: a robot file, or the name of one, in `robots` beside"
+        " the block or of woz-tui (default: simulated)",
     )
     parser.add_argument(
         "--feedback", action="store_true", help="print the feedback as XML, one element a line"
@@ -135,10 +135,9 @@ async def _bml(arguments: Namespace) -> int:
     texts = [_read(path) for path in arguments.files]
     if arguments.dry_run and not arguments.session:
         robot = arguments.robot or "simulated"
-        calls_of = _calls_of(robot)
         for path, text in zip(arguments.files, texts, strict=True):
             block = _block(path, text)
-            made = plan(block, calls_of(block.character)).message()
+            made = plan(block, _calls_of(robot, path.parent)(block.character)).message()
             _print(path, made, f"on {robot}, by usual durations")
         return 0
     async with connect(arguments.session, name="bml") as client:
@@ -198,10 +197,11 @@ class _Told:
             print(f"{at['globalTime']:>10} s  {at['id']}", flush=True)
 
 
-def _calls_of(robot: str) -> Callable[[str], BehaviourCalls]:
-    """What behaviours stand for on a robot: its file, its name, or a driver's type."""
+def _calls_of(robot: str, folder: Path) -> Callable[[str], BehaviourCalls]:
+    """What behaviours stand for on a robot: its file, or its name, which is looked for in `robots`
+    of `folder` and of woz-tui.
+    """
     catalogue = plugins.installed()
-    folder = Path.cwd()
     file = Path(robot) if is_path(robot) else robot_files(folder).get(robot)
     if file is None:
         known = ", ".join(robot_files(folder))

@@ -185,8 +185,9 @@ class HandClient:
         self._asked.clear()
         if not self.panels:
             self._say(
-                f"{clean(welcome.title)}: no panel for a gamepad or a Stream Deck is in its"
-                " robot file; docs/how-to/hands.md shows one"
+                f"{clean(welcome.title)}: no panel for a gamepad or a Stream Deck is in its robot"
+                " file; add one: `pad: {type: hands, controls: {south: {action: Hello}}}`"
+                " (docs/how-to/hands.md)"
             )
         for hand in self.hands:
             self._attach(hand)

@@ -27,7 +27,8 @@ def add_session_choice(parser: ArgumentParser, name: str = "name") -> None:
     parser.add_argument(
         name,
         default="",
-        help="session code or socket (default: the only one); with --access HOST:PORT",
+        help="session code, such as S02, or socket (default: the only one that runs); with"
+        " --access: the robot's HOST:PORT",
         **more,  # type: ignore[arg-type]
     )
     parser.add_argument(
@@ -35,8 +36,7 @@ def add_session_choice(parser: ArgumentParser, name: str = "name") -> None:
         type=Path,
         default=None,
         metavar="FILE",
-        help="join a session on another machine with this access file (see `woz access`); the name"
-        " is then the machine's HOST:PORT",
+        help="join a session on another machine with this access file (see `woz access`)",
     )
 
 

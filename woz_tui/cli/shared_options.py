@@ -16,7 +16,7 @@ def add_session(parser: ArgumentParser) -> None:
     parser.add_argument("--session", default="", help="session code (default: the next free one)")
     parser.add_argument("--participant", default="", help="participant code (no names)")
     parser.add_argument("--condition", default="", help="one of the experiment's conditions")
-    parser.add_argument("--wizard", default="", help="the wizard's code")
+    parser.add_argument("--wizard", default="", help="the wizard's code (no names)")
     parser.add_argument(
         "--profile", default="", help="profile of the experiment: which actions the wizard can use"
     )
@@ -28,7 +28,8 @@ def add_session(parser: ArgumentParser) -> None:
         "--spill",
         type=Path,
         default=None,
-        help="second folder for the log, used if the first one fails",
+        help="second folder for the log, used if the first one fails (default: in"
+        " ~/.local/state/woz)",
     )
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
     parser.add_argument(

@@ -111,7 +111,10 @@ class Timeouts:
     absent: Annotated[
         float | None,
         Seconds(0.1, 3600),
-        Doc("nobody is there while somebody speaks or the robot thinks: Wait (beyond the table)"),
+        Doc(
+            "nobody is there during a handshake, or while somebody speaks or the robot thinks or"
+            " speaks: Wait (beyond the table)"
+        ),
     ] = None
 
 

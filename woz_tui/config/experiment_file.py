@@ -76,7 +76,7 @@ class PanelEntry(Entry):
     example = "{title: Speech, actions: [...]}"
     either = ("actions", "covers")
     title: Annotated[str, Doc("unique in the file")]
-    locked: Annotated[bool, Doc("locked until the wizard unlocks it")] = False
+    locked: Annotated[bool, Doc("locked until the wizard unlocks it (`:`, then its name)")] = False
     covers: Annotated[
         tuple[str, ...],
         Doc(

@@ -366,7 +366,9 @@ def _place(cursor: Cursor) -> DriverPlace | None:
     if place is None:
         return None
     if not is_access_name(place.name):
-        cursor.error(f"{quoted(place.name)} is no name of a computer: use letters, digits, - and _")
+        cursor.error(
+            f"{quoted(place.name)} is no name of a computer: use letters (a to z), digits, - and _"
+        )
     try:
         ListenAddress.read(place.listen)
     except ValueError as error:

@@ -50,7 +50,11 @@ class Design:
     condition equally often in each. `fixed`: the order in which the file lists them.
     """
 
-    order: Annotated[str, OneOf(ORDERS), Doc("latin-square, blocks or fixed")] = "latin-square"
+    order: Annotated[
+        str,
+        OneOf(ORDERS),
+        Doc("latin-square (default), blocks (default with within: false) or fixed"),
+    ] = "latin-square"
     within: Annotated[bool, Doc("each participant gets all conditions; false: one of them")] = True
     trials: Annotated[int, Range(1, 1000), Doc("trials in each condition")] = 1
     block: Annotated[

@@ -168,7 +168,10 @@ def _name(entry: Cursor, made_of: str, sentence: str) -> str:
         return text or ""
     near = name_from_text(text)
     hint = f", such as {near!r}" if near else ""
-    cursor.error(f"a name in logs and tables has letters, digits, - and _, 40 at most{hint}")
+    cursor.error(
+        "a name in logs and tables begins with a letter (a to z), and goes on with letters, digits,"
+        f" - and _; 40 characters at most{hint}"
+    )
     return ""
 
 

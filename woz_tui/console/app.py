@@ -28,7 +28,7 @@ from woz_tui.console.main_screen import MainScreen
 from woz_tui.console.message_feed import Incoming, Loss, MessageFeed
 from woz_tui.console.partial_update import cropped
 from woz_tui.console.remedy_text import remedy_text
-from woz_tui.console.robot_requests import RobotRequests
+from woz_tui.console.robot_requests import RobotRequests, press_to
 from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.console.screen_app import BEAT, ScreenApp
 from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
@@ -245,7 +245,7 @@ class Console(ScreenApp):
         text = f"{tiding.text}; right: {right}" if right else tiding.text
         command, does = tiding.command
         key = self._key(command) if command else ""
-        return f"{text} ({key} {does})" if key else text
+        return f"{text}; {press_to(key, does)}" if key else text
 
     def _replied(self, reply: Reply) -> None:
         self.requests.replied(reply)

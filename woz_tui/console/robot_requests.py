@@ -18,6 +18,11 @@ OnPicture = Callable[[PictureShown], None]
 HISTORY = 100
 
 
+def press_to(key: str, what: str) -> str:
+    """`press ) to begin one`; `what` may be empty. A key in brackets would not be readable."""
+    return f"press {key} to {what}" if what else f"press {key}"
+
+
 class RobotRequests:
     """Requests with their replies, and drafts of dialogs.
 
@@ -89,8 +94,8 @@ class RobotRequests:
         """Show above the hints why something was not done."""
         if not reply.ok:
             key = self._key(reply.command) if reply.command else ""
-            hint = ": ".join(part for part in (key, reply.hint) if part)
-            self._news(f"{reply.reason} ({hint})" if hint else reply.reason, "warn")
+            hint = press_to(key, reply.hint) if key else reply.hint
+            self._news("; ".join(part for part in (reply.reason, hint) if part), "warn")
 
     def say(self, text: str, on: str, key: str) -> None:
         """Say a typed utterance; `key` opened the dialog."""

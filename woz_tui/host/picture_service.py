@@ -80,7 +80,7 @@ class PictureService:
             hint = f"drivers with a camera: {', '.join(self.cameras)}" if self.cameras else ""
         elif not self.cameras:
             reason = "no driver of this session has a camera"
-            hint = "docs/how-to/camera.md explains how to add one"
+            hint = "add one to the robot file: `eye: {type: camera}` (docs/how-to/camera.md)"
         return reason, hint
 
     def _watch(self, client: ClientConnection, driver: str, request: AskPicture) -> None:

@@ -393,7 +393,7 @@ class RequestHandlers:
                 ok=False,
                 reason=f"the file has {count} error{'' if count == 1 else 's'};"
                 " nothing was changed",
-                hint="woz check tells what is wrong",
+                hint=f"`woz check {self._session.experiment.path.name}` tells what is wrong",
                 data=[str(problem) for problem in error.problems],
             )
             places = {str(problem): str(problem.place) for problem in error.problems}

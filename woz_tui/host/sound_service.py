@@ -48,7 +48,13 @@ LONGEST_S = 1.0
 LATE_S = 0.5
 #: Whoever has sent no voice for so long has left it to others, in seconds.
 SILENT_S = 5.0
-_PAGE = "docs/how-to/live-sound.md explains how to add one"
+#: Feed -> how to get a driver that has it.
+_HOW_TO_ADD = {
+    SOUND: "add one to the robot file: `ears: {type: microphone}` (docs/how-to/live-sound.md)",
+    VOICE_STATE: (
+        "add one to the robot file: `voice: {type: speech, talk: {}}` (docs/how-to/live-sound.md)"
+    ),
+}
 
 
 @dataclass(slots=True)
@@ -99,7 +105,7 @@ class SoundService:
                 if wanted in ("", name)
             }
             why = "; ".join(f"{name}: {each}" for name, each in lacks.items() if each)
-            raise RequestError(f"no driver of this session has a {what}", why or _PAGE)
+            raise RequestError(f"no driver of this session has a {what}", why or _HOW_TO_ADD[feed])
         if wanted and wanted not in offered:
             raise RequestError(
                 f"{wanted} has no {what}", f"drivers with a {what}: {', '.join(offered)}"

@@ -31,7 +31,8 @@ def check_code(what: str, code: str) -> str:
     """
     if not _CODE.fullmatch(code):
         raise ValueError(
-            f"{what} {code!r} is not a valid code: use 1 to 16 letters and digits, such as P07"
+            f"{what} {code!r} is not a valid code: use 1 to 16 letters (a to z) and digits,"
+            " such as P07"
         )
     return code
 

@@ -135,7 +135,7 @@ class Authority:
             OSError: A file cannot be written; no certificate was given out then.
         """
         if not is_access_name(name):
-            raise AccessError(f"{name!r} is no name: use letters, digits, - and _")
+            raise AccessError(f"{name!r} is no name: use letters (a to z), digits, - and _")
         if len(name) > LONGEST_NAME:
             raise AccessError(f"the name has more than {LONGEST_NAME} characters; choose a shorter")
         authority_key, authority = self._authority()

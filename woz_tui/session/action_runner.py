@@ -39,10 +39,14 @@ class RequestOrigin:
 
 @dataclass(frozen=True, slots=True)
 class CommandRefusal:
-    """Why a command is not even tried: as a word (of `m.Refused`) and in a sentence."""
+    """Why a command is not even tried: as a word (of `m.Refused`) and in a sentence. `hint` and
+    `command` as in `RequestError`.
+    """
 
     code: str
     reason: str
+    hint: str = ""
+    command: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,8 +82,7 @@ def no_value(refused: str) -> RequestError:
     if refused.startswith(f"{{{VISITOR}}}"):
         return RequestError(
             refused,
-            "the visitor is not identified: enter who it is, or wait for face recognition or"
-            " a handshake",
+            "enter who the visitor is, or wait for face recognition or a handshake",
             command="engagement",
         )
     return RequestError(refused, "choose participant and condition", command="start")

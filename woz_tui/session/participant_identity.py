@@ -79,7 +79,7 @@ def check_code(code: str, what: str) -> None:
     if not CODE.fullmatch(code):
         raise RequestError(
             f"{code!r} is not a valid {what} code",
-            "use 1 to 16 letters and digits, such as P07; do not use names",
+            "use 1 to 16 letters (a to z) and digits, such as P07; do not use names",
         )
 
 

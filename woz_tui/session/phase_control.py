@@ -74,7 +74,7 @@ class PhaseController:
     def check_trial(self) -> None:
         """Raises `RequestError` where phases are parts of trials and no trial is under way."""
         if self._state.between_trials:
-            raise RequestError("phases begin with a trial", "begins one", command="trial")
+            raise RequestError("phases begin with a trial", "begin one", command="trial")
 
     def enter(self, phase: Phase | None, source: str) -> None:
         """Begin this phase; None: no phase holds."""

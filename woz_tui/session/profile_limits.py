@@ -92,7 +92,11 @@ def panel_refusal(
     """
     for panel in experiment.panels:
         if covers_verb(panel.covers, verb, driver) and locked.get(panel.title, panel.locked):
-            return CommandRefusal(
-                "locked", f"the panel {panel.title!r} is locked, and with it {verb!r}"
-            )
+            reason = f"the panel {panel.title!r} is locked, and with it {verb!r}"
+            return CommandRefusal("locked", reason, unlock_hint(panel.title), "find")
     return None
+
+
+def unlock_hint(panel: str) -> str:
+    """What a wizard looks for to unlock it."""
+    return f"find 'Unlock {panel}'"

@@ -144,7 +144,7 @@ class ScriptController:
             if not script.lines:
                 if len(self._scripts) > 1 and not self._phases.name:
                     self._phases.check_trial()
-                    raise RequestError("no phase holds", "begins one", command="phase_next")
+                    raise RequestError("no phase holds", "begin one", command="phase_next")
                 raise RequestError("there is no script", "add script: [...] to the file")
             raise RequestError(
                 "the script has no more lines", "go one line back", command="script_back"

@@ -48,7 +48,7 @@ from woz_tui.session.part_limits import PartLimits
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
-from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, panel_refusal
+from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, panel_refusal, unlock_hint
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.repair_control import RepairController
 from woz_tui.session.response_delay import ResponseDelay
@@ -308,8 +308,8 @@ class Session:
             self.scripts.publish()
             if stale:
                 raise RequestError(f"{name!r} not played ({stale})", AGAIN)
-            command = self._command_that_would_help(action, origin) if why_not else ""
-            raise RequestError(reason, command=command)
+            hint, command = self._what_would_help(action, origin) if why_not else ("", "")
+            raise RequestError(reason, hint, command=command)
         if not action.steps and action in self.experiment.repairs:
             return self.repairs.play(action, origin, when_busy, at)
         later = LaterStart(at, lambda: self._refusal_of(name, origin)) if at else None
@@ -337,13 +337,17 @@ class Session:
         reason = self._why_not(name, origin)
         return CommandRefusal("locked", reason) if reason else None
 
-    def _command_that_would_help(self, action: Action | None, origin: RequestOrigin) -> str:
-        """The console's key with which the action could be played; empty: none."""
-        if action is None or self.ended or self._why_locked(action):
-            return ""
+    def _what_would_help(self, action: Action | None, origin: RequestOrigin) -> tuple[str, str]:
+        """What to do so that the action can be played, and the console's key for it."""
+        if action is None or self.ended:
+            return "", ""
+        if action.locked:
+            return "the experiment file locks it", ""
+        if self._why_locked(action):
+            return unlock_hint(action.panel), "find"
         if self.parts.no_action(action, origin):
-            return ""
-        return "release" if self.bus.latched else "profile"
+            return "", ""
+        return "", "release" if self.bus.latched else "profile"
 
     def _why_not(self, name: str, origin: RequestOrigin) -> str:
         if self.ended:
@@ -390,7 +394,8 @@ class Session:
             later = LaterStart(at, lambda: self._no_verb(call, origin))
         command = self.runner.send(call, origin, when_busy or "queue", refusal, later=later).command
         if refusal is not None:
-            raise RequestError(refusal.reason, AGAIN if stale else "")
+            hint = AGAIN if stale else refusal.hint
+            raise RequestError(refusal.reason, hint, command=refusal.command)
         return command
 
     def _no_later_verb(self, call: Call, at: int) -> CommandRefusal | None:
@@ -585,7 +590,7 @@ class Session:
         if missing := ", ".join(name for name in self.bus.unconfirmed if name not in known):
             raise RequestError(
                 f"the stop is not confirmed by {missing}, which may still move",
-                "look at it; the wizard's console asks, and releases the stop then",
+                "look at it, then release the stop at a wizard's console, which asks once more",
             )
         if not self.bus.release(source):
             raise RequestError("the stop is not pressed")

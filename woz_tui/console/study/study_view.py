@@ -30,7 +30,7 @@ _JUDGED = {
 
 class StudyNews(NamedTuple):
     """A sentence for the wizard and its look. `right`: names of the actions that would have
-    answered a cue; `command`: that of the console which helps, and what it does.
+    answered a cue; `command`: that of the console which helps, and what to do with it.
     """
 
     text: str
@@ -196,7 +196,7 @@ class StudyView:
                 missing = self.unticked() if self.last is None else []
                 if missing:
                     text = f"{len(missing)} not ticked in the preflight"
-                    self._news.append(StudyNews(text, "warn", command=("preflight", "lists them")))
+                    self._news.append(StudyNews(text, "warn", command=("preflight", "list them")))
             case m.CueGiven():
                 self._cue = message
             case m.CueAnswered():
@@ -216,7 +216,7 @@ class StudyView:
         if self.designed and not apart:
             self._warned_outside = True
             text = "Played outside of a trial"
-            self._news.append(StudyNews(text, "warn", command=("trial", "begins one")))
+            self._news.append(StudyNews(text, "warn", command=("trial", "begin one")))
 
     def follow(self) -> None:
         """Ask what `session` asks now; in the same round the sheet that shows it keeps what was

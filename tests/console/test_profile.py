@@ -111,7 +111,7 @@ async def test_a_refusal_is_shown() -> None:
         )
         await opened(seat, "ProfileDialog")
         await seat.press("up", "enter")
-        await seat.until(lambda: "you are watching (take over)" in seat.text("StopBar"))
+        await seat.until(lambda: "you are watching; take over" in seat.text("StopBar"))
         assert "child" in seat.text("StatusLines")
 
 

@@ -93,10 +93,24 @@ def panel_refusal(
     for panel in experiment.panels:
         if covers_verb(panel.covers, verb, driver) and locked.get(panel.title, panel.locked):
             reason = f"the panel {panel.title!r} is locked, and with it {verb!r}"
-            return CommandRefusal("locked", reason, unlock_hint(panel.title), "find")
+            return CommandRefusal("locked", reason, *_unlocks(panel.title))
     return None
 
 
-def unlock_hint(panel: str) -> str:
-    """What a wizard looks for to unlock it."""
-    return f"find 'Unlock {panel}'"
+def lock_on(action: Action, locked: Mapping[str, bool], why: str) -> CommandRefusal | None:
+    """The lock on an action or its panel (by title); None: there is none. `why`: how the sentence
+    about the panel goes on.
+    """
+    if action.locked:
+        return CommandRefusal(
+            "locked", f"{action.name!r} is locked", "the experiment file locks it"
+        )
+    if locked.get(action.panel, False):
+        reason = f"the panel {action.panel!r} is locked{why}"
+        return CommandRefusal("locked", reason, *_unlocks(action.panel))
+    return None
+
+
+def _unlocks(panel: str) -> tuple[str, str]:
+    """What a wizard looks for to unlock it, and with which of the console's keys."""
+    return f"find 'Unlock {panel}'", "find"

@@ -48,7 +48,7 @@ from woz_tui.session.part_limits import PartLimits
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
-from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, panel_refusal, unlock_hint
+from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, lock_on, panel_refusal
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.repair_control import RepairController
 from woz_tui.session.response_delay import ResponseDelay
@@ -341,13 +341,10 @@ class Session:
         """What to do so that the action can be played, and the console's key for it."""
         if action is None or self.ended:
             return "", ""
-        if action.locked:
-            return "the experiment file locks it", ""
-        if self._why_locked(action):
-            return unlock_hint(action.panel), "find"
-        if self.parts.no_action(action, origin):
-            return "", ""
-        return "", "release" if self.bus.latched else "profile"
+        if lock := self._lock_on(action):
+            return lock.hint, lock.command
+        belongs = not self.parts.no_action(action, origin)
+        return "", ("release" if self.bus.latched else "profile") if belongs else ""
 
     def _why_not(self, name: str, origin: RequestOrigin) -> str:
         if self.ended:
@@ -355,18 +352,16 @@ class Session:
         action = self.experiment.action(name)
         if action is None:
             return f"there is no action {name!r}"
-        if reason := self._why_locked(action) or self.parts.no_action(action, origin):
+        if lock := self._lock_on(action):
+            return lock.reason
+        if reason := self.parts.no_action(action, origin):
             return reason
         if self.bus.latched and not self.engagement.only_informs_model(action):
             return "the stop is pressed"
         return "" if action in self.experiment.repairs else self.profiles.no_action(action)
 
-    def _why_locked(self, action: Action) -> str:
-        if action.locked:
-            return f"{action.name!r} is locked"
-        if self.locked.get(action.panel, False):
-            return f"the panel {action.panel!r} is locked{self.phases.why_locked(action.panel)}"
-        return ""
+    def _lock_on(self, action: Action) -> CommandRefusal | None:
+        return lock_on(action, self.locked, self.phases.why_locked(action.panel))
 
     def send(
         self,
@@ -387,15 +382,14 @@ class Session:
         `unfilled` as in `messages.Command`. `at` as for `play`.
         """
         call = replace(self._call(verb, args, on), tells=tells, unfilled=unfilled or {})
-        refusal = CommandRefusal("stale", stale) if stale else self._no_verb(call, origin)
+        refusal = CommandRefusal("stale", stale, AGAIN) if stale else self._no_verb(call, origin)
         later = None
         if at and refusal is None:
             refusal = self._no_later_verb(call, at)
             later = LaterStart(at, lambda: self._no_verb(call, origin))
         command = self.runner.send(call, origin, when_busy or "queue", refusal, later=later).command
         if refusal is not None:
-            hint = AGAIN if stale else refusal.hint
-            raise RequestError(refusal.reason, hint, command=refusal.command)
+            raise RequestError(refusal.reason, refusal.hint, command=refusal.command)
         return command
 
     def _no_later_verb(self, call: Call, at: int) -> CommandRefusal | None:

@@ -250,7 +250,7 @@ COMMANDS = (
     _row(
         "trial",
         calls("screens.training:open_trial"),
-        hint=KeyHint(2.5, "trial", _between_trials),
+        hint=KeyHint(2.4, "trial", _between_trials),
         users=WATCHER,
     ),
     _row("preflight", opens("screens.preflight:PreflightDialog"), users=WATCHER),

@@ -41,8 +41,9 @@ def _voices(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     for one in asked:
         probe = Probe(one.name, one.settings, one.folder)
         for voice in asyncio.run(one.kind.voices(probe)):
-            languages.add(voice.language)
-            if voice.language.lower().replace("_", "-").startswith(wanted):
+            language = voice.language.lower().replace("_", "-")
+            languages.add(language.partition("-")[0])
+            if language.startswith(wanted):
                 found[voice] = None
     if arguments.json:
         print(json_text([asdict(voice) for voice in found], indent=2))

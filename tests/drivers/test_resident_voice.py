@@ -20,7 +20,14 @@ from tests.drivers.resident_programs import ROOT, command, processes
 from tests.drivers.speech_desk import Desk, desk_in, said, say
 from tests.fakes.sound import told
 from woz_tui.drivers.contract import DriverError, Probe, Scope
-from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverHealth, Notice, Reading
+from woz_tui.protocol.messages import (
+    DriverConnected,
+    DriverFaulted,
+    DriverHealth,
+    DriverLost,
+    Notice,
+    Reading,
+)
 
 
 @pytest.fixture
@@ -132,6 +139,26 @@ async def test_a_player_that_failed_is_told_until_it_plays_whatever_the_voice_do
     card.touch()
     await driver.perform(say("One"))
     assert isinstance(desk.heard.all(DriverHealth)[-1], DriverConnected)
+
+
+async def test_a_player_that_was_missing_for_a_while_is_found_again(
+    desk: Desk, journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.speech.driver._LOOK_S", 0.05)
+    player = tmp_path / "player"
+    player.write_text("#!/bin/sh\n")
+    player.chmod(0o700)
+    driver = await opened(desk, journal, "ok", play=(str(player), "{wav}"))
+    await desk.heard.state("synthesiser", "ready")
+    player.rename(tmp_path / "away")
+    (running,) = processes(journal)
+    running.kill()
+    await desk.heard.until(lambda: "stale" in desk.heard.states("synthesiser"))
+    await desk.heard.state("synthesiser", "ready")
+    assert isinstance(desk.heard.all(DriverHealth)[-1], DriverLost)
+    (tmp_path / "away").rename(player)
+    await desk.heard.until(lambda: isinstance(desk.heard.all(DriverHealth)[-1], DriverConnected))
+    await driver.perform(say("One"))
 
 
 async def test_what_cannot_be_prepared_is_prepared_when_it_is_back(

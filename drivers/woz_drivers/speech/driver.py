@@ -247,7 +247,8 @@ class Speech(Driver):
 
     async def close(self) -> None:
         """End everything."""
-        await end_tasks(self._task, self._preparing)
+        watching, self._task = self._task, None
+        await end_tasks(watching, self._preparing)
         await self._silence()
         if self._talk is not None:
             await self._talk.close()
@@ -279,6 +280,11 @@ class Speech(Driver):
     async def _watch_programs(self) -> None:
         while not self._complete():  # noqa: ASYNC110 - nothing tells when a program is installed
             await asyncio.sleep(_LOOK_S)
+
+    def _look_again(self) -> None:
+        """Something has changed: what is missing now may be there again later."""
+        if not self._complete() and self._task is not None and self._task.done():
+            self._task = asyncio.create_task(self._watch_programs())
 
     def _complete(self) -> bool:
         """Whether every program is there; says so as the driver's health. Without the synthesiser
@@ -312,7 +318,7 @@ class Speech(Driver):
         if state == "loading":
             return
         self._resident_trouble = DriverError(why, remedy) if state == "lost" else None
-        self._complete()
+        self._look_again()
         if state == "ready" and self._unprepared:
             self._start_preparing(self._unprepared)
 
@@ -428,7 +434,7 @@ class Speech(Driver):
             self._audible.discard(running)
         if self._broken is not None:
             self._broken = None
-            self._complete()
+            self._look_again()
 
     def _set_volume(self, level: Json) -> Mapping[str, Json]:
         if not isinstance(level, int | float):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import socket
 import sys
 import threading
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.terminal import FakeTerminal
-from woz_tui.cli import attach
+from woz_tui.cli import attach, console_start
 from woz_tui.system import session_sockets
 
 
@@ -52,6 +53,23 @@ def test_what_is_proposed_keeps_the_options(
     proposed = [line.partition("   # for ") for line in sorted(told.splitlines()[1:])]
     assert [line for line, _, _ in proposed] == [f"  woz attach S0{n}{options}" for n in (1, 2)]
     assert all(age.endswith(" min") for _, _, age in proposed), "how long it has been running"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "",
+        "S01 --watch",
+        "--access 'my files/bea.access' robot.local:7460 --as head",
+    ],
+)
+def test_who_leaves_reads_how_to_come_back(
+    words: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(console_start, "open_console", lambda options: ("detached", 0))
+    given = arguments(*shlex.split(words), "--take-over")
+    assert attach._open(given, Path("socket")) == 0
+    assert f"`{f'woz attach {words}'.strip()}`" in capsys.readouterr().out
 
 
 def test_a_session_behind_the_option_is_the_session(sessions: list[Path]) -> None:

@@ -141,6 +141,18 @@ def test_what_cannot_be_recorded_is_told_and_changes_nothing(
     assert {path: path.read_text() for path in tmp_path.iterdir()} == before
 
 
+@pytest.mark.parametrize("before", ['"input": "freeze"', '"input": "mode", "mode": "demo"'])
+def test_a_take_that_cannot_begin_is_told(
+    before: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, inputs = tmp_path / "act.yaml", tmp_path / "hand.jsonl"
+    joint = '{"t": 2, "input": "joints", "joints": {"pitch": 10}}'
+    inputs.write_text(f'{{"t": 0.5, {before}}}\n{joint}\n', encoding="utf-8")
+    assert command(file, "--inputs", inputs, "--from", "1") == 1
+    assert "cannot begin at 1 s" in capsys.readouterr().err
+    assert not file.exists()
+
+
 def test_an_input_that_stops_the_other_layers_is_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -82,6 +82,27 @@ def test_other_easings_are_slow_at_both_ends(easing: str, middle: float) -> None
     assert ticks[-1].joints["pitch"] == pytest.approx(60.0)
 
 
+@pytest.mark.toolkit("R5")
+@pytest.mark.parametrize("smoothing", [0.0, 0.2])
+def test_a_prediction_changes_no_setpoint(smoothing: float) -> None:
+    """Also where a joint cannot follow, and lags behind what is wanted."""
+    shape = replace(EYEPI, personality=replace(CALM, smoothing=smoothing))
+    ways = []
+    for asks in (False, True):
+        rig = Rig(shape)
+        rig.do("control", control="pitch", value=0.0)
+        rig.run(2.0)
+        rig.do("control", control="pitch", value=1.0)
+        way = []
+        for _ in range(60):
+            if asks:
+                assert rig.engine.predict("gaze", {"yaw": 20.0}).seconds
+            way.append(rig.run(DT)[-1].joints)
+        ways.append(way)
+    assert ways[0] == ways[1]
+    assert ways[0][0] != ways[0][-1]
+
+
 def test_poses_follow_one_another() -> None:
     rig = Rig()
     answer = rig.do(

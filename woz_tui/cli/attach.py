@@ -9,7 +9,14 @@ from pathlib import Path
 
 from woz_tui.cli import console_start
 from woz_tui.cli.session_choice import add_session_choice, find_session
-from woz_tui.cli.shared_options import add_keymap, add_part, add_pictures, add_theme, builtins
+from woz_tui.cli.shared_options import (
+    add_keymap,
+    add_part,
+    add_pictures,
+    add_theme,
+    builtins,
+    part_again,
+)
 from woz_tui.console.message_feed import Loss
 from woz_tui.system import session_sockets
 
@@ -72,14 +79,15 @@ def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | 
         )
     )
     if left == "detached":
-        print("The session continues; join it again with `woz attach`.")
+        print(f"The session continues; join it again with `woz attach{_again(arguments)}`.")
     return code
 
 
 def find_socket(arguments: Namespace) -> Path | None:
     """The socket of the chosen session, or None after printing why there is none."""
     _sort_names(arguments)
-    return find_session(arguments.name, "woz attach", _repeated_options(arguments))
+    options = _repeated_options(arguments) + " --take-over" * arguments.take_over
+    return find_session(arguments.name, "woz attach", options)
 
 
 def _sort_names(arguments: Namespace) -> None:
@@ -93,5 +101,11 @@ def _repeated_options(arguments: Namespace) -> str:
     """The options that a proposal has to repeat: a participant must get no wizard's console."""
     if arguments.questionnaire is not None:
         return f" --questionnaire {arguments.questionnaire}".rstrip()
-    part = f" --as {shlex.quote(arguments.part)}" if arguments.part else ""
-    return f"{' --watch' * arguments.watch}{' --take-over' * arguments.take_over}{part}"
+    return " --watch" * arguments.watch + part_again(arguments)
+
+
+def _again(arguments: Namespace) -> str:
+    """What leads to the same session, also to one on another machine."""
+    access = f" --access {shlex.quote(str(arguments.access))}" if arguments.access else ""
+    name = f" {shlex.quote(arguments.name)}" if arguments.name else ""
+    return access + name + _repeated_options(arguments)

@@ -235,7 +235,7 @@ def perform_script(
     """Go through the inputs; the take is what happens from `start` on, for `seconds`.
 
     Every input counts from its own moment on, also between two ticks. `tell` hears of those that
-    were refused.
+    were refused. Raises `RecordError` where the body cannot be moved at `start`.
     """
     waiting = deque(inputs)
     end = start + seconds
@@ -244,7 +244,13 @@ def perform_script(
     for moment in _moments(inputs, start, end):
         puppeteer.tick(moment)
         if not began and moment >= start:
-            puppeteer.begin()
+            try:
+                puppeteer.begin()
+            except RejectedError as refused:
+                text = (
+                    f"the take cannot begin at {start:g} s: {refused.what}; choose another --from"
+                )
+                raise RecordError(text) from None
             began = True
         while waiting and waiting[0].t <= moment:
             one = waiting.popleft()

@@ -17,6 +17,7 @@ from woz_tui.cli.shared_options import (
     add_session,
     add_theme,
     builtins,
+    part_again,
 )
 from woz_tui.log.file_names import current_path
 
@@ -66,7 +67,8 @@ def _play(arguments: Namespace, experiment: Path, robot: str) -> int:
         return 1
     if result.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
         if result.left == "detached":
-            print("The session continues; join it again with `woz attach`.")
+            again = f"woz attach{part_again(arguments)}"
+            print(f"The session continues; join it again with `{again}`.")
         print(f"Log: {current_path(result.robot.log)}")
     return result.code
 

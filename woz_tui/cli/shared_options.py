@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
@@ -62,6 +63,11 @@ def add_part(parser: ArgumentParser) -> None:
         metavar="PART",
         help="play only this part of the panels: one of those after `for:` in the file",
     )
+
+
+def part_again(arguments: Namespace) -> str:
+    """The part, as a command that is proposed repeats it."""
+    return f" --as {shlex.quote(arguments.part)}" if arguments.part else ""
 
 
 def add_pictures(parser: ArgumentParser) -> None:

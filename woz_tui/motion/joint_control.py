@@ -222,6 +222,7 @@ class JointController:
         easing: str = "",
     ) -> LinearMotion:
         """Go through poses, each in its seconds (0: the soonest), from where the body is."""
+        self._start()
         line = self.line(name, goals, token, easing)
         self._set_source(line, f"replaced by {name}")
         for goal, _ in goals:
@@ -237,7 +238,7 @@ class JointController:
     ) -> LinearMotion:
         """The way that `go` would take from here; nothing moves along it."""
         easing = easing if easing in PEAK_SPEEDS else self.easing
-        return LinearMotion(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
+        return LinearMotion(name, legs_of(self._here(), goals, self._shape, easing), easing, token)
 
     def play(self, move: Move, speed: float, amplitude: float, token: int) -> MovePlayback:
         """Play a move around the pose of this moment, from its beginning."""
@@ -310,11 +311,14 @@ class JointController:
 
     def _start(self) -> dict[str, float]:
         """Where lines begin: what was wanted last, or where a joint is that could not follow."""
-        for joint, angle in self._lagging.items():
-            self.last_pose[joint] = self._pose_filter.undo(joint, angle)
-            self._pose_filter.restart({joint: angle})
+        self.last_pose = self._here()
+        self._pose_filter.restart(self._lagging)
         self._lagging = {}
-        return dict(self.last_pose)
+        return self.last_pose
+
+    def _here(self) -> dict[str, float]:
+        undo = self._pose_filter.undo
+        return {**self.last_pose, **{j: undo(j, angle) for j, angle in self._lagging.items()}}
 
     def _set_source(self, source: PoseSource, why: str, *, fading: bool = True) -> None:
         if self.source.token:

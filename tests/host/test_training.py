@@ -57,6 +57,20 @@ async def test_it_begins_when_the_wizard_says_so_and_says_how_it_went(tmp_path: 
         session.end()
 
 
+async def test_before_a_wizard_has_come_nothing_begins_and_the_reason_is_true(
+    tmp_path: Path,
+) -> None:
+    async with served(tmp_path) as it:
+        session = TrainingSession(it.host, (APPROACH,))
+        program = await it.connect()
+        await program.hello("program")
+        answer = await program.ask("training")
+        assert not answer["ok"]
+        assert answer["reason"] == "no wizard has come yet"
+        assert states(it) == []
+        session.end()
+
+
 async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
     async with served(tmp_path) as it:
         session = TrainingSession(it.host, (APPROACH, APPROACH))

@@ -82,7 +82,6 @@ def test_other_easings_are_slow_at_both_ends(easing: str, middle: float) -> None
     assert ticks[-1].joints["pitch"] == pytest.approx(60.0)
 
 
-@pytest.mark.toolkit("R5")
 @pytest.mark.parametrize("smoothing", [0.0, 0.2])
 def test_a_prediction_changes_no_setpoint(smoothing: float) -> None:
     """Also where a joint cannot follow, and lags behind what is wanted."""

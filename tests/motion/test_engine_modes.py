@@ -83,12 +83,12 @@ def shown(tick: Tick) -> tuple[object, ...]:
 NO = [
     (kind, mode, hand)
     for kind, mode, hand in itertools.product(InputKind, Mode, Operator)
-    if not is_accepted(kind, mode, hand)
+    if not is_accepted(kind, mode)
 ]
 YES = [
     (kind, mode, hand)
     for kind, mode, hand in itertools.product(InputKind, Mode, Operator)
-    if is_accepted(kind, mode, hand)
+    if is_accepted(kind, mode)
 ]
 
 

@@ -16,10 +16,7 @@ _PAGE_TEXT = """\
 Which input has an effect in which mode; `woz modes` prints this table. An input that does not
 have an effect is refused and changes nothing. The stop works in every mode.
 
-{table}
-
-Where the wizard and other software differ, both are named. Other software is whatever
-comes over the socket with the source `program`, and the engagement machine."""
+{table}"""
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
 
@@ -76,10 +73,7 @@ def _headings() -> tuple[str, ...]:
 
 
 def _cell(row: ModeRule, mode: Mode) -> str:
-    wizard, program = mode in row.wizard, mode in row.program
-    if wizard == program:
-        return "yes" if wizard else "no"
-    return "wizard" if wizard else "program"
+    return "yes" if mode in row.modes else "no"
 
 
 def _verbs(kind: InputKind) -> str:

@@ -153,7 +153,7 @@ class HandshakeSettings:
 
 @dataclass(frozen=True, slots=True)
 class AttentionSettings:
-    """What the robot does about a sound or a touch elsewhere (modes of NAOqi's basic awareness)."""
+    """What the robot does about a sound elsewhere (modes of NAOqi's basic awareness)."""
 
     mode: Annotated[str, OneOf(MODES), Doc("what may distract it from an engaged visitor")] = (
         "SemiEngaged"

@@ -95,7 +95,8 @@ class TrainingSession:
     def _begin(self) -> None:
         """The wizard pressed the key that begins it."""
         if self._state != "waits":
-            raise RequestError("the training has begun already")
+            begun = "the training has begun already"
+            raise RequestError(begun if self._state else "no wizard has come yet")
         self._publish("runs")
         loop = asyncio.get_running_loop()
         self._starting = loop.call_later(WARNING_S, self._trainer.begin)

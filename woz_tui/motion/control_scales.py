@@ -1,7 +1,8 @@
 """Knobs: a place from 0 to 1, and the value that it stands for.
 
-A joint's own control goes from its lowest to its highest angle and belongs to `stance`, as does
-the zoom. Values outside a knob's reach (a tempo written into a file) stand at its end.
+A joint's own control goes from its lowest to its highest angle and belongs to
+`joint_control.DesiredPose`, as does the zoom. Values outside a knob's reach (a tempo written into a
+file) stand at its end.
 """
 
 from __future__ import annotations

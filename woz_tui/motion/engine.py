@@ -215,7 +215,7 @@ class Engine:
                 f"the robot stands still ({self._frozen})", "release the stop first"
             )
         mode = self._joint_controller.mode
-        if is_accepted(kind, mode, hand):
+        if is_accepted(kind, mode):
             return self._handlers[verb](read)
         if verb == "control" and kind is InputKind.JOINTS and hand is Operator.WIZARD:
             answer = self._handlers[verb](read)

@@ -58,25 +58,22 @@ _FACE = frozenset({Mode.NORMAL, Mode.SACCADE})
 
 @dataclass(frozen=True, slots=True)
 class ModeRule:
-    """An input and the modes in which it counts, for the wizard and for programs."""
+    """An input and the modes in which it counts."""
 
-    wizard: frozenset[Mode]
-    program: frozenset[Mode]
+    modes: frozenset[Mode]
     note: str = ""
 
 
 MODE_RULES: Mapping[InputKind, ModeRule] = {
-    InputKind.STOP: ModeRule(_ALL, _ALL, "ends what moves and leads back to normal"),
-    InputKind.JOINTS: ModeRule(
-        _NORMAL, _NORMAL, "the wizard's are kept for the way back to normal"
-    ),
-    InputKind.POSE: ModeRule(_NORMAL, _NORMAL),
-    InputKind.EMOTION: ModeRule(_FACE, _FACE),
-    InputKind.EYES: ModeRule(_FACE, _FACE, "in saccade following the eyes lead the head"),
-    InputKind.FACE: ModeRule(_FACE, _FACE),
-    InputKind.ANIMATION: ModeRule(_NORMAL, _NORMAL),
-    InputKind.PERSONALITY: ModeRule(_NORMAL, _NORMAL),
-    InputKind.MODE: ModeRule(_NORMAL, _NORMAL),
+    InputKind.STOP: ModeRule(_ALL, "ends what moves and leads back to normal"),
+    InputKind.JOINTS: ModeRule(_NORMAL, "the wizard's are kept for the way back to normal"),
+    InputKind.POSE: ModeRule(_NORMAL),
+    InputKind.EMOTION: ModeRule(_FACE),
+    InputKind.EYES: ModeRule(_FACE, "in saccade following the eyes lead the head"),
+    InputKind.FACE: ModeRule(_FACE),
+    InputKind.ANIMATION: ModeRule(_NORMAL),
+    InputKind.PERSONALITY: ModeRule(_NORMAL),
+    InputKind.MODE: ModeRule(_NORMAL),
 }
 
 #: Modes in which the body breathes and blinks by itself.
@@ -84,7 +81,6 @@ BREATHES = frozenset({Mode.NORMAL, Mode.SACCADE})
 BLINKS = frozenset({Mode.NORMAL, Mode.SACCADE, Mode.TRACKING})
 
 
-def is_accepted(kind: InputKind, mode: Mode, hand: Operator) -> bool:
-    """Whether an input of this kind from this hand counts in this mode."""
-    row = MODE_RULES[kind]
-    return mode in (row.wizard if hand is Operator.WIZARD else row.program)
+def is_accepted(kind: InputKind, mode: Mode) -> bool:
+    """Whether an input of this kind counts in this mode."""
+    return mode in MODE_RULES[kind].modes

@@ -37,7 +37,7 @@ SUMMARIES: Mapping[str, str] = {
 
 
 class CurrentPersonality:
-    """The traits of one body at this moment; units as in `shapes.Personality`."""
+    """The traits of one body at this moment; units as in `body_shape.Personality`."""
 
     def __init__(self, first: Personality, named: Mapping[str, Personality]) -> None:
         self._named = named

@@ -132,7 +132,7 @@ class RerunPlan:
 def plan_of(path: Path) -> RerunPlan:
     """The plan of the session to which the log file `path` belongs.
 
-    Samples are never read. Raises what `record.log.files_of` raises; nothing damaged raises.
+    Samples are never read. Raises what `log.log_reader.files_of` raises; nothing damaged raises.
     """
     digest, damage = hashlib.sha256(), Damage()
     times: list[int] = []

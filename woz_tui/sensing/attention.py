@@ -2,29 +2,23 @@
 
 Three modes, after NAOqi's basic awareness:
 
-* `Unengaged`: any stimulus distracts it, also from an engaged visitor; if somebody is found there,
-  it may turn to them for good.
 * `FullyEngaged`: it looks nowhere else while a visitor is engaged.
-* `SemiEngaged`: it looks, and always looks back at the engaged visitor, at the latest `seconds`
-  after it looked away.
+* `SemiEngaged`: it looks to a sound, and back at the engaged visitor `seconds` later.
+* `Unengaged`: it might stay with somebody else whom it finds there. Nobody is looked for, so it
+  looks back as in `SemiEngaged`.
 
-While nobody is engaged, stimuli count in every mode. Where nobody is found, the robot goes back to
-what it did before. People count for more than a touch, a touch for more than one of the tablet,
-then sounds, then movements: a stimulus that counts for more takes over from the one it looks at,
-others do not. What goes on (a fan, a corridor) is looked at once; it counts again after it has been
-gone for `seconds`.
+While nobody is engaged, sounds count in every mode; it looks back to what it did before. While it
+looks to a sound, no other one takes over. What goes on (a fan, a corridor) is looked at once; it
+counts again after it has been gone for `seconds`.
 
     attention = Attention(settings)
-    order = attention.engaged(True, 0.0, t)                 the visitor, and where they stand
-    order = attention.stimulus(Stimulus.SOUND, 60.0, t)     -> Look, or Stay with the reason
-    order = attention.found(True, t)                        is somebody there where it looks?
-    order = attention.advance(t)                            at the latest at `due()`
+    order = attention.engaged(True, 0.0, t)     the visitor, and where they stand
+    order = attention.sound(60.0, t)            -> GazeDirection, if it counts
+    order = attention.advance(t)                -> LookBack; at the latest at `due()`
 
 Pure: `t` in whole microseconds (a step back does not count), directions in degrees of the robot's
-own frame, 0 ahead, positive to its left, any number of turns. Orders say why in words:
-`GazeDirection(direction, why)`, `LookBack(direction, why)` (None: to what it did before),
-`SwitchPartner(direction, why)` (it stays with whoever is there) and `KeepLooking(why)`. Calls that
-change nothing answer None.
+own frame, 0 ahead, positive to its left, any number of turns. Calls that change nothing answer
+None.
 
 While the head is turned away (`away`), a camera on it does not see the visitor: what it says then
 is no evidence about them.
@@ -32,7 +26,6 @@ is no evidence about them.
 
 from __future__ import annotations
 
-import enum
 import math
 from dataclasses import dataclass
 
@@ -41,27 +34,11 @@ from woz_tui.config.engagement import MODES, AttentionSettings
 _SECOND = 1_000_000
 
 
-class Stimulus(enum.StrEnum):
-    """What may draw attention; those that count for more come first."""
-
-    PEOPLE = "People"
-    TOUCH = "Touch"
-    TABLET_TOUCH = "TabletTouch"
-    SOUND = "Sound"
-    MOVEMENT = "Movement"
-
-    @property
-    def priority(self) -> int:
-        """1 counts most."""
-        return list(Stimulus).index(self) + 1
-
-
 @dataclass(frozen=True, slots=True)
 class GazeDirection:
-    """Turn to a stimulus, `direction` in degrees."""
+    """Turn to a sound, `direction` in degrees."""
 
     direction: float
-    why: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,46 +46,9 @@ class LookBack:
     """Turn back to the engaged visitor; `direction` None: to what was done before."""
 
     direction: float | None
-    why: str
 
 
-@dataclass(frozen=True, slots=True)
-class SwitchPartner:
-    """Stay with whoever was found there; they may become the engaged visitor."""
-
-    direction: float
-    why: str
-
-
-@dataclass(frozen=True, slots=True)
-class KeepLooking:
-    """Nothing is done about a stimulus."""
-
-    why: str
-
-
-Order = GazeDirection | LookBack | SwitchPartner | KeepLooking
-
-#: What stays in view without a direction: hands are where the robot is.
-_AT_THE_ROBOT = (Stimulus.TOUCH, Stimulus.TABLET_TOUCH)
-_WORDS = {
-    Stimulus.PEOPLE: "somebody",
-    Stimulus.TOUCH: "a touch",
-    Stimulus.TABLET_TOUCH: "a touch of the tablet",
-    Stimulus.SOUND: "a sound",
-    Stimulus.MOVEMENT: "a movement",
-}
-#: These may go on for long without anything new in them.
-_LASTING = (Stimulus.SOUND, Stimulus.MOVEMENT)
-
-
-@dataclass(frozen=True, slots=True)
-class _Away:
-    """It looks at a stimulus, until a moment."""
-
-    kind: Stimulus
-    direction: float
-    until: int
+Order = GazeDirection | LookBack
 
 
 class Attention:
@@ -120,25 +60,26 @@ class Attention:
         self._now = 0
         self._engaged = False
         self._visitor: float | None = None
-        self._away: _Away | None = None
-        self._lasting: dict[Stimulus, tuple[float, int]] = {}
+        #: The direction to which it looks away, and until when.
+        self._away: tuple[float, int] | None = None
+        #: The last sound, and when it was heard.
+        self._last: tuple[float, int] | None = None
 
     # -- what is the case -----------------------------------------------------------------------
 
     @property
     def away(self) -> bool:
-        """Whether it looks at a stimulus now."""
+        """Whether it looks to a sound now."""
         return self._away is not None
 
     @property
     def shown(self) -> str:
         """What draws its attention, in words; empty: nothing does."""
-        away = self._away
-        return "" if away is None else f"{_WORDS[away.kind]} {direction_words(away.direction)}"
+        return "" if self._away is None else f"a sound {direction_words(self._away[0])}"
 
     def due(self) -> int | None:
         """When `advance` has something to do; None: never by itself."""
-        return None if self._away is None else self._away.until
+        return None if self._away is None else self._away[1]
 
     # -- what happens ---------------------------------------------------------------------------
 
@@ -148,7 +89,7 @@ class Attention:
             raise ValueError(f"there is no mode {mode!r}; take one of {', '.join(MODES)}")
         self._pass(t)
         self.mode = mode
-        return self._undistracted(f"mode {mode}")
+        return self._undistracted()
 
     def engaged(self, engaged: bool, direction: float | None, t: int) -> Order | None:
         """Whether somebody is engaged, and where they are (None or no number: not known)."""
@@ -156,45 +97,25 @@ class Attention:
         began = engaged and not self._engaged
         self._engaged = engaged
         self._visitor = _degrees(direction) if engaged else None
-        return self._undistracted("somebody is engaged") if began and over is None else over
+        return self._undistracted() if began and over is None else over
 
-    def stimulus(self, kind: Stimulus, direction: float | None, t: int) -> Order:
-        """Something may draw attention; a touch without a direction is straight ahead."""
+    def sound(self, direction: float | None, t: int) -> Order | None:
+        """A sound may draw attention, if it is known where it is."""
         over = self.advance(t)
-        place = _degrees(0.0 if direction is None and kind in _AT_THE_ROBOT else direction)
-        if place is None:
-            return over or KeepLooking(f"{_WORDS[kind]}, but nobody knows where")
-        what = f"{_WORDS[kind]} {direction_words(place)}"
-        lasts = self._lasts(kind, place)
-        if self._holds:
-            return over or KeepLooking(f"{what}, but the visitor has its full attention")
-        reason = self._nothing_new(kind, place) or ("it goes on" if lasts else "")
-        if reason:
-            return over or KeepLooking(f"{what}, but {reason}")
-        self._away = _Away(kind, place, self._look_until())
-        return GazeDirection(place, what)
-
-    def somebody_there(self, somebody: bool, t: int) -> Order | None:
-        """Whether somebody is there, at the place it looks at now."""
-        over = self.advance(t)
-        away = self._away
-        if away is None or over is not None:
+        place = _degrees(direction)
+        if place is None or self._goes_on(place) or self._holds or self.away:
             return over
-        if not somebody:
-            return self._back(f"nobody {direction_words(away.direction)}")
-        if self._engaged and self.mode != "Unengaged":
-            return None
-        self._away = None
-        if self._engaged:
-            self._visitor = away.direction
-        return SwitchPartner(away.direction, f"somebody is {direction_words(away.direction)}")
+        if self._engaged and self._same(place, self._visitor or 0.0):
+            return over
+        self._away = place, self._now + self._length
+        return GazeDirection(place)
 
     def advance(self, t: int) -> Order | None:
         """Time passes: it may have looked long enough."""
         self._pass(t)
-        if self._away is None or self._now < self._away.until:
+        if self._away is None or self._now < self._away[1]:
             return None
-        return self._back(f"looked {direction_words(self._away.direction)} long enough")
+        return self._back()
 
     # -- rules ----------------------------------------------------------------------------------
 
@@ -210,46 +131,23 @@ class Attention:
     def _pass(self, t: int) -> None:
         self._now = max(self._now, t)
 
-    def _look_until(self) -> int:
-        """The time away from an engaged visitor is bounded, however many stimuli take turns."""
-        bound = self._engaged and self.mode == "SemiEngaged"
-        if bound and self._away is not None:
-            return self._away.until
-        return self._now + self._length
+    def _same(self, one: float, other: float) -> bool:
+        return abs(math.remainder(one - other, 360.0)) <= self._settings.within
 
-    def _nothing_new(self, kind: Stimulus, place: float) -> str:
-        """Why a stimulus is none; empty: it is one."""
-        away = self._away
-        if away is not None:
-            if _apart(place, away.direction) <= self._settings.within:
-                return "it looks there already"
-            if kind.priority >= away.kind.priority:
-                return f"{_WORDS[away.kind]} has its attention"
-        elif self._engaged and _apart(place, self._visitor or 0.0) <= self._settings.within:
-            return "that is where the visitor is"
-        return ""
-
-    def _lasts(self, kind: Stimulus, place: float) -> bool:
-        """Whether this is what was there a moment ago."""
-        if kind not in _LASTING:
-            return False
-        last = self._lasting.get(kind)
-        self._lasting[kind] = (place, self._now)
-        if last is None:
-            return False
+    def _goes_on(self, place: float) -> bool:
+        """Whether this is what was heard a moment ago."""
+        last, self._last = self._last, (place, self._now)
         return (
-            _apart(place, last[0]) <= self._settings.within and self._now - last[1] < self._length
+            last is not None and self._same(place, last[0]) and self._now - last[1] < self._length
         )
 
-    def _undistracted(self, why: str) -> Order | None:
+    def _undistracted(self) -> Order | None:
         """Look back if nothing may distract it any more."""
-        return self._back(why) if self._away is not None and self._holds else None
+        return self._back() if self._away is not None and self._holds else None
 
-    def _back(self, why: str) -> LookBack:
+    def _back(self) -> LookBack:
         self._away = None
-        if self._engaged:
-            return LookBack(self._visitor or 0.0, f"{why}; back to the visitor")
-        return LookBack(None, f"{why}; back to what it did")
+        return LookBack((self._visitor or 0.0) if self._engaged else None)
 
 
 def direction_words(direction: float) -> str:
@@ -265,7 +163,3 @@ def _degrees(direction: float | None) -> float | None:
     if direction is None or not math.isfinite(direction):
         return None
     return math.remainder(direction, 360.0)
-
-
-def _apart(one: float, other: float) -> float:
-    return abs(math.remainder(one - other, 360.0))

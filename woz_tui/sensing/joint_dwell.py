@@ -1,4 +1,4 @@
-"""How the thirty states of the joint filter change as time passes: mean dwell times as rates.
+"""How the thirty-six states of the joint filter change as time passes: mean dwell times as rates.
 
 Rates are averages of behaviour and of sensors, per second. They are rounded numbers, chosen so
 that the filter's decisions come where a person would take them, and tested with errors that have

@@ -300,7 +300,7 @@ class IdentitySign(FilteredSign[IdentityFifo]):
         return self.name_given != UNKNOWN
 
     def words(self, introduced: str = "") -> str:
-        """Who it is, as a person says it; `told`: the name that somebody has given."""
+        """Who it is, as a person says it; `introduced`: the name that somebody has given."""
         if introduced and not self.has_name:
             return f"known as {introduced}"
         if self.forced is not None:
@@ -414,7 +414,7 @@ class Signs:
         return [sign.name for sign in self._all if sign.stale and sign.ever]
 
     def reason(self, now: int, introduced: str) -> str:
-        """What they say, in words; `told` is the name that somebody has given."""
+        """What they say, in words; `introduced` is the name that somebody has given."""
         return ", ".join(
             [*(sign.words(now) for sign in self.uses), self.identity.words(introduced)]
         )

@@ -198,7 +198,7 @@ EDGES: tuple[Edge, ...] = (
 )
 
 # fmt: on
-#: States in which somebody talks with the robot: stimuli from elsewhere may distract it or not.
+#: States in which somebody talks with the robot: sounds from elsewhere may distract it or not.
 ENGAGED = frozenset(
     {
         *(State.UNKNOWN, State.HANDSHAKE, State.KNOWN),
@@ -217,11 +217,6 @@ def edges_from(state: State) -> tuple[Edge, ...]:
 def named_from(state: State) -> tuple[Edge, ...]:
     """Those of them that `force` may mean."""
     return tuple(edge for edge in edges_from(state) if not edge.unnamed)
-
-
-def chosen_edge(state: State, view: ModelView) -> Edge | None:
-    """The first arrow out of `state` that holds, or None."""
-    return next((edge for edge in edges_from(state) if edge.when(view)), None)
 
 
 def by_signs(edge: Edge, view: ModelView) -> bool:

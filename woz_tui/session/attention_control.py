@@ -14,7 +14,7 @@ from woz_tui.config.experiment import Call, DriverSpec, Experiment
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.attention import Attention, GazeDirection, LookBack, Order, Stimulus
+from woz_tui.sensing.attention import Attention, GazeDirection, LookBack, Order
 from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.sensing.state_machine import ENGAGED
 from woz_tui.session.engagement_robot import ORIGIN, EngagementRobot, WakeUpTimer
@@ -98,7 +98,7 @@ class AttentionController:
             if not self._attention.away:
                 self._direction = direction
             return
-        self._carry_out(self._attention.stimulus(Stimulus.SOUND, direction, self._now))
+        self._carry_out(self._attention.sound(direction, self._now))
 
     def _carry_out(self, order: Order | None) -> None:
         match order:

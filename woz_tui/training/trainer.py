@@ -1,4 +1,4 @@
-"""Runs a training: gives one cue after the other and judges the wizard's answers."""
+"""A training: one cue after the other, and verdicts on what the wizard answers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class _OpenCue:
 
 
 class Trainer:
-    """See the module's text.
+    """Gives the cues of one training and judges the answers.
 
     Args:
         hub: Where cues and verdicts are published, and presses are heard.

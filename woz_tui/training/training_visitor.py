@@ -28,7 +28,7 @@ _UNITS = {"distance": "m"}
 
 @dataclass
 class TrainingVisitor:
-    """See the module's text; `step` moves it on."""
+    """Where the visitor is and what they do; `step` moves it on."""
 
     #: What each quantity is called in this experiment.
     names: dict[str, str]

@@ -350,7 +350,7 @@ class BodyLoop:
     # -- from the event loop ---------------------------------------------------------------------
 
     def apply(self, verb: str, args: Mapping[str, Json], hand: Operator) -> InputResult:
-        """Give the engine an input. Raises `ticks.Refused`."""
+        """Give the engine an input. Raises `RejectedError`."""
         with self._lock:
             self._touched = True
             return self.engine.apply(verb, args, hand)

@@ -34,7 +34,7 @@ def test_it_looks_to_a_sound_and_comes_back_to_the_visitor(mode: str) -> None:
     assert robot.due() == 2 * SECOND
     assert robot.advance(2 * SECOND - 1) is None
     assert robot.advance(2 * SECOND) == LookBack(-10.0)
-    assert not robot.away and robot.due() is None
+    assert robot.due() is None
 
 
 def test_fully_engaged_nothing_distracts_it_until_the_visitor_is_lost() -> None:

@@ -101,7 +101,7 @@ def _repeated_options(arguments: Namespace) -> str:
     """The options that a proposal has to repeat: a participant must get no wizard's console."""
     if arguments.questionnaire is not None:
         return f" --questionnaire {arguments.questionnaire}".rstrip()
-    return " --watch" * arguments.watch + part_again(arguments)
+    return f"{' --watch' * arguments.watch}{part_again(arguments)}"
 
 
 def _again(arguments: Namespace) -> str:

@@ -12,4 +12,4 @@ from tests.drivers.servo_stand import MEASURED_MS
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is measured of late answers leaves room for those that this machine delays besides."""
     monkeypatch.setattr(wire, "AMPLE_MS", MEASURED_MS)
-    monkeypatch.setattr(wire, "answer_timeout_ms", lambda latency_ms: latency_ms + 200.0)
+    monkeypatch.setattr(wire, "answer_timeout_ms", lambda latency_ms: latency_ms + 600.0)

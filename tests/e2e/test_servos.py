@@ -80,11 +80,16 @@ def test_keys_move_servos_within_limits_and_are_recorded_first(
     for number, counts in START.items():
         assert servos.goals(number)[0].value == counts
     for key, label, angle in (("1", "Left", 40.0), ("2", "Middle", 0.0), ("1", "Left", 40.0)):
+        rest = servos.goals(11)[-1].value  # what is written late of the motion before
         command, begin = press(terminal, log, servos, key, label)
         servos.wait_goal(11, angle, skip=begin)
         log.wait("command.done", command=command)
         (request,) = log.lines("command.requested", command=command)
-        moved = next(note for note in servos.journal[begin:] if note.goal and note.id == 11)
+        moved = next(
+            note
+            for note in servos.journal[begin:]
+            if note.goal and note.id == 11 and note.value != rest
+        )
         assert log.end_of(request) <= moved.witness
         terminal.wait_text(f"✓ {label}")
     for _ in range(7):  # five degrees each: beyond the limit of 60

@@ -149,6 +149,20 @@ def test_a_marker_delays_from_the_moment_that_its_program_measured(play: Play) -
     play(scene)
 
 
+def test_a_marker_of_an_earlier_moment_shortens_no_delay(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        hub = stage.session.hub
+        hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech", "marker"]))
+        await asyncio.sleep(3)
+        now = spoken(stage)
+        hub.publish(m.Marker(text="onset", source="program", at=now - 2 * SECOND))
+        stage.session.play("Hello", KEY)
+        [held] = (line for line in stage.lines if isinstance(line, m.ActionHeld))
+        assert (held.sort, held.until) == ("speech", now + SECOND)
+
+    play(scene)
+
+
 @pytest.mark.parametrize("listed", [True, False])
 def test_what_the_model_sees_is_a_cue_if_the_file_says_so(play: Play, listed: bool) -> None:
     async def scene(stage: Stage) -> None:

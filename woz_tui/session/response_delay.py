@@ -73,7 +73,8 @@ class ResponseDelay:
     def _cued(self, sort: str, t: int) -> None:
         if sort in self._settings.cues:
             jitter = round(self._random.uniform(0.0, self._settings.jitter_us))
-            self._cue = PendingCue(sort, t, t + self._settings.floor_us + jitter)
+            if self._cue is None or t >= self._cue.cued:  # a marker may come after a later cue
+                self._cue = PendingCue(sort, t, t + self._settings.floor_us + jitter)
 
     # -- holding -----------------------------------------------------------------------------
 

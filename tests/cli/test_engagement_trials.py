@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tools import DOCS
 from woz_tui import cli
 from woz_tui.cli.engagement_trials import EngagementDelay, medians, trials
 from woz_tui.config.engagement import EngagementSettings
@@ -125,6 +126,7 @@ def test_the_command_prints_both_tables(log: Path, capsys: pytest.CaptureFixture
     assert cli.main(["engagement", str(log), "--trials"]) == 0
     out = capsys.readouterr().out
     assert "Correct throughout" in out
+    assert "\nCorrect throughout\n" in (DOCS / "explanation" / "engagement.md").read_text("utf-8")
     assert "100 %" in out
     rows = {line.split()[0]: line.split()[-2:] for line in out.splitlines() if line}
     assert rows["30.0"] == ["-", "-"]

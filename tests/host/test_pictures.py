@@ -164,7 +164,7 @@ async def test_a_session_without_a_camera_says_so(host: Served) -> None:
     await peer.hello("wizard")
     line = await asked(peer)
     assert line["reason"] == "no driver of this session has a camera"
-    assert line["hint"]
+    assert "`eye: {type: camera}`" in line["hint"], "what to write; not only where it is explained"
 
 
 async def test_one_picture_at_a_time(host: Served, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from tests.host.rig import Peer, Served, served
 from woz_tui.config.experiment import Experiment
+from woz_tui.config.problems import ProblemReport
 from woz_tui.drivers.plugins import PluginError
 from woz_tui.system.session_sockets import SessionSocketError, answers, bind, folder, inode
 
@@ -116,6 +117,22 @@ async def test_a_reload_that_fails_in_an_unforeseen_way_is_answered(tmp_path: Pa
         reply = await peer.ask("reload")
         assert "'arm' cannot be loaded" in reply["reason"]
         assert not reply["ok"]
+
+
+async def test_a_reload_of_a_broken_file_says_which_file_to_check(tmp_path: Path) -> None:
+    report = ProblemReport()
+    report.error_at("panels", "oh")
+
+    def load() -> Experiment:
+        report.raise_errors()
+        raise AssertionError
+
+    async with served(tmp_path, load=load) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        reply = await peer.ask("reload")
+        assert host.session.experiment.path.name in reply["hint"]
+        assert len(reply["data"]) == 1
 
 
 # -- what may be in the place of a folder ----------------------------------------------------------

@@ -57,8 +57,9 @@ def test_an_action_that_was_not_played_says_why_in_words_for_the_wizard(tmp_path
     async def scenario(stage: Stage) -> None:
         for _ in range(17):  # a second each
             stage.session.play("Hello", KEY)
-        with pytest.raises(RequestError, match="queue full"):  # the seventeenth that waits
+        with pytest.raises(RequestError, match="queue full") as full:  # the seventeenth that waits
             stage.session.play("Hello", KEY)
+        assert (full.value.hint, full.value.command) == ("empty the queue, or wait", "queue_empty")
         await asyncio.sleep(15)
         stage.session.play("Hello", KEY)
         stage.session.play("Welcome", KEY, "replace")

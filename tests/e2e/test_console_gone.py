@@ -114,8 +114,10 @@ def test_a_watcher_cannot_end_the_session_and_is_told_when_it_has_ended(
 ) -> None:
     log = lab.log
     second = lab.attach("--watch")
-    end_session(second)
-    second.wait_text("only watches")
+    second.send("\x11")
+    second.wait_text("Leave the session running")
+    assert "End the session" not in second.text
+    second.send("\x11")
     end_session(terminal)
     assert terminal.wait_exit() == 0
     (end,) = log.lines("session.end")

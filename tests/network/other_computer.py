@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import socket
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -149,7 +149,7 @@ def listens(port: int) -> bool:
 
 @dataclass
 class OtherComputer:
-    """Serves one driver; what it says to whoever looks at it is in `lines`."""
+    """Serves a driver, and those `beside` it; what it says to whoever looks at it is in `lines`."""
 
     driver: type[Driver]
     settings: Any
@@ -157,6 +157,7 @@ class OtherComputer:
     type: str = "arm"
     name: str = "arm"
     silence_s: float = SILENCE_S
+    beside: Sequence[OfferedDriver] = ()
     lines: list[str] = field(default_factory=list)
     _task: asyncio.Task[None] | None = None
     _line: DriverLine | None = None
@@ -172,7 +173,7 @@ class OtherComputer:
                 await asyncio.sleep(0.02)  # the session's side is on its way
         offer = OfferedDriver(self.name, self.type, self.driver, self.settings)
         server = DriverServer(
-            *(access.name if access else PLACE, [offer]),
+            *(access.name if access else PLACE, [offer, *self.beside]),
             folder=self.folder,
             tell=self.lines.append,
             silence_s=self.silence_s,
@@ -234,16 +235,21 @@ def remote_driver(
 
 @contextlib.asynccontextmanager
 async def pair(
-    folder: Path, driver: type[Driver] = Arm, *, served: Any = None, connected: bool = True
+    folder: Path,
+    driver: type[Driver] = Arm,
+    *,
+    served: Any = None,
+    connected: bool = True,
+    beside: Sequence[OfferedDriver] = (),
 ) -> AsyncIterator[Pair]:
     """A driver of this session, opened, and the other computer that serves it with the settings
-    `served`, which are the same by themselves.
+    `served`, which are the same by themselves; and others `beside` it.
     """
     port = await free_port()
     router = DriverRouter(f"tcp://127.0.0.1:{port}", [PLACE], silence_s=SILENCE_S)
     context, cable = RecordingContext(folder), Cable(port)
     remote = remote_driver(context, router, driver)
-    other = OtherComputer(driver, served or driver.Settings(), folder)
+    other = OtherComputer(driver, served or driver.Settings(), folder, beside=beside)
     both = Pair(remote, context, other, cable, router)
     await remote.open()
     await until(lambda: listens(port))

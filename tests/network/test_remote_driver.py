@@ -8,7 +8,7 @@ import random
 import subprocess
 import sys
 import threading
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -45,7 +45,9 @@ from woz_tui.network import driver_line, driver_messages, driver_server
 from woz_tui.network import remote_driver as remote_side
 from woz_tui.network.certificates import AccessFile, Authority
 from woz_tui.network.driver_line import DriverRouter, LineError, to_key
+from woz_tui.network.driver_server import OfferedDriver, ServedDriver
 from woz_tui.network.remote_driver import RemoteDriver
+from woz_tui.network.served_context import ServedContext
 from woz_tui.testing import Device, DriverTests, PlainJob, RecordingContext, until
 
 ROOT = Path(__file__).parents[2]
@@ -406,18 +408,20 @@ class SlowArm(Arm):
 
 
 @contextlib.asynccontextmanager
-async def slow_pair(folder: Path) -> AsyncIterator[tuple[Pair, SlowArm]]:
+async def slow_pair(
+    folder: Path, beside: Sequence[OfferedDriver] = ()
+) -> AsyncIterator[tuple[Pair, SlowArm]]:
     """Both sides, and the driver there."""
     SlowArm.lives.clear()
-    async with pair(folder, SlowArm) as two:
+    async with pair(folder, SlowArm, beside=beside) as two:
         arm = two.arm
         assert isinstance(arm, SlowArm)
         try:
             yield two, arm
         finally:
             arm.may_close.set()
-            assert isinstance(two.arm, SlowArm)
-            two.arm.may_close.set()
+            if isinstance(two.arm, SlowArm):
+                two.arm.may_close.set()
 
 
 async def test_a_line_that_is_cut_meanwhile_cuts_nothing_short(tmp_path: Path) -> None:
@@ -461,6 +465,67 @@ async def test_another_session_waits_until_the_hardware_is_free(
         await two.healthy(Health.CONNECTED)
         await until(lambda: arm.lives == ["made", "closing", "closed", "made"])
         assert Health.FAULTED not in [health for health, *_ in two.context.healths]
+
+
+class QuickArm(Arm):
+    """Lets go of the hardware at once."""
+
+    #: How many were made.
+    made: ClassVar[list[str]] = []
+
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self.made.append(name)
+
+
+async def test_a_program_that_ends_opens_no_hardware_again(tmp_path: Path) -> None:
+    """One of its drivers takes longer than the other to let go, and the session greets again."""
+    QuickArm.made.clear()
+    beside = OfferedDriver("hand", "arm", QuickArm, ArmSettings())
+    async with slow_pair(tmp_path, [beside]) as (two, arm):
+        context = RecordingContext(tmp_path)
+        hand = remote_driver(context, two.router, QuickArm, name="hand")
+        await hand.open()
+        try:
+            await two.healthy(Health.CONNECTED, context)
+            bound = hand._epoch
+            ending = asyncio.create_task(two.other.end())  # ctrl+c
+            await until(lambda: "closing" in arm.lives)
+            await until(lambda: hand._epoch not in (0, bound))
+            await asyncio.sleep(0.2)
+            arm.may_close.set()
+            await ending
+            assert QuickArm.made == ["hand"]
+            assert arm.lives == ["made", "closing", "closed"]
+        finally:
+            arm.may_close.set()
+            await hand.close()
+
+
+async def test_two_greetings_at_once_do_not_wait_for_each_other(tmp_path: Path) -> None:
+    async with slow_pair(tmp_path) as (two, arm):
+        assert isinstance(arm.context, ServedContext)
+        served = arm.context._line
+        assert isinstance(served, ServedDriver)
+        await two.cable.cut()
+        await until(lambda: any("is stopped" in line for line in two.other.lines))
+        hello = driver_messages.DriverHello(
+            link=driver_messages.LINK,
+            version="1",
+            session="another",
+            name="arm",
+            type="arm",
+            settings=remote_side.setting_hashes(ArmSettings()),
+            offer=remote_side.offer_hash(SlowArm, ArmSettings()),
+            media="",
+            stopped=False,
+        )
+        for epoch in (1, 2):
+            frame = driver_messages.FrameToDriver(served._instance, epoch, 0, hello)
+            served._receive(driver_messages.encode(frame))
+        await until(lambda: "closing" in arm.lives)
+        arm.may_close.set()
+        await until(lambda: served._epoch == 2, 10)
 
 
 # -- who may ---------------------------------------------------------------------------------------

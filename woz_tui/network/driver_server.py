@@ -123,6 +123,8 @@ class ServedDriver:
         self._running: dict[int, tuple[asyncio.Task[None], Verb | None, str]] = {}
         self._lanes: dict[str, asyncio.Lock] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
+        #: Sessions that greet: they wait until the hardware is let go of, which waits for `_tasks`.
+        self._greetings: set[asyncio.Task[Any]] = set()
         #: The hardware is being let go of.
         self._leaving: asyncio.Task[None] | None = None
         #: The newest session that wants the driver.
@@ -171,6 +173,7 @@ class ServedDriver:
         """Stop and let go of the hardware."""
         if self._epoch:
             self.lose("this program ends")
+        self._line = None  # a session that greets now gets no answer, and opens nothing again
         await self._let_go()
 
     def lose(self, why: str) -> None:
@@ -212,7 +215,7 @@ class ServedDriver:
         for task in jobs:
             task.cancel()
         # A stop under way goes on to its end.
-        ending = {*jobs, *self._tasks} - {asker}
+        ending = {*jobs, *self._tasks}
         if ending:
             _, hanging = await asyncio.wait(ending, timeout=self._silence_s)
             for task in hanging:
@@ -224,10 +227,11 @@ class ServedDriver:
                 log.exception("%s did not close", self.name)
                 self._tell(f"{self.name}: it did not close: {error}")
 
-    def _spawn(self, coroutine: Any) -> None:
+    def _spawn(self, coroutine: Any, among: set[asyncio.Task[Any]] | None = None) -> None:
+        tasks = self._tasks if among is None else among
         task = self._loop.create_task(coroutine)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        tasks.add(task)
+        task.add_done_callback(tasks.discard)
 
     def in_loop(self, call: Callable[[], None]) -> None:
         """Soon, from any thread."""
@@ -281,7 +285,7 @@ class ServedDriver:
         if frame.instance != self._instance or not frame.epoch:
             return
         if isinstance(frame.body, dm.DriverHello):
-            self._spawn(self._on_hello(frame.epoch, frame.body))
+            self._spawn(self._on_hello(frame.epoch, frame.body), self._greetings)
         elif frame.epoch == self._epoch:
             if frame.number:
                 if frame.number != self._received + 1:

@@ -48,11 +48,13 @@ class ThreadCalls:
 
     def _deliver(self) -> None:
         self._due = False
-        for _ in range(min(len(self._waiting), A_TURN)):
-            self._waiting.popleft()()
-        if self._waiting and not self._due:
-            self._due = True
-            self._loop.call_soon(self._deliver)
-        elif self._dropped:
+        try:
+            for _ in range(min(len(self._waiting), A_TURN)):
+                self._waiting.popleft()()
+        finally:  # one that raises does not hold up the others
+            if self._waiting and not self._due:
+                self._due = True
+                self._loop.call_soon(self._deliver)
+        if self._dropped and not self._waiting:
             dropped, self._dropped = self._dropped, 0
             log.warning("%s sends too many messages: %d were dropped", self._who, dropped)

@@ -84,6 +84,20 @@ def test_started_again_it_goes_on_with_the_participant_of_the_moment(lab: Lab) -
     second.wait("profile.changed", profile="child")
 
 
+def test_it_is_started_again_though_the_file_has_other_conditions_now(lab: Lab) -> None:
+    text = scenes.guide()
+    terminal = lab.run(lab.file("guide.yaml", text), "--condition", "warm")
+    log = lab.log
+    lab.file("guide.yaml", text.replace("warm", "friendly"))
+    lab.host_process().kill()
+    terminal.wait_text("Start the robot process again")
+    terminal.send("\r")
+    second = Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
+    start = second.wait("session.start").fields
+    assert (start["participant"], start["condition"]) == ("P01", "")
+    terminal.wait_text("▲ no condition")
+
+
 def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
     servos = Servos(lab, sys.executable)
     file = lab.file("bench.yaml", scenes.head(servos.port, abandon=5))

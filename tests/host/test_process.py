@@ -235,6 +235,22 @@ def test_a_condition_of_the_command_line_is_a_choice(tmp_path: Path) -> None:
         assert "condition.assigned" not in {line["kind"] for line in host.log()}
 
 
+def test_started_again_it_leaves_out_what_the_file_does_not_have_any_more(tmp_path: Path) -> None:
+    words = ("--participant", "P07", "--condition", "cosy", "--profile", "child", "--restarted")
+    with robot(tmp_path, more=words, changes=(("title: Rude\n", DESIGN),)) as host:
+        host.announced()
+        host.ask('{"kind":"end","ref":1,"reason":"enough"}')
+        assert host.ended() == 0
+        log = host.log()
+    assert "profile.changed" not in {line["kind"] for line in log}
+    [start] = (line for line in log if line["kind"] == "session.start")
+    assert (start["participant"], start["condition"]) == ("P07", "")
+    warnings = " ".join(line["text"] for line in log if line["kind"] == "notice")
+    assert "condition" in warnings
+    assert "profile" in warnings
+    assert "cosy" not in warnings, "a wizard may be blind to it"
+
+
 @pytest.mark.parametrize(
     ("chosen", "name"), [(("P07",), "_P07_S01"), (("P07", "P08"), "_S01"), ((), "_S01")]
 )

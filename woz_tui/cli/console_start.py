@@ -221,7 +221,7 @@ def _restart(
 def _last_codes(log: Path) -> list[str]:
     """Who took part last in the session of `log`, in which condition and with which profile, as
     arguments of `woz host`; those of the command line may be over. Nobody if the log cannot be
-    read: then the console asks.
+    read: then the console asks. What the file does not allow any more is left out there.
 
     The screen of a wizard who is blind to the conditions does not have them. With an order, which
     the robot process proposes again, the next trial has its own.
@@ -236,7 +236,7 @@ def _last_codes(log: Path) -> list[str]:
                 state.apply(message)
     study = state.study
     condition = "" if study.order else study.condition
-    codes = ["--participant", study.participant, "--condition", condition]
+    codes = ["--restarted", "--participant", study.participant, "--condition", condition]
     if state.profile_changed is not None:
         codes += ["--profile", state.profile_changed.profile]
     return codes

@@ -55,6 +55,7 @@ def add(parser: ArgumentParser) -> None:
         help="with --train: number of cues (default: from the file)",
     )
     parser.add_argument("--announce", action="store_true", help=SUPPRESS)
+    parser.add_argument("--restarted", action="store_true", help=SUPPRESS)
 
 
 def run(arguments: Namespace) -> int:
@@ -92,6 +93,7 @@ def run(arguments: Namespace) -> int:
                 recordings=arguments.recordings,
                 spill=arguments.spill,
                 announce=arguments.announce,
+                restarted=arguments.restarted,
                 profile=arguments.profile,
                 rerun=rerun,
                 training=training,

@@ -65,6 +65,8 @@ class HostOptions:
     `name` is the socket's (empty: the session's code); a session without a code gets the next free
     one. `recordings` the folder of logs; `spill` a second folder for when the
     first one fails. `announce` writes one JSON line with socket and log to standard output.
+    `restarted`: the codes are those of a session that crashed, and the file may have changed;
+    `left_out` are then the sorts of those that it no longer allows.
     `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
     commands are run again. `training`: a wizard is trained, and nothing moves. `robot`: the one
     that plays instead of the file's own. `listen`: where other machines can join; empty: nowhere.
@@ -76,6 +78,8 @@ class HostOptions:
     recordings: Path
     spill: Path | None = None
     announce: bool = False
+    restarted: bool = False
+    left_out: tuple[str, ...] = ()
     profile: str = ""
     rerun: RerunOptions | None = None
     training: TrainingOptions | None = None
@@ -92,9 +96,11 @@ def run(options: HostOptions) -> int:
     _fill_standard_streams()
     catalogue = installed()
     experiment = _read(options, catalogue)
+    if options.restarted:
+        options = _without_refused(options, experiment)
     _check_identity(options.identity, experiment)
     if options.profile:
-        ProfileLimits(lambda message: None).use(options.profile, experiment, "")
+        _check_profile(options.profile, experiment)
     plan: RerunPlan | None = None
     if options.rerun is not None:
         from woz_tui.host.rerun_session import read_plan  # noqa: PLC0415
@@ -142,6 +148,49 @@ def _check_identity(identity: SessionIdentity, experiment: Experiment) -> None:
     identity.changed(experiment, None, identity.condition or None, None)
 
 
+def _check_profile(name: str, experiment: Experiment) -> None:
+    ProfileLimits(lambda message: None).use(name, experiment, "")
+
+
+def _is_refused(check: Callable[..., object], *values: object) -> bool:
+    try:
+        check(*values)
+    except RequestError:
+        return True
+    return False
+
+
+def _without_refused(options: HostOptions, experiment: Experiment) -> HostOptions:
+    """`options` without the codes that the file does not allow any more: a crash in the middle of
+    a study is no moment for looking up what was renamed.
+    """
+    who, profile = options.identity, options.profile
+    left_out = []
+    pattern = experiment.participant_pattern
+    if who.participant and _is_refused(check_participant, who.participant, pattern):
+        who = replace(who, participant="")
+        left_out.append("participant")
+    if _is_refused(who.changed, experiment, None, who.condition or None, None):
+        who = replace(who, condition="")
+        left_out.append("condition")
+    if profile and _is_refused(_check_profile, profile, experiment):
+        profile = ""
+        left_out.append("profile")
+    return replace(options, identity=who, profile=profile, left_out=tuple(left_out))
+
+
+def _left_out_notice(what: str) -> m.Notice:
+    """Without the code itself: the wizard may be blind to the conditions."""
+    remedy = f"choose the {what} again"
+    if what == "profile":
+        remedy += "; until then everything may be used"
+    return m.Notice(
+        level="warning",
+        text=f"no {what}: the file no longer allows the one from before the crash",
+        remedy=remedy,
+    )
+
+
 async def _serve(
     options: HostOptions,
     catalogue: Catalogue,
@@ -174,6 +223,8 @@ async def _serve(
     remote: RemoteAccess | None = None
     try:
         await session.open()
+        for what in options.left_out:
+            session.hub.publish(_left_out_notice(what))
         if training is None:
             await _assign_proposed(session)
         host.listen(listener)

@@ -690,7 +690,9 @@ class Session:
         `messages.RestrictedMessage`.
         """
         if not -1 <= at <= self.hub.now():
-            raise RequestError("a marker marks no moment before the session or still to come")
+            raise RequestError(
+                "a marker's moment lies between the beginning of the session and now"
+            )
         self.hub.publish(m.Marker(text=text, source=source, tells=tells, at=at))
 
     def note(self, text: str, tells: tuple[str, ...] = ()) -> None:

@@ -51,6 +51,8 @@ _SILENT_S = 1.0
 _LAST_WORDS_S = 1.0
 #: So much silence pushes the last of a voice out of a program, in seconds.
 _FLUSH_S = 0.5
+#: What comes back from a program is handed on in pieces of so many seconds.
+_CHUNK_S = 0.02
 _SENDER = "arecord -f S16_LE -r {rate} -c 1 | ssh ROBOT woz talk"
 
 VERBS = (
@@ -371,7 +373,7 @@ class LiveTalk:
         self._through.start()
 
     def _fresh_cutter(self) -> ChunkCutter:
-        return ChunkCutter(round(0.02 * self._settings.rate) * WIDTH, self._hear)
+        return ChunkCutter(round(_CHUNK_S * self._settings.rate) * WIDTH, self._hear)
 
     def _begun(self) -> None:
         self._cutter = self._fresh_cutter()
@@ -387,10 +389,10 @@ class LiveTalk:
     def _came_back(self, pcm: bytes) -> None:
         self._cutter.feed(pcm)
 
-    def _flush(self) -> None:
-        """What the program still has of a voice comes out now."""
+    def _flush(self, seconds: float = _FLUSH_S) -> None:
+        """What the program still has of a voice comes out: so much silence follows it."""
         if self._through is not None and self._trouble is None:
-            self._through.write(bytes(round(_FLUSH_S * self._settings.rate) * WIDTH))
+            self._through.write(bytes(round(seconds * self._settings.rate) * WIDTH))
 
     async def _start_again(self) -> None:
         """What the program still has of a voice is never heard."""
@@ -493,7 +495,7 @@ class LiveTalk:
         """Hand on what comes; why it is over."""
         clock, settings = self._context.clock, self._settings
         reader = SoundReader(self._voice)
-        published_us = flushed = 0
+        published_us = silence_us = chunks = 0
         tally.came_us = tally.began_us
         while True:
             now, last = clock.now_us(), ending.is_set()
@@ -515,13 +517,19 @@ class LiveTalk:
                     age_s = (now - piece.t_us) / 1_000_000
                     self._context.reading(TALK, round(age_s, 3), unit="s")
                 self._change(piece.pcm, tally)
+                silence_us = now + round(_SILENT_S * 1_000_000)
+                chunks = round(_FLUSH_S / _CHUNK_S)
             silent = now - tally.came_us > _SILENT_S * 1_000_000
             if self._trouble is None:
                 why = f"no voice comes: {_SENDER.format(rate=settings.rate)}"
                 self._show("silent", why) if silent else self._show("on")
-            if silent and tally.pieces > flushed:  # the last words are heard, too
-                flushed = tally.pieces
-                self._flush()
+            # The last words are heard, too: silence follows them no faster than it is played. After
+            # a delay only as much is made up for as has room.
+            silence_us = max(silence_us, now - round((_WAITING_S - _CHUNK_S) * 1_000_000))
+            while chunks and silence_us <= now:
+                self._flush(_CHUNK_S)
+                silence_us += round(_CHUNK_S * 1_000_000)
+                chunks -= 1
             if last:  # what was said before the key counts
                 return "switched off"
             await asyncio.sleep(_LOOK_S)

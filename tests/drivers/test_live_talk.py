@@ -21,7 +21,7 @@ from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered, until
 from tests.drivers.speech_desk import SCRIPT
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Probe, RejectedError, Scope
-from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, SoundWindow, VoiceState
+from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, WIDTH, SoundWindow, VoiceState
 from woz_tui.protocol.messages import DriverConnected, Json, Notice, SensorChanged
 from woz_tui.system.clock import ManualClock, RealClock
 
@@ -428,6 +428,64 @@ async def test_what_a_program_holds_is_not_heard_the_next_time(booths: Any, tmp_
     await booth.until_changed()
     assert booth.said.count(WORD) == words
     await booth.end()
+
+
+class NarrowOutlet:
+    """Plays as fast as time passes, and has room for as little as a real one."""
+
+    def __init__(self, tally: VoiceTally, clock: ManualClock) -> None:
+        self.given = 0
+        self._tally = tally
+        self._clock = clock
+        self._played_us = 0
+
+    def give(self, pcm: bytes) -> None:
+        """What has no room is dropped."""
+        self.given += 1
+        now = self._clock.now_us()
+        played_us = max(self._played_us, now) + len(pcm) // WIDTH * 1_000_000 // RATE
+        if played_us - now > 100_000:
+            self._tally.drop(len(pcm))
+        else:
+            self._played_us = played_us
+            self._tally.hear(pcm)
+
+    async def check(self) -> None:
+        """It goes on."""
+
+    async def finish(self) -> None:
+        """It is heard."""
+
+    def silence(self) -> None:
+        """Nothing is kept."""
+
+
+async def test_who_pauses_loses_no_sound_to_the_silence(tmp_path: Path) -> None:
+    clock, outlets = ManualClock(), list[NarrowOutlet]()
+
+    @contextlib.asynccontextmanager
+    async def loudspeaker(tally: VoiceTally) -> AsyncIterator[NarrowOutlet]:
+        outlets.append(NarrowOutlet(tally, clock))
+        yield outlets[0]
+
+    heard = Heard(tmp_path, clock)
+    window = SoundWindow(heard.context.feed(VOICE), RATE)
+    talk = LiveTalk(PlayedTalkSettings(through=python(CHANGE)), heard.context, loudspeaker)
+    talk.start()
+    try:
+        await heard.state("talk", "off")
+        talking = asyncio.ensure_future(talk.talk())
+        await until(lambda: talk.on)
+        window.add(WORD, clock.now_us(), "con7", 0.0)
+        await until(lambda: outlets[0].given == 1)
+        clock.advance(1.001)
+        for pieces in range(2, 27, 2):  # the word, and half a second of silence
+            await until(lambda: outlets[0].given >= pieces)  # noqa: B023
+            clock.advance(0.04)
+        talk.end()
+        assert (await talking)["dropped"] == 0.0
+    finally:
+        await talk.close()
 
 
 # -- kept --------------------------------------------------------------------------------------

@@ -41,6 +41,21 @@ async def test_a_stop_that_ended_with_the_robot_process_is_told_when_it_is_back(
             state = [*scenes.healthy(), *([pressed, confirmed] if still else [])]
             await seat.tell(scenes.welcome(state))
             assert ("not pressed any more" in seat.text("StopBar")) is (not still)
+            events = [line.text for line in seat.console.state.events]
+            assert ("The stop is not pressed any more" in events) is (not still)
+
+
+async def test_a_stop_pressed_during_a_loss_is_not_delivered_whatever_stood_before() -> None:
+    confirmed = m.StopConfirmed(confirmed=["voice", "head"], missing=[], elapsed_us=9, t=NOW)
+    async with sitting() as seat:
+        await seat.tell(m.StopPressed(source="key", t=NOW), confirmed)
+        seat.feed.cut("it closed the connection")
+        await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
+        await seat.press("escape")
+        seat.console.paint()
+        assert "STOP NOT DELIVERED" in seat.text("StopBar")
+        await seat.tell(scenes.welcome(scenes.healthy()))
+        assert "the stop is not pressed: press it again" in seat.text("StopBar")
 
 
 async def test_a_robot_process_that_is_back_before_anything_is_painted_is_not_lost() -> None:

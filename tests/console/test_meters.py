@@ -434,8 +434,20 @@ def test_a_stop_that_was_confirmed_before_the_line_was_lost_stays_confirmed(
     assert ("confirmed: head" if missing else "confirmed by all") in shown
     assert "goes on to its end" not in shown
     assert ("NOT CONFIRMED: voice" in shown) is bool(missing)
-    assert ("enter shows what can be done: cut" in shown) is (not missing)
+    assert ("enter shows what can be done (cut)" in shown) is (not missing)
     assert "releases" not in shown
+    assert "STOP NOT DELIVERED" in bar(picture, asked_us=NOW)
+
+
+def test_a_narrow_bar_of_a_stop_still_says_that_the_robot_is_away() -> None:
+    picture = pictured(m.StopPressed(source="key", t=NOW))
+    missing = ["a driver of a long name", "another one", "the third"]
+    picture.apply([m.StopConfirmed(confirmed=["head"], missing=missing, elapsed_us=9)], 0)
+    picture.lose(Loss("cut", LostPart.LINE))
+    shown = bar(picture, frame=PaintFrame(44, 2, NOW))
+    assert "LINE LOST" in shown
+    assert "NOT CONFIRMED" in shown
+    assert "^R" not in shown, "no key is sent"
 
 
 def test_the_bar_in_ascii_and_very_narrow() -> None:

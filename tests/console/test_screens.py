@@ -354,9 +354,11 @@ async def test_leaving_stays_by_default() -> None:
 @pytest.mark.parametrize(("who", "changes"), [("", True), ("_P07", False)])
 async def test_leaving_says_that_the_log_gets_another_name(who: str, changes: bool) -> None:
     log = f"logs/2026-03-01T10-00-00{who}_S01.jsonl"
-    async with sitting(msgspec.structs.replace(scenes.welcome(), log=log)) as seat:
-        await opened(seat, "LeaveDialog")
-        assert ("gets the participant's code" in seat.drawn()) is changes
+    for role in ("wizard", "watcher"):  # a watcher does not end it
+        first = scenes.welcome(role=role)
+        async with sitting(msgspec.structs.replace(first, log=log)) as seat:
+            await opened(seat, "LeaveDialog")
+            assert ("gets the participant's code" in seat.drawn()) is (changes and role == "wizard")
 
 
 async def test_leaving_it_running() -> None:

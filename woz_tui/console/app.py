@@ -186,7 +186,7 @@ class Console(ScreenApp):
             self._news_driver = refusal.driver
         for tiding in self.state.study.read_news():
             self.news(self._sentence(tiding), tiding.look)
-        if self.state.stop is not None:
+        if self.state.stop is not None and not self.state.lost:  # else it is the stop of before
             self._stop_asked = None
         if self.state.edition != self._edition:
             self._edition = self.state.edition
@@ -275,6 +275,9 @@ class Console(ScreenApp):
             self.news(f"{back}; the stop is not pressed: press it again", "warn")
         elif self._was_stopped and self.state.stop is None:
             self.news(f"{back}; the stop is not pressed any more", "warn")
+            now = self.state.now(self.clock.now_us())
+            text = "The stop is not pressed any more"
+            self.state.events.append(EventLine("warning", text, "escape presses it", now))
         elif late:
             why = next(reversed(late.values()))
             self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")

@@ -287,10 +287,11 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     if state.ended and state.lost and asked_us is None:
         over, where = " The session has ended.", " enter shows where its log is"
         return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
-    if state.stop is not None and (state.stop.settled or not state.lost):
+    if state.stop is not None and (not state.lost or (state.stop.settled and asked_us is None)):
         return _stopped(state, state.stop, bar, frame)
     if state.lost and (asked_us is not None or state.stop is not None):
-        return _undelivered(state.lost, "CONFIRMED" if state.stop else "DELIVERED", glyphs, width)
+        what = "CONFIRMED" if asked_us is None else "DELIVERED"
+        return _undelivered(state.lost, what, glyphs, width)
     if state.lost:
         why = f" {glyphs.error} {state.lost.part.title}: {clean(state.lost.why)}"
         what = "No key is sent. enter shows what the robot does and what can be done"
@@ -330,14 +331,18 @@ def _undelivered(loss: Loss, what: str, glyphs: Glyphs, width: int) -> list[Row]
 
 
 def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintFrame) -> list[Row]:
-    glyphs, width, release = frame.glyphs, frame.width, bar.release
+    glyphs, width = frame.glyphs, frame.width
+    release = "" if state.lost else bar.release  # no key is sent
     left = stopped_words(stop, state.others, glyphs)
     confirmed = stop.settled and not stop.missing
     does = "releases it" if confirmed else "releases it, after a question"
     hint = f"{release} {does} " if release else ""
     if state.lost:
         left += ", confirmed by all" if confirmed else ""
-        hint = f"{state.lost.part.sentence} "
+        part = state.lost.part
+        hint = f"{part.sentence} "
+        if len(left) + len(hint) >= width:
+            hint = f"{part.sign} "
     if len(left) + len(hint) >= width:
         hint = ""
     first = spread(((left, "alarm"), (" " * width, "alarm")), ((hint, "alarm"),), width, " ")
@@ -346,7 +351,7 @@ def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintF
         return [first, second]
     if confirmed and (state.lost or bar.news.text):
         why = state.lost.why if state.lost else ""
-        return [first, _below(f"enter shows what can be done: {why}", bar.news, frame)]
+        return [first, _below(f"enter shows what can be done ({why})", bar.news, frame)]
     row = settled_row(stop, state.short_names, glyphs, width, release)
     blanks = max(0, width - length(row))
     return [first, cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)]

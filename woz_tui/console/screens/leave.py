@@ -23,10 +23,12 @@ class LeaveDialog(ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """Where the log is, and what would be cut off."""
-        warning = self.glyphs.warning
-        cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.state.study)]
         log = self.state.log
         rows: list[Row] = [(("log: ", "muted"), (log or "none", "plain"))]
+        if self.state.role == "watcher":  # the end is not offered
+            return rows
+        warning = self.glyphs.warning
+        cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.state.study)]
         if gets_participant(log):
             rows.append((("its name gets the participant's code at the end", "muted"),))
         return [*rows, *cut]

@@ -54,6 +54,8 @@ async def test_a_stop_pressed_during_a_loss_is_not_delivered_whatever_stood_befo
         await seat.press("escape")
         seat.console.paint()
         assert "STOP NOT DELIVERED" in seat.text("StopBar")
+        await seat.press("ctrl+r")
+        assert seat.console.dialog is None, "it would release the stop once the line is back"
         await seat.tell(scenes.welcome(scenes.healthy()))
         assert "the stop is not pressed: press it again" in seat.text("StopBar")
 

@@ -15,10 +15,13 @@ from woz_tui.protocol.requests import AskRelease
 def open_release(app: ConsoleApp) -> None:
     """Release the stop, or ask first if somebody may still move."""
     stop = app.state.stop
-    if not app.stop_pending and (stop is None or (stop.settled and not stop.missing)):
+    missing = stop is not None and stop.settled and bool(stop.missing)
+    waits = app.stop_pending or (stop is not None and not stop.settled)
+    if missing or (waits and not app.state.lost):  # nothing is released late, with the line
+        if not isinstance(app.dialog, ReleaseDialog):
+            app.open_dialog(ReleaseDialog())
+    else:
         app.requests.ask(AskRelease(source="key"))
-    elif not isinstance(app.dialog, ReleaseDialog):
-        app.open_dialog(ReleaseDialog())
 
 
 class ReleaseDialog(LiveReportDialog):

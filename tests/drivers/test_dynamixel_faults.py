@@ -106,6 +106,11 @@ async def test_a_stop_while_the_torque_goes_on_waits_for_the_servos(tmp_path: Pa
         held = [it.bus.servo(number).torque for number in (12, 13)]
         await it.ticks(5)
         assert [it.bus.servo(number).torque for number in (12, 13)] == held
+        limp = [name for name, on in zip(("tilt", "roll"), held, strict=True) if not on]
+        told = [one.text for one in it.heard.all(Notice) if "torque is off" in one.text]
+        assert told == (
+            [f"it: servos connected; torque is off on {', '.join(limp)}"] if limp else []
+        )
 
 
 async def test_port_in_use_names_the_other_program(tmp_path: Path) -> None:

@@ -140,10 +140,13 @@ class ServoLoop:
                 if servo.status is ServoStatus.READY and not self.stopped:
                     for name, why in chain.set_torque([servo.name], on=True).items():
                         self._context.notice("error", f"no torque on {name}: {why}")
-        if (wanted or not first) and not any(one.torque for one in chain.servos.values()):
+        ready = [one for one in chain.servos.values() if one.status is ServoStatus.READY]
+        limp = [one.name for one in ready if not one.torque]
+        if (wanted or not first) and limp:
+            which = "" if len(limp) == len(ready) else f" on {', '.join(limp)}"
             self._context.notice(
                 "info",
-                "servos connected; torque is off",
+                f"servos connected; torque is off{which}",
                 "make sure that nobody is in reach, then `torque: on`",
             )
 

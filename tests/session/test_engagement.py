@@ -372,7 +372,7 @@ def test_a_visitor_greeted_by_name(tmp_path: Path) -> None:
     async def scenario(room: Room) -> None:
         with pytest.raises(RequestError, match=r"\{visitor\} has no value yet") as refused:
             room.session.play("Greet", WIZARD)
-        assert "enter who it is" in refused.value.hint
+        assert "enter who the visitor is" in refused.value.hint
         await engaged(room)
         room.session.play("Greet", WIZARD)
 

@@ -6,6 +6,7 @@ The stand-ins are called as the real ones are: a module that is imported, a prog
 from __future__ import annotations
 
 import asyncio
+import subprocess
 import sys
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -75,6 +76,13 @@ def whisper_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def whisper(folder: Path, *options: str) -> ResidentProgram:
     command = (sys.executable, "-m", whisper_transcriber.__name__, *options)
     return ResidentProgram(command, folder)
+
+
+def test_any_python_runs_the_transcriber_also_one_without_woz_tui() -> None:
+    words = [sys.executable, "-I", "-S", whisper_transcriber.__file__, "--model", "tiny.en"]
+    ended = subprocess.run(words, capture_output=True, text=True, timeout=100, check=False)
+    assert "faster-whisper is not installed" in ended.stderr
+    assert "install faster-whisper" in ended.stderr
 
 
 @pytest.mark.usefixtures("whisper_module")

@@ -12,12 +12,11 @@ import importlib
 import json
 import math
 import os
+import shlex
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-
-from woz_tui.system.extras import install_command
 
 PACKAGE = "faster_whisper"
 #: What it raises of its hub, its run time and its files.
@@ -32,7 +31,9 @@ def main() -> None:
         # Imported here: it is an extra.
         package = importlib.import_module(PACKAGE)
     except ImportError:
-        sys.exit(f"faster-whisper is not installed: {install_command('whisper')}")
+        # Any Python may run this program: it needs nothing of woz-tui.
+        pip = f"{shlex.quote(sys.executable)} -m pip install faster-whisper"
+        sys.exit(f"faster-whisper is not installed: {pip}")
     try:
         model = package.WhisperModel(
             options.model, device="cpu", compute_type="int8", cpu_threads=options.threads

@@ -344,10 +344,11 @@ class Speech(Driver):
                 if following < len(parts):
                     following_part = self._voice.part(parts, following, choice)
                     making.append(asyncio.create_task(following_part))
+                now_us = clock.now_us()
                 if not heard_us:
-                    heard_us = clock.now_us()
+                    heard_us = now_us
                     self._publish_delay(utterance, (heard_us - asked_us) / 1_000_000)
-                begin = (clock.now_us() - heard_us) / 1_000_000
+                begin = (now_us - heard_us) / 1_000_000
                 words += [
                     [one.word, round(begin + one.begin, 3), round(begin + one.end, 3)]
                     for one in utterance.words

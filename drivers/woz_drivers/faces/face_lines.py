@@ -57,4 +57,7 @@ _DECODER = msgspec.json.Decoder(FacesLine)
 
 def decoded_line(line: bytes) -> FacesLine:
     """Raises `ValueError` for anything else."""
-    return _DECODER.decode(line)
+    try:
+        return _DECODER.decode(line)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None

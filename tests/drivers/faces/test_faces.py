@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from woz_drivers.faces import Faces
+from woz_drivers.faces.face_lines import decoded_line
 from woz_drivers.faces.feed_camera import fitted
 from woz_drivers.faces.settings import FacesSettings
 
@@ -365,3 +366,8 @@ while os.path.exists(sys.argv[1]):
     sys.stdout.flush()
     time.sleep(0.05)
 """
+
+
+def test_a_line_that_is_nested_without_end_is_no_answer() -> None:
+    with pytest.raises(ValueError, match="nested"):
+        decoded_line(b'{"more":' * 10_000 + b"1" + b"}" * 10_000)

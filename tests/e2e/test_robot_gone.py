@@ -11,8 +11,18 @@ from tests.e2e import crashes, scenes
 from tests.e2e.lab import Lab, Log, stopped, until
 from tests.e2e.program import Program
 from tests.e2e.servos import TORQUE, Servos
+from tests.fakes.terminal import FakeTerminal
 
 pytestmark = pytest.mark.real_clock
+
+
+def started_again(lab: Lab, terminal: FakeTerminal) -> Log:
+    """Kill the robot process, and start it again as the screen proposes; the new log."""
+    log = lab.log
+    lab.host_process().kill()
+    terminal.wait_text("Start the robot process again")
+    terminal.send("\r")
+    return Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
 
 
 def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
@@ -71,14 +81,10 @@ def test_another_robot_than_the_files_own_is_started_again(lab: Lab) -> None:
 def test_started_again_it_goes_on_with_the_participant_of_the_moment(lab: Lab) -> None:
     text = scenes.guide() + "profiles: {child: {panels: [Speech]}}\n"
     terminal = lab.run(lab.file("guide.yaml", text), "--condition", "warm")
-    log = lab.log
     with Program(lab.socket()) as program:
         assert program.ask("set", participant="P02", condition="cold")["ok"]
         assert program.ask("profile", profile="child")["ok"]
-    lab.host_process().kill()
-    terminal.wait_text("Start the robot process again")
-    terminal.send("\r")
-    second = Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
+    second = started_again(lab, terminal)
     start = second.wait("session.start").fields
     assert (start["participant"], start["condition"]) == ("P02", "cold")
     second.wait("profile.changed", profile="child")
@@ -87,12 +93,8 @@ def test_started_again_it_goes_on_with_the_participant_of_the_moment(lab: Lab) -
 def test_it_is_started_again_though_the_file_has_other_conditions_now(lab: Lab) -> None:
     text = scenes.guide()
     terminal = lab.run(lab.file("guide.yaml", text), "--condition", "warm")
-    log = lab.log
     lab.file("guide.yaml", text.replace("warm", "friendly"))
-    lab.host_process().kill()
-    terminal.wait_text("Start the robot process again")
-    terminal.send("\r")
-    second = Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
+    second = started_again(lab, terminal)
     start = second.wait("session.start").fields
     assert (start["participant"], start["condition"]) == ("P01", "")
     terminal.wait_text("▲ no condition")

@@ -17,7 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.host.rig import WAIT_S
+from tests.host.rig import WAIT_S, Peer
 from tests.remote.network import BootClock, Machines, S, connected, machines
 from woz_tui.cli.remote_start import remote_session
 from woz_tui.config.experiment import AccessRole
@@ -200,6 +200,20 @@ def _running(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Standstill, "LEAST_S", 1e9)
 
 
+async def is_too_late(two: Machines, peer: Peer, *clocks: BootClock) -> None:
+    """A press that the network holds back for 5 s is refused, and not played."""
+    two.cable.flowing.clear()
+    await peer.say(kind="action", ref=1, action="Hello", source="key")
+    await until(lambda: two.cable.held > 0)
+    for clock in clocks:
+        clock.boot += 5 * S
+    two.cable.flowing.set()
+    answer = await peer.until(lambda line: line["kind"] == "reply" and line["ref"] == 1)
+    assert not answer["ok"]
+    assert "too late" in answer["reason"]
+    assert not two.robot.puppet().calls
+
+
 @pytest.mark.usefixtures("_running")
 async def test_what_a_frozen_network_held_back_is_not_played(tmp_path: Path) -> None:
     clock = BootClock()
@@ -209,15 +223,7 @@ async def test_what_a_frozen_network_held_back_is_not_played(tmp_path: Path) -> 
     ):
         peer = await connected(remote)
         await peer.hello("wizard")
-        two.cable.flowing.clear()
-        await peer.say(kind="action", ref=1, action="Hello", source="key")
-        await until(lambda: two.cable.held > 0)
-        clock.boot += 5 * S
-        two.cable.flowing.set()
-        answer = await peer.until(lambda line: line["kind"] == "reply" and line["ref"] == 1)
-        assert not answer["ok"]
-        assert "too late" in answer["reason"]
-        assert not two.robot.puppet().calls
+        await is_too_late(two, peer, clock)
         assert (await peer.ask("action", action="Hello", source="key"))["ok"]
 
 
@@ -235,16 +241,7 @@ async def test_that_holds_when_the_robots_computer_was_started_anew(tmp_path: Pa
             await two.cable.lay()
             peer = await connected(remote)
             await peer.hello("wizard")
-            two.cable.flowing.clear()
-            await peer.say(kind="action", ref=1, action="Hello", source="key")
-            await until(lambda: two.cable.held > 0)
-            for clock in (here, two.clock):
-                clock.boot += 5 * S
-            two.cable.flowing.set()
-            answer = await peer.until(lambda line: line["kind"] == "reply" and line["ref"] == 1)
-            assert not answer["ok"]
-            assert "too late" in answer["reason"]
-            assert not two.robot.puppet().calls
+            await is_too_late(two, peer, here, two.clock)
 
 
 async def test_a_path_that_the_environment_names_and_a_session_has_is_told(

@@ -55,10 +55,6 @@ async def guarded(call: Callable[[], Awaitable[T]]) -> T:
         raise DriverError(f"the driver raised {type(error).__name__}") from error
 
 
-#: A request that finds no place, and what helps.
-QUEUE_FULL = "queue full"
-EMPTY_IT = "empty the queue, or wait"
-
 #: How long a cancelled job may take to end before its lane counts as faulted, in seconds.
 GRACE_S = 0.25
 #: A job that announced its duration may take this much longer than announced.
@@ -239,7 +235,8 @@ class Lane:
             pending.refuse("busy", f"{self.driver_name} is busy")
             return
         elif len(self._waiting) >= self._room_for(pending):
-            pending.refuse("full", f"{QUEUE_FULL} ({len(self._waiting)})", EMPTY_IT)
+            what = f"queue full ({len(self._waiting)})"
+            pending.refuse("full", what, "empty the queue, or wait")
             return
         self._waiting.append((pending, args))
         self._watch_deadline(pending)

@@ -448,8 +448,10 @@ class ActionPanels(Cells):
     def turn_to(self, action: str) -> None:
         """Turn to the page on which an action is, and choose its panel."""
         arranged = self._arranged
-        for slot in arranged.slots if arranged is not None else ():
-            if arranged is not None and slot.action is not None and slot.action.name == action:
+        if arranged is None:
+            return
+        for slot in arranged.slots:
+            if slot.action is not None and slot.action.name == action:
                 self.board = self.board.at(slot.page, arranged, slot.panel)
 
     def bear(self, caps: Mapping[str, KeyCap]) -> None:

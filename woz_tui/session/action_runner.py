@@ -16,7 +16,8 @@ from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.sensing.engagement_stream import SPEECH
-from woz_tui.session.action_texts import Steps, calls_in
+from woz_tui.session.action_texts import Steps, calls_in, missing_value_error
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.response_delay import ResponseDelay, may_wait
 from woz_tui.session.variables import MissingValueError
 
@@ -63,7 +64,7 @@ class LaterStart:
 class ActionRun:
     """One action being played; `pending` are the commands of the present step, of `together`
     in all, and `arriving` those whose motion it waits for. `left`: how it ends after this step,
-    unless something of the step goes wrong.
+    unless something of the step goes wrong. `refused`: the command because of which it never began.
     """
 
     id: str
@@ -79,6 +80,7 @@ class ActionRun:
     problem: m.ActionEnd | None = None
     left: m.ActionEnd | None = None
     ended: m.ActionEnd | None = None
+    refused: m.Refused | None = None
 
     @property
     def still_to_come(self) -> list[Call]:
@@ -143,8 +145,8 @@ class ActionRunner:
         when_busy: str = "",
         steps: Steps | None = None,
         later: LaterStart | None = None,
-    ) -> tuple[str, str]:
-        """Begin an action: run id, and why it was refused (empty: it was not).
+    ) -> tuple[str, RequestError | None]:
+        """Begin an action: run id, and why it was refused (None: it was not).
 
         `steps`: what it does, filled in, where that is not what stands in the file. `later`: it
         does not begin now.
@@ -156,18 +158,18 @@ class ActionRunner:
             steps = self._fill(action) if steps is None else steps
         except MissingValueError as error:
             self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
-            return run_id, str(error)
+            return run_id, missing_value_error(error)
         run = ActionRun(run_id, action, origin, steps, when_busy or action.when_busy)
         self._runs[run_id] = run
         if later is not None:
             self._schedule(run_id, action.name, later, lambda: self._begin_late(run, later))
-            return run_id, ""
+            return run_id, None
         calls = calls_in(steps)
         if not self._holds(run_id, action.name, origin, calls, lambda: self._advance(run)):
             self._advance(run)
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
             self._supersede(run.id, action.label, origin, calls)
-        return run_id, run.ended.reason if isinstance(run.ended, m.ActionRefused) else ""
+        return run_id, _refusal_of(run)
 
     def _begin_late(self, run: ActionRun, later: LaterStart) -> None:
         if (refusal := later.why_not()) is not None:
@@ -444,6 +446,7 @@ class ActionRunner:
                     return _superseded(run, newer.id, newer.action.label)
                 return _superseded(run, by, self.played.get(by, by))
             case m.Refused() if run.at == 0:
+                run.refused = end
                 return m.ActionRefused(
                     run=run.id, action=run.action.name, reason=reason, tells=end.tells
                 )
@@ -558,6 +561,15 @@ class ActionRunner:
 
     def _stop(self, run: ActionRun, reason: str) -> None:
         self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+
+
+def _refusal_of(run: ActionRun) -> RequestError | None:
+    """Why it was refused, and what gives a full queue room; None: it was not."""
+    if not isinstance(run.ended, m.ActionRefused):
+        return None
+    if run.refused is not None and run.refused.code == "full":
+        return RequestError(run.ended.reason, run.refused.remedy, command="queue_empty")
+    return RequestError(run.ended.reason)
 
 
 def may_speak(call: Call | m.Command) -> bool:

@@ -14,7 +14,6 @@ import msgspec
 
 from woz_tui.bml.behaviour_calls import VerbCall
 from woz_tui.bus.hub import Hub
-from woz_tui.bus.lane import EMPTY_IT, QUEUE_FULL
 from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
 from woz_tui.config.session_verbs import BML
 from woz_tui.config.utterance_template import VISITOR
@@ -78,21 +77,17 @@ def _filled(args: dict[str, Json], values: VariableValues) -> Mapping[str, Json]
     return said if isinstance(said[TEXT], str) and said[TEXT] else {}
 
 
-def refusal_error(refused: str) -> RequestError:
-    """Why an action or a line was not played, with what would help: where the value of its variable
-    comes from, or how the queue gets room.
-    """
-    if refused.startswith(QUEUE_FULL):
-        return RequestError(refused, EMPTY_IT, command="queue_empty")
-    if not refused.startswith("{"):
-        return RequestError(refused)
-    if refused.startswith(f"{{{VISITOR}}}"):
+def missing_value_error(missing: MissingValueError) -> RequestError:
+    """The refusal of a line whose variable has no value, with where the value comes from."""
+    if not missing.variable:
+        return RequestError(str(missing))
+    if missing.variable == VISITOR:
         return RequestError(
-            refused,
+            str(missing),
             "enter who the visitor is, or wait for face recognition or a handshake",
             command="engagement",
         )
-    return RequestError(refused, "choose participant and condition", command="start")
+    return RequestError(str(missing), "choose participant and condition", command="start")
 
 
 #: Actions in one line of the log, which may have 1 MiB.

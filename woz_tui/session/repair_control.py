@@ -64,8 +64,8 @@ class RepairController:
             self.runner.refuse(action.name, action.panel, origin, steps)
             raise RequestError(steps)
         run, refused = self.runner.play(action, origin, when_busy, steps=steps)
-        if refused:
-            raise RequestError(refused)
+        if refused is not None:
+            raise refused
         return run
 
     def _again(self) -> Steps | str:

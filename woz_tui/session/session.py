@@ -38,7 +38,7 @@ from woz_tui.session.action_runner import (
     LaterStart,
     RequestOrigin,
 )
-from woz_tui.session.action_texts import ActionTexts, refusal_error, utterances
+from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
 from woz_tui.session.bml_player import BmlPlayer
 from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_manager import DriverManager, make_drivers
@@ -315,8 +315,8 @@ class Session:
         later = LaterStart(at, lambda: self._refusal_of(name, origin)) if at else None
         run, refused = self.runner.play(action, origin, when_busy, later=later)
         self.scripts.publish()
-        if refused:
-            raise refusal_error(refused)
+        if refused is not None:
+            raise refused
         return run
 
     def _no_moment(self, at: int) -> str:
@@ -414,7 +414,7 @@ class Session:
         try:
             steps = self.texts.preview(action)
         except MissingValueError as error:
-            raise refusal_error(str(error)) from error
+            raise missing_value_error(error) from error
         drivers: dict[str, Forecaster] = {**self.drivers, BML: self.blocks}
         return await predicted(steps, self.bus.verb, drivers, kept)
 

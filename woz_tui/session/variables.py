@@ -40,7 +40,13 @@ class VariableValues(dict[str, str]):
 
 
 class MissingValueError(ValueError):
-    """A variable has no value yet; the text names it."""
+    """A variable has no value yet; the text names it. `variable`: which; empty: a text depends on
+    something else.
+    """
+
+    def __init__(self, text: str, variable: str = "") -> None:
+        super().__init__(text)
+        self.variable = variable
 
 
 def fill_variables(value: Json, values: VariableValues) -> Json:
@@ -118,7 +124,7 @@ def _value(name: str, values: VariableValues) -> str:
         return f"{{{name}}}"
     if not text:
         why = values.why.get(name, "")
-        raise MissingValueError(f"{{{name}}} has no value yet{why and ': '}{why}")
+        raise MissingValueError(f"{{{name}}} has no value yet{why and ': '}{why}", name)
     return text
 
 

@@ -65,6 +65,33 @@ def test_a_robot_that_asks_for_names_needs_a_voice_and_an_ear(tmp_path: Path) ->
     ]
 
 
+def test_a_robot_that_looks_to_sounds_needs_ears_and_a_neck(tmp_path: Path) -> None:
+    looks = "{signs: [gaze], attention: {look: true}}"
+    (found,) = warned(tmp_path, looks, sees="gaze")
+    assert found.startswith("engagement.attention.look: the robot does not look to sounds")
+    assert "'gaze'" in found and "'direction'" in found
+    assert not warned(tmp_path, "{signs: [gaze]}", sees="gaze")
+
+
+@pytest.mark.parametrize(
+    ("attention", "finds"),
+    [
+        ("mode: Unengaged", False),
+        ("mode: Unengaged, look: true", False),
+        ("mode: Unengaged, camera: head", False),
+        ("mode: Unengaged, look: true, camera: head", True),
+        ("mode: SemiEngaged", True),
+    ],
+)
+def test_a_mode_that_cannot_find_anybody_is_a_warning(
+    tmp_path: Path, attention: str, finds: bool
+) -> None:
+    found = warned(tmp_path, f"{{signs: [gaze], attention: {{{attention}}}}}", sees="gaze")
+    modes = [line for line in found if line.startswith("engagement.attention.mode")]
+    assert (not modes) == finds
+    assert all("camera: head" in line for line in modes)
+
+
 def test_two_robots_with_one_sign_each_need_a_choice(tmp_path: Path) -> None:
     camera = "{drivers: {eye: {type: camera, sees: [gaze, loudness]}, voice: {type: voice}}}"
     head = f"title: T\nrobots: {{left: {camera}, right: {camera}}}\n"

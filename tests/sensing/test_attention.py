@@ -10,10 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.engagement import MODES, AttentionSettings
-from woz_tui.sensing.attention import Attention, GazeDirection, LookBack, Order, direction_words
+from woz_tui.sensing.attention import (
+    Attention,
+    GazeDirection,
+    LookBack,
+    Order,
+    Stay,
+    direction_words,
+)
 
 SECOND = 1_000_000
-SETTINGS = AttentionSettings(seconds=2.0, within=15.0)
+SETTINGS = AttentionSettings(seconds=2.0, within=15.0, camera="head")
 
 
 def attention(mode: str, *, engaged: float | None = None) -> Attention:
@@ -92,6 +99,48 @@ def test_the_mode_may_change_while_it_looks() -> None:
         robot.attend("Asleep", SECOND)
 
 
+@pytest.mark.parametrize(
+    ("mode", "engaged", "camera", "end"),
+    [
+        ("Unengaged", -10.0, "head", Stay(70.0)),
+        ("Unengaged", -10.0, "body", LookBack(-10.0)),
+        ("SemiEngaged", -10.0, "head", LookBack(-10.0)),
+        ("SemiEngaged", None, "head", Stay(70.0)),
+        ("FullyEngaged", None, "head", Stay(70.0)),
+        ("SemiEngaged", None, "body", LookBack(None)),
+    ],
+)
+def test_it_stays_with_somebody_whom_the_camera_on_the_head_finds(
+    mode: str, engaged: float | None, camera: str, end: Order
+) -> None:
+    """E8: Unengaged may engage another person; after a loss, anybody may be found."""
+    robot = Attention(replace(SETTINGS, mode=mode, camera=camera))
+    robot.engaged(engaged is not None, engaged, 0)
+    robot.sound(70.0, 0)
+    robot.presence(True, 1_500_000)
+    assert robot.advance(2 * SECOND) == end
+    assert not robot.away
+
+
+def test_what_the_camera_saw_while_the_head_turned_does_not_count() -> None:
+    robot = attention("Unengaged", engaged=-10.0)
+    robot.sound(70.0, 0)
+    for somebody, t in ((True, 0), (True, 999_999), (True, SECOND), (False, 1_500_000)):
+        robot.presence(somebody, t)
+    assert robot.advance(2 * SECOND) == LookBack(-10.0), "one of two is not most"
+
+
+def test_who_was_found_is_the_visitor_to_whom_it_looks_back() -> None:
+    """E8: Unengaged; nothing seen at the former look is left."""
+    robot = attention("Unengaged", engaged=-10.0)
+    robot.sound(70.0, 0)
+    robot.presence(True, 1_500_000)
+    assert robot.advance(2 * SECOND) == Stay(70.0)
+    assert robot.sound(75.0, 3 * SECOND) is None, "that is where the visitor is"
+    assert robot.sound(-60.0, 6 * SECOND) == GazeDirection(-60.0)
+    assert robot.advance(8 * SECOND) == LookBack(70.0)
+
+
 def test_directions_in_words() -> None:
     assert [direction_words(degrees) for degrees in (0.4, 60.2, -90.0)] == [
         "ahead",
@@ -106,6 +155,7 @@ DIRECTIONS = st.none() | st.floats() | st.sampled_from([0.0, 20.0, 90.0, -90.0, 
 EVENTS = st.one_of(
     st.tuples(st.just("sound"), st.none(), DIRECTIONS),
     st.tuples(st.just("engaged"), st.booleans(), DIRECTIONS),
+    st.tuples(st.just("presence"), st.none(), DIRECTIONS),
     st.tuples(st.just("advance"), st.none(), st.none()),
 )
 SCRIPTS = st.lists(st.tuples(EVENTS, st.integers(-500_000, 1_500_000)), max_size=60)
@@ -121,7 +171,9 @@ def test_the_promise_of_each_mode_holds_whatever_happens(
     for (event, what, direction), step in script:
         t = max(t, t + step)
         while (due := robot.due()) is not None and due <= t:
-            assert isinstance(robot.advance(due), LookBack)
+            over = robot.advance(due)
+            assert isinstance(over, LookBack | Stay)
+            assert not (isinstance(over, Stay) and engaged and mode != "Unengaged")
         engaged = engaged if what is None else what
         order = happens(robot, event, engaged, direction, t)
         assert not (engaged and mode == "FullyEngaged" and robot.away)
@@ -142,4 +194,7 @@ def happens(
             return robot.sound(direction, t)
         case "engaged":
             return robot.engaged(engaged, direction, t)
+        case "presence":
+            robot.presence(direction is not None, t)
+            return None
     return robot.advance(t)

@@ -68,6 +68,34 @@ def test_without_the_setting_it_does_not_look(tmp_path: Path) -> None:
     assert gazes(looking(tmp_path, look=False)()) == []
 
 
+@pytest.mark.parametrize(
+    ("camera", "somebody", "back"),
+    [("head", 1, []), ("head", 0, [AHEAD]), ("body", 1, [AHEAD])],
+)
+def test_unengaged_it_stays_with_somebody_whom_it_finds(
+    tmp_path: Path, camera: str, somebody: int, back: list[dict[str, Json]]
+) -> None:
+    """E8: Unengaged. Later it looks back to who was found."""
+    attention = AttentionSettings(mode="Unengaged", look=True, seconds=2.0, camera=camera)
+    settings = replace(PLAIN, attention=attention)
+
+    async def scenario(room: Room) -> None:
+        await before(room)
+        await sound(room, 50.0, 0.5)
+        for _ in range(6):
+            room.sense(presence=somebody)
+            await asyncio.sleep(0.3)
+        await asyncio.sleep(2)
+        room.sense(presence=0)
+        await sound(room, -50.0, 0.5)
+        await asyncio.sleep(4)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    there: dict[str, Json] = {"yaw": 50.0, "pitch": 0.0}
+    visitor = AHEAD if back else there
+    assert gazes(room) == [there, *back, {"yaw": -50.0, "pitch": 0.0}, visitor]
+
+
 def test_the_mode_changes_while_running(tmp_path: Path) -> None:
     """E8: set by the wizard."""
     settings = replace(PLAIN, attention=AttentionSettings(look=True))

@@ -33,6 +33,7 @@ FILTERS = ("fifo", "median", "joint")
 START_UPS = ("zero-fill", "partial", "hold")
 RUNS = ("run", "hold", "off")
 MODES = ("Unengaged", "FullyEngaged", "SemiEngaged")
+CAMERAS = ("body", "head")
 
 _Places = Annotated[int, Range(1, 1000), Doc("samples in the queue (n)")]
 _Share = Annotated[float, Range(0, 1), Doc("share of the queue that decides (t_r)")]
@@ -163,6 +164,9 @@ class AttentionSettings:
     within: Annotated[
         float, Range(0, 180, "degrees"), Doc("directions that differ less than this are the same")
     ] = 15.0
+    camera: Annotated[
+        str, OneOf(CAMERAS), Doc("where the camera is: on the head, it sees who is where it looks")
+    ] = "body"
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,7 +40,7 @@ from woz_tui.config.sign_values import SENSOR
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import Cursor, read_text
 from woz_tui.config.yaml_nodes import ListNode, ScalarNode
-from woz_tui.drivers.contract import LEARN_FACE, SPEECH, SPEECH_TEXT
+from woz_tui.drivers.contract import DIRECTION, GAZE, LEARN_FACE, SPEECH, SPEECH_TEXT
 from woz_tui.drivers.fields import OneOf
 from woz_tui.protocol.messages import Json
 
@@ -198,6 +198,7 @@ def check_engagement(
     """Report what does not fit together; `drafts` are all actions of the panels."""
     _names(engagement, drafts)
     _confirmation(engagement.settings, report)
+    _partners(engagement.settings, report)
     if robots.incomplete:
         return
     _verbs(robots, report)
@@ -209,6 +210,7 @@ def check_engagement(
     _signs(engagement.settings, given, published, report)
     _choices(engagement.settings, published, report)
     _handshake(engagement.settings, robots, published, report)
+    _looks(engagement.settings, robots, published, report)
 
 
 def _names(engagement: Engagement, drafts: Sequence[ActionDraft]) -> None:
@@ -228,6 +230,30 @@ def _confirmation(settings: EngagementSettings, report: ProblemReport) -> None:
         path = f"{SECTION}.handshake.confirm"
         said = "does not repeat what was understood; put {name} into it, as in '{name}, right?'"
         report.warning_at(path, said)
+
+
+def _partners(settings: EngagementSettings, report: ProblemReport) -> None:
+    """Only a camera that turns with the head finds somebody else."""
+    attention = settings.attention
+    if attention.mode == "Unengaged" and not (attention.look and attention.camera == "head"):
+        said = (
+            "acts as SemiEngaged: to find somebody where a sound came from, the robot needs"
+            " look: true and a camera on its head, camera: head"
+        )
+        report.warning_at(f"{SECTION}.attention.mode", said)
+
+
+def _looks(
+    settings: EngagementSettings, robots: Robots, published: list[str], report: ProblemReport
+) -> None:
+    """A robot that looks to a sound must hear where it is, and turn its head."""
+    if not settings.attention.look:
+        return
+    missing = [] if GAZE in robots.offers else [f"offers {quoted(GAZE)}"]
+    missing += [] if _given_as(DIRECTION, published) else [f"publishes {quoted(DIRECTION)}"]
+    if missing:
+        said = f"the robot does not look to sounds: no driver {' and none '.join(missing)}"
+        report.warning_at(f"{SECTION}.attention.look", said)
 
 
 def _verbs(robots: Robots, report: ProblemReport) -> None:

@@ -34,6 +34,10 @@ SPEECH_TEXT = "speech.text"
 LEARN_FACE = "learn_face"
 #: The verb by which such a driver is told that somebody consents, or does not: `name`, `given`.
 FACE_CONSENT = "face_consent"
+#: The verb with which a head looks into a direction: `yaw`, `pitch` in degrees.
+GAZE = "gaze"
+#: Among a driver's sensors: the direction from which a sound comes, in degrees.
+DIRECTION = "direction"
 #: Seconds that `rest` may take.
 REST_WAIT_S = 10.0
 

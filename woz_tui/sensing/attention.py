@@ -4,17 +4,19 @@ Three modes, after NAOqi's basic awareness:
 
 * `FullyEngaged`: it looks nowhere else while a visitor is engaged.
 * `SemiEngaged`: it looks to a sound, and back at the engaged visitor `seconds` later.
-* `Unengaged`: it might stay with somebody else whom it finds there. Nobody is looked for, so it
-  looks back as in `SemiEngaged`.
+* `Unengaged`: it looks to a sound, and stays with somebody who is there; otherwise it looks back.
 
-While nobody is engaged, sounds count in every mode; it looks back to what it did before. While it
-looks to a sound, no other one takes over. What goes on (a fan, a corridor) is looked at once; it
-counts again after it has been gone for `seconds`.
+While nobody is engaged, sounds count in every mode; it stays with somebody who is there, and
+otherwise looks back to what it did before. Whether somebody is there only a camera on the head can
+tell (`camera: head`): what it says in the second half of the look counts, when the head has
+turned, and most of it has to be yes. While it looks to a sound, no other one takes over. What goes
+on (a fan, a corridor) is looked at once; it counts again after it has been gone for `seconds`.
 
     attention = Attention(settings)
     order = attention.engaged(True, 0.0, t)     the visitor, and where they stand
     order = attention.sound(60.0, t)            -> GazeDirection, if it counts
-    order = attention.advance(t)                -> LookBack; at the latest at `due()`
+    attention.presence(True, t)                 what the camera says meanwhile
+    order = attention.advance(t)                -> LookBack or Stay; at the latest at `due()`
 
 Pure: `t` in whole microseconds (a step back does not count), directions in degrees of the robot's
 own frame, 0 ahead, positive to its left, any number of turns. Calls that change nothing answer
@@ -48,7 +50,14 @@ class LookBack:
     direction: float | None
 
 
-Order = GazeDirection | LookBack
+@dataclass(frozen=True, slots=True)
+class Stay:
+    """Go on looking into `direction`, in degrees: somebody is there."""
+
+    direction: float
+
+
+Order = GazeDirection | LookBack | Stay
 
 
 class Attention:
@@ -64,6 +73,8 @@ class Attention:
         self._away: tuple[float, int] | None = None
         #: The last sound, and when it was heard.
         self._last: tuple[float, int] | None = None
+        #: How often the camera saw somebody there, less how often it saw nobody.
+        self._seen = 0
 
     # -- what is the case -----------------------------------------------------------------------
 
@@ -107,15 +118,21 @@ class Attention:
             return over
         if self._engaged and self._same(place, self._visitor or 0.0):
             return over
-        self._away = place, self._now + self._length
+        self._away, self._seen = (place, self._now + self._length), 0
         return GazeDirection(place)
+
+    def presence(self, somebody: bool, t: int) -> None:
+        """What the camera on the head says: whether somebody is there where it looks."""
+        self._pass(t)
+        if self._away is not None and self._now >= self._away[1] - self._length // 2:
+            self._seen += 1 if somebody else -1
 
     def advance(self, t: int) -> Order | None:
         """Time passes: it may have looked long enough."""
         self._pass(t)
         if self._away is None or self._now < self._away[1]:
             return None
-        return self._back()
+        return self._stay(self._away[0]) if self._finds_somebody else self._back()
 
     # -- rules ----------------------------------------------------------------------------------
 
@@ -123,6 +140,12 @@ class Attention:
     def _holds(self) -> bool:
         """Whether nothing may distract it."""
         return self._engaged and self.mode == "FullyEngaged"
+
+    @property
+    def _finds_somebody(self) -> bool:
+        """Whether it looks at somebody with whom it may stay."""
+        bound = self._engaged and self.mode != "Unengaged"
+        return self._seen > 0 and self._settings.camera == "head" and not bound
 
     @property
     def _length(self) -> int:
@@ -144,6 +167,12 @@ class Attention:
     def _undistracted(self) -> Order | None:
         """Look back if nothing may distract it any more."""
         return self._back() if self._away is not None and self._holds else None
+
+    def _stay(self, direction: float) -> Stay:
+        self._away = None
+        if self._engaged:
+            self._visitor = direction
+        return Stay(direction)
 
     def _back(self) -> LookBack:
         self._away = None

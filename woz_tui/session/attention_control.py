@@ -12,18 +12,17 @@ from collections.abc import Callable, Mapping
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Call, DriverSpec, Experiment
 from woz_tui.config.sensor_names import published_names
-from woz_tui.drivers.contract import Verb
+from woz_tui.drivers.contract import DIRECTION, GAZE, Verb
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.attention import Attention, GazeDirection, LookBack, Order
+from woz_tui.sensing import sample_values
+from woz_tui.sensing.attention import Attention, GazeDirection, LookBack, Order, Stay
 from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.sensing.state_machine import ENGAGED
 from woz_tui.session.engagement_robot import ORIGIN, EngagementRobot, WakeUpTimer
 
-GAZE, DIRECTION = "gaze", "direction"
-
 
 class AttentionController:
-    """Turns the head to sounds and back.
+    """Turns the head to sounds, and back or not.
 
     Args:
         robot: Turns its head.
@@ -63,8 +62,12 @@ class AttentionController:
         match message:
             case m.Reading(sensor=sensor, value=float() | int()) if sensor == self._sensor:
                 self._on_direction(message.value)
-            case m.Command(driver=driver, verb="gaze", source=source) if (
-                driver == head and source != ORIGIN.source
+            case m.Reading(sensor=sensor) if self._follower.sensors.get(sensor) == "presence":
+                somebody = sample_values.presence(message.value)
+                if somebody is not None and not self._overruled:
+                    self._attention.presence(somebody, self._now)
+            case m.Command(driver=driver, verb=verb, source=source) if (
+                driver == head and verb == GAZE and source != ORIGIN.source
             ):
                 self._before = dict(message.args)
                 self._overruled = self._attention.away
@@ -107,6 +110,8 @@ class AttentionController:
                 self._turn_head({"yaw": direction, "pitch": 0.0})
             case LookBack(direction=direction) if not self._overruled:
                 self._turn_head(self._before or {"yaw": direction or 0.0, "pitch": 0.0})
+            case Stay(direction=direction) if not self._overruled:
+                self._before = {"yaw": direction, "pitch": 0.0}
         self._timer.set(self._attention.due())
         if self._follower.model.attention != self._attention.shown:
             self._follower.model.attention = self._attention.shown

@@ -17,7 +17,7 @@ from tests.analysis.example_sessions import (
     seconds,
 )
 from woz_tui.analysis.figure_counting import FigureOptions
-from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.figures import OUTSIDE, TRIALS, SessionFigures
 from woz_tui.analysis.session_reading import NO_BEGINNING, read_report
 from woz_tui.analysis.session_sources import sessions_in
 from woz_tui.protocol import messages as m
@@ -62,6 +62,36 @@ def test_the_number_of_the_next_trial_is_no_trials_yet() -> None:
     assert [(cue.what, cue.trial) for cue in told(it).cues] == [
         ("before", -1), ("in it", 1), ("after", -1),
     ]  # fmt: skip
+
+
+def means(figures: SessionFigures) -> list[tuple[str, int]]:
+    """Condition and time of the parts that means include."""
+    return [(part.condition, part.us) for part in figures.parts if part.in_means]
+
+
+def test_between_the_lines_that_give_an_order_is_no_time_of_a_trial() -> None:
+    it = ExampleSession().add(1, m.SessionChanged(condition="warm", trial=1))
+    it.add(1.001, m.ConditionsAssigned(participant="P07", order=["warm", "cold"], method="hand"))
+    it.add(10, m.TrialStarted(trial=1, condition="warm"))
+    it.add(20, m.TrialEnded(trial=1, outcome="excluded"))
+    it.add(30, m.TrialStarted(trial=2, condition="cold"))
+    it.add(45, m.TrialEnded(trial=2, outcome="done")).end(60)
+    assert means(told(it)) == [("cold", 15 * SECOND)]
+
+
+def test_who_got_an_order_and_began_no_trial_is_in_no_mean() -> None:
+    it = ExampleSession().add(1, m.SessionChanged(condition="warm", trial=1))
+    it.add(1.001, m.ConditionsAssigned(participant="P07", order=["warm", "cold"], method="hand"))
+    figures = told(it.act(15).end(60))
+    assert means(figures) == []
+    assert [(part.scope, part.by_hand) for part in figures.parts] == [(OUTSIDE, 1)]
+
+
+def test_what_is_done_before_the_trial_whose_number_was_set_is_outside_of_trials() -> None:
+    it = ExampleSession().add(1, m.SessionChanged(trial=3)).act(30)
+    figures = told(trial(it, 60, 70, "done", 3).act(65).end(80))
+    assert means(figures) == [("warm", 10 * SECOND)]
+    assert [(part.scope, part.by_hand) for part in figures.parts] == [(TRIALS, 1), (OUTSIDE, 1)]
 
 
 def test_without_trials_the_number_that_was_set_holds() -> None:

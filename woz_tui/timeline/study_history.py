@@ -73,6 +73,8 @@ class StudyState:
         last_ended: How the participant's last trial ended; None: there was none.
         checks: Lines of the preflight list, by what was checked.
         had: Questionnaires that this participant has had or declined, and their ends by name.
+        begins_trials: Trials are begun and ended in this session, or an order of conditions was
+            given: a number that is set is that of the next trial.
     """
 
     settings: StudySettings = field(default_factory=StudySettings)
@@ -90,6 +92,7 @@ class StudyState:
     last_ended: m.TrialEnded | None = None
     checks: dict[str, m.PreflightChecked] = field(default_factory=dict)
     had: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
+    begins_trials: bool = False
     #: Whether any line has set the context.
     begun: bool = False
     #: The trial whose questionnaires are due, the order of conditions at its end, and which
@@ -101,8 +104,6 @@ class StudyState:
     _rounds: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
     #: A number that was set by hand, where no trials are begun.
     _number: int | None = None
-    #: Trials are begun and ended in this session: a number that is set is that of the next one.
-    _begins_trials: bool = False
     #: The lines from which participant, condition, the next number and the number by hand come, the
     #: one that set or began a number last, and the last end of a trial.
     _sources: dict[str, m.Message] = field(default_factory=dict)
@@ -243,7 +244,7 @@ class StudyState:
         if message.trial is not None:
             self._sources["trial"] = message
             self._follow(message.trial, message)
-            if not self._begins_trials:
+            if not self.begins_trials:
                 self._number = message.trial
                 self._sources["number"] = message
         self._enter()
@@ -273,8 +274,8 @@ class StudyState:
         self._sources["next"] = message
 
     def _begin_trials(self) -> None:
-        if not self._begins_trials:
-            self._begins_trials, self._number = True, None
+        if not self.begins_trials:
+            self.begins_trials, self._number = True, None
             self._sources.pop("number", None)
 
     def _enter(self) -> None:

@@ -36,7 +36,7 @@ class Timeline:
 
     Attributes:
         state: What holds now.
-        contexts: Whose time it was.
+        contexts: Whose time it was; a number that was set counts as a trial until `finish` knows.
         passed: Ids of the last passing commands, where they are no episodes.
         episodes: After `finish`: all of them by beginning and `seq`, each with its context.
         unanswered: After `finish`: questionnaires that were due, or for the end of the session, and
@@ -94,12 +94,14 @@ class Timeline:
 
     @property
     def has_trials(self) -> bool:
-        """Whether any time of the session belongs to a trial."""
+        """Whether time outside of trials is apart: some belongs to a trial, or trials were begun,
+        or an order of conditions was given for them.
+        """
         return self._has_trials
 
     def inside(self, context: Context) -> bool:
         """Whether what happened in this context was in a trial; in a session without any trial
-        everything is.
+        (`has_trials`) everything is.
         """
         return context.trial is not None or not self._has_trials
 
@@ -157,6 +159,8 @@ class Timeline:
     def finish(self) -> None:
         """The log has ended: makes `episodes` complete."""
         self.unanswered += self.state.study.open_at_end()
+        if self.state.study.begins_trials:
+            self.contexts = self.contexts.without_numbers()
         found = [*self._ended, *self.state.finish()]
         found.sort(key=attrgetter("begin", "seq"))
         _add_mistakes(found)
@@ -166,7 +170,9 @@ class Timeline:
             self._by_kind.setdefault(type(episode), []).append(episode)
         self.episodes = tuple(found)
         self._trials = {trial.seq: trial for trial in self.of(TrialEpisode)}
-        self._has_trials = any(span.context.trial is not None for span in self.spans)
+        self._has_trials = self.state.study.begins_trials or any(
+            span.context.trial is not None for span in self.spans
+        )
 
 
 def _whose(context: Context) -> tuple[object, ...]:

@@ -67,6 +67,15 @@ class Contexts:
         """Replace the first context."""
         self._contexts[0] = context
 
+    def without_numbers(self) -> Contexts:
+        """The same of a session that begins trials: a number that was only set is no trial."""
+        found = Contexts()
+        for (t, seq), each in zip(self._begins, self._contexts, strict=True):
+            context = replace(each, trial=None) if each.run is None else each
+            if not found._contexts or context != found._contexts[-1]:
+                found.enter(t, seq, context)
+        return found
+
     def spans(self, until: int) -> tuple[ContextSpan, ...]:
         """All contexts with their times, the last one up to `until`; some may have no length."""
         ends = [*(t for t, _ in self._begins[1:]), until]

@@ -6,8 +6,6 @@ With PsychoPy the words stand in a window; without it they are printed, to try t
     python experiments/programs/stimulus.py
 """
 
-import time
-
 from woz_tui.client.blocking import connect
 
 try:
@@ -25,7 +23,6 @@ except ImportError:  # the same three calls, without a screen
             for function, args in self.calls:
                 function(*args)
             self.calls.clear()
-            return time.monotonic()
 
     class TextStim:
         def __init__(self, win, text):
@@ -40,7 +37,8 @@ with connect(name="stimulus") as woz:
     for word in ("whale", "boat", "lighthouse"):
         TextStim(win, text=word).draw()
         win.callOnFlip(woz.mark_soon, f"onset {word}")  # returns at once: no frame is lost
-        shown = woz.session_time(win.flip())
+        win.flip()  # what it returns is a time of PsychoPy's own clock
+        shown = woz.now()
         done = woz.say(f"This is a {word}.", at=shown + 1.5)  # waits until it has been said
         late_ms = (done.t - done.duration_us) / 1e3 - (shown + 1.5) * 1e3
         print(f"{word}: the robot began {late_ms:.1f} ms after its moment")

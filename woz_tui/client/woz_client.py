@@ -372,9 +372,8 @@ class WozClient:
         return self.session_time(time.monotonic())
 
     def session_time(self, monotonic: float) -> float:
-        """A time of `time.monotonic()` in seconds since the session began.
-
-        PsychoPy's `psychopy.clock.getTime()` is the same clock on Linux.
+        """A time of `time.monotonic()` in seconds since the session began; times of PsychoPy count
+        from its own import.
         """
         return monotonic - self._zero_us / 1e6
 

@@ -21,7 +21,24 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 #: What no package may contain, wherever in the tree somebody left it.
-PRIVATE = "2026-02-03T04-05-06_P99_S99.jsonl"
+PRIVATE = "2026-02-03T04-05-06_P99_S99"
+#: What sessions leave behind in a clone: logs, trainings, voices, pictures, names, access files.
+LEFT_BEHIND = (
+    f"recordings/{PRIVATE}.jsonl",
+    f"recordings/{PRIVATE}.samples.index",
+    f"recordings/{PRIVATE}.media/ears-0001.wav",
+    f"recordings/{PRIVATE}.media/frames-eye/000001.png",
+    f"recordings/training/{PRIVATE}.samples.jsonl",
+    "recordings/visitors.json",
+    f"experiments/{PRIVATE}.jsonl",
+    f"experiments/robots/{PRIVATE}.media/ears-0001.wav",
+    f"experiments/recordings/{PRIVATE}.jsonl",
+    f"experiments/recordings/{PRIVATE}.media/ears-0001.wav",
+    "experiments/recordings/visitors.json",
+    f"lab/recordings/{PRIVATE}.jsonl",
+    "experiments/bea.access",
+    "bea.access",
+)
 
 
 @pytest.fixture(scope="module")
@@ -33,10 +50,9 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], Path]
         copy,
         ignore=shutil.ignore_patterns(".*cache*", ".venv", ".git", "dist", ".hypothesis"),
     )
-    (copy / "recordings").mkdir(parents=True, exist_ok=True)
-    (copy / "recordings" / PRIVATE).write_text("{}\n")
-    (copy / "experiments" / "recordings").mkdir(parents=True, exist_ok=True)
-    (copy / "experiments" / "recordings" / PRIVATE).write_text("{}\n")
+    for name in LEFT_BEHIND:
+        (copy / name).parent.mkdir(parents=True, exist_ok=True)
+        (copy / name).write_text("{}\n")
     done = subprocess.run(
         [
             sys.executable,
@@ -137,7 +153,27 @@ def test_the_sdist_has_what_a_packager_needs(packages: tuple[list[str], Path]) -
 def test_no_recording_leaves_the_house(packages: tuple[list[str], Path]) -> None:
     names, wheel = packages
     everything = [*names, *zipfile.ZipFile(wheel).namelist()]
-    assert not [name for name in everything if PRIVATE in name]
+    private = (PRIVATE, "visitors.json", ".access")
+    assert not [name for name in everything if any(what in name for what in private)]
+
+
+def test_git_commits_no_recording(tmp_path: Path) -> None:
+    shutil.copy(ROOT / ".gitignore", tmp_path)
+    samples = ["recordings/README.md", "recordings/sample.jsonl", "recordings/sample.samples.jsonl"]
+    golden = [
+        str(path.relative_to(ROOT))
+        for path in (ROOT / "tests" / "log" / "golden").rglob("recordings/*.jsonl")
+    ]
+    assert golden
+    subprocess.run(["git", "init", "-q", str(tmp_path)], check=True)
+    asked = [*LEFT_BEHIND, *samples, *golden]
+    ignored = subprocess.run(
+        ["git", "-C", str(tmp_path), "check-ignore", "--no-index", *asked],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ignored.stdout.splitlines() == [*LEFT_BEHIND]
 
 
 # -- the pins -----------------------------------------------------------------------------------

@@ -90,18 +90,25 @@ def answered(who: str, condition: str, *values: float | None) -> SessionFigures:
     return figures_of(in_time(it.end(60)))
 
 
-def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -> None:
+def training() -> ExampleSession:
+    """As `woz train` has it: a code and a condition, so that their sentences can be said."""
     given = m.CueGiven(cue="q", sort="leave", expects=["Nod"], window_us=SECOND)
     right = m.CueAnswered(cue="q", judged="right", reaction_us=500_000)
-    trained = ExampleSession(session="T01").add(1, given, right).end(9)
-    again = (
-        ExampleSession(session="S09")
-        .add(1, m.RerunStarted(original="x", original_session="S01"))
-        .end(9)
-    )
+    it = ExampleSession(session="T01", participant="TRAINING", condition="warm")
+    it.add(0.5, m.TrainingChanged(state="runs", planned=1))
+    return it.add(1, given, right).speech(2, 3).act(4).end(9)
+
+
+def again() -> ExampleSession:
+    """A re-run: it has no code."""
+    it = ExampleSession(session="S09", participant="")
+    return it.add(1, m.RerunStarted(original="x", original_session="S01")).speech(2, 3).end(9)
+
+
+def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -> None:
     found = GroupedSessions()
     with table_files(tmp_path) as folder:
-        for it in (trained, again, ExampleSession().act(1).end(9)):
+        for it in (training(), again(), ExampleSession().speech(1, 2).act(3).end(9)):
             figures = figures_of(in_time(it))
             found.add(figures)
             folder.add(figures)
@@ -113,6 +120,20 @@ def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -
         *(("true", ""), ("false", "x"), ("false", ""))
     ]
     assert [(row["right"], row["reaction_median_s"]) for row in rows["trainings"]] == [("1", "0.5")]
+    for name in ("conditions", "cues"):
+        counted = {(row["session"], row["counted"]) for row in rows[name]}
+        assert counted == {("T01", "false"), ("S09", "false"), ("S01", "true")}
+
+
+def test_a_training_that_ended_before_its_first_cue_is_no_session_of_a_participant() -> None:
+    it = ExampleSession(session="T02", participant="TRAINING")
+    it.add(1, m.TrainingChanged(state="waits", planned=20)).act(2).end(60)
+    figures = figures_of(in_time(it))
+    found = GroupedSessions()
+    found.add(figures)
+    assert [(each.session, each.training.cues) for each in found.trainings] == [("T02", 0)]
+    assert not found.rows
+    assert not any(part.counted for part in figures.parts)
 
 
 def test_scales_have_means_over_participants() -> None:

@@ -252,11 +252,13 @@ def trained_cues(timeline: Timeline) -> Iterator[Placed]:
 
 
 def training_of(timeline: Timeline, cues: Sequence[Placed]) -> TrainingFigures | None:
-    """Counts how the `trained_cues` were judged; None if this was no training."""
+    """Counts how the `trained_cues` were judged; None if this was no training. One that ended
+    before its first cue has none of them.
+    """
     given = timeline.of(e.CueEpisode)
     answers = [cue.answered for cue in given if cue.answered is not None]
     answers += [answer for _, answer in moments(timeline, m.CueAnswered)]
-    if not given and not answers:
+    if timeline.state.training is None and not given and not answers:
         return None
     judged = Counter(answer.judged for answer in answers)
     times = (cue.reaction_us for _, cue in cues if cue.result == "answered")

@@ -74,7 +74,10 @@ def figures_of(
     for context, cue in cues:
         counting.at(context).cues.append(cue)
     tallies = counting.tallies
-    people = taking_part(tallies, trials, answers)
+    training = training_of(timeline, trained)
+    rerun_of = next((each.label for each in reversed(timeline.of(e.RerunEpisode))), "")
+    nobody = training is not None or rerun_of
+    people = set() if nobody else taking_part(tallies, trials, answers)
 
     def counted(context: Context) -> bool:
         return counts_in_means(timeline, people, context)
@@ -117,7 +120,7 @@ def figures_of(
         answers=answers,
         rounds=tuple(event_rows.rounds(timeline)),
         unanswered=tuple(event_rows.unanswered(timeline)),
-        training=training_of(timeline, trained),
+        training=training,
         panels=tuple(_panels(plan)),
         profiles=tuple(dict.fromkeys(each.label for each in timeline.of(e.ProfileEpisode))),
         consoles=tuple(event_rows.consoles(timeline)),
@@ -127,7 +130,7 @@ def figures_of(
         restrictions=tuple(event_rows.restrictions(timeline)),
         shaping=tuple(event_rows.shapings(timeline)),
         reloads=sum(1 for _ in event_rows.moments(timeline, m.ExperimentReloaded)),
-        rerun_of=next((each.label for each in reversed(timeline.of(e.RerunEpisode))), ""),
+        rerun_of=rerun_of,
         order=tuple(assigned.order) if assigned else (),
         order_method=assigned.method if assigned else "",
         seed=start.seed if state.start else None,

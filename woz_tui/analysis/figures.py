@@ -327,7 +327,8 @@ class SessionFigures:
     them together. Both leave out what happened in trials that do not count (aborted or excluded)
     unless `all_trials`. Everything else is of the session as it was. `robot`: the one that played
     instead of the file's own. `participants` are those who
-    took part (see `people`); `participant` names them, or all codes if nobody did. `unanswered` are
+    took part, nobody in a training or a re-run; `participant` names them, or all codes if nobody
+    did. `unanswered` are
     titles of questionnaires that were due and neither answered nor declined, and after which trial.
     `people` and `addressed` are empty unless samples were read.
     """
@@ -384,6 +385,11 @@ class SessionFigures:
     unanswered: tuple[str, ...] = ()
     people: tuple[PeopleRow, ...] = ()
     addressed: tuple[AddressedRow, ...] = ()
+
+    @property
+    def of_study(self) -> bool:
+        """Whether it is a session with participants: no training of a wizard, and no re-run."""
+        return self.training is None and not self.rerun_of
 
     @property
     def differences(self) -> list[SettingRow]:

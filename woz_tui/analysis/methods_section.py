@@ -187,7 +187,7 @@ def _training(facts: StudyFacts, wizards: Sequence[str]) -> Iterator[str]:
 def _practised(name: str, practice: WizardTraining) -> str:
     sentence = f"{name} practised in {counted(practice.sessions, 'training session')}"
     last = practice.last
-    if last is None or not last.cues:
+    if last is None:
         return f"{sentence}."
     when = "" if practice.sessions == 1 else " in the last one"
     reaction = ""

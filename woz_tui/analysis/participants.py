@@ -46,7 +46,7 @@ def counts_in_means(timeline: Timeline, people: Collection[str], context: Contex
 
 def participants_of(figures: SessionFigures) -> Collection[str]:
     """Who took part, by code; in a session without codes, whose code is empty."""
-    return figures.participants if figures.participant else ("",)
+    return figures.participants if figures.participant or not figures.of_study else ("",)
 
 
 def participant_text(participant: str, *, counted: bool) -> str:

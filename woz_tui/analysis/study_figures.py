@@ -99,6 +99,8 @@ class StudyFacts:
             self._session(figures)
 
     def _practised(self, figures: SessionFigures, training: TrainingFigures) -> None:
+        if not training.cues:
+            return  # it ended before it had begun
         practice = self.practice.setdefault(figures.wizard, WizardTraining())
         practice.sessions += 1
         if figures.started >= practice.started:

@@ -81,7 +81,7 @@ def title(page: ReportPage, figures: SessionFigures) -> None:
         outcomes = ", ".join(f"{trial.trial} {trial.outcome}" for trial in left_out)
         page.trouble(f"not counted: {counted(len(left_out), 'trial')} ({outcomes})")
     left = excluded_sentence((part.participant, part.counted) for part in figures.parts)
-    if left:
+    if left and figures.of_study:
         page.trouble(left)
     for sentence in figures.wholeness.sentences:
         page.trouble(sentence)

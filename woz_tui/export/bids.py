@@ -67,6 +67,9 @@ class BidsExporter(Exporter):
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """Writes one session: for each participant, what happened under their code."""
+        if not session.figures.of_study:
+            what = "a re-run" if session.figures.rerun_of else "a training of a wizard"
+            return [f"{what}, in which nobody took part: it is left out"]
         others = (event.participant for event in session.events)
         codes = dict.fromkeys([*session.participants, *others]) or [""]
         paths = [self._participant(session, code) for code in codes]

@@ -22,12 +22,12 @@ class TrainingScore:
 
 
 def score_of(log: Path) -> TrainingScore | None:
-    """The training in this log; None if it holds none, or is no log."""
+    """The training in this log; None if it holds none, or none with a cue, or is no log."""
     try:
         figures = read_report(log).figures
     except (NoSessionError, OSError):
         return None
-    if figures.training is None:
+    if figures.training is None or not figures.training.cues:
         return None
     return TrainingScore(
         figures.wizard, figures.started, figures.session, figures.title, figures.training

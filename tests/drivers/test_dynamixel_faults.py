@@ -194,6 +194,19 @@ async def test_servo_missing_from_the_start(tmp_path: Path) -> None:
         assert (report.confirmed, report.missing) == (("pan", "roll"), ())
 
 
+async def test_an_alarm_from_before_does_not_keep_a_stop_from_being_confirmed(
+    tmp_path: Path,
+) -> None:
+    def overloaded(bus: ServoBus) -> None:
+        bus.servo(11).raise_alarm(OVERLOAD)
+
+    async with stand(tmp_path, prepare=overloaded) as it:
+        assert isinstance(it.health()[-1], DriverFaulted)
+        report = await it.driver.stop(Scope.ALL)
+        assert report is not None
+        assert (report.confirmed, report.missing) == (("pan", "tilt", "roll"), ())
+
+
 async def test_wrong_model_is_never_moved(tmp_path: Path) -> None:
     joints = {**HEAD, "tilt": ServoJointSettings(id=12, min=-40, max=30, model="XM430-W350-T")}
     async with stand(tmp_path, joints=joints) as it:

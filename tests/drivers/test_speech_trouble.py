@@ -138,6 +138,9 @@ async def test_missing_programs(
         await driver.perform(say("Something else"))
     with pytest.raises(RejectedError):
         await driver.perform(Ordered("dance"))
+    assert (report := await driver.stop(Scope.ALL)) is not None, "it was never whole"
+    assert report.confirmed
+    assert not report.missing
 
 
 # -- the cache ---------------------------------------------------------------------------------

@@ -113,7 +113,8 @@ class DynamixelServos(Driver):
         raise RejectedError(f"servos cannot {job.verb!r}")
 
     async def stop(self, scope: Scope) -> StopReport | None:
-        """Hold every joint where it is now; names those that do where others are not there.
+        """Hold every joint where it is now; names those that do where one is not there or has an
+        alarm: the chain may have been faulted from the beginning.
 
         `DeviceLostError` if the line is gone and joints were held when it went, `DriverError` if
         only some of them fell silent: then nobody knows.
@@ -338,4 +339,5 @@ def _frozen(chain: ServoChain, _now: float) -> StopReport | None:
     chain.freeze()
     servos = chain.servos.values()
     ready = tuple(servo.name for servo in servos if servo.status is ServoStatus.READY)
-    return StopReport(ready) if len(ready) < len(servos) else None
+    faulted = any(servo.trouble or servo.alarms for servo in servos)
+    return StopReport(ready) if faulted else None

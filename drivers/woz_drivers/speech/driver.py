@@ -38,6 +38,7 @@ from woz_tui.drivers.contract import (
     Probe,
     RejectedError,
     Scope,
+    StopReport,
     Verb,
     VoiceFound,
     Written,
@@ -100,6 +101,8 @@ class Speech(Driver):
         self._missing: DriverError | None = None
         #: Why what is heard failed last; None: it did not.
         self._broken: DriverError | None = None
+        #: Whether something is wrong, while what is heard can be ended all the same.
+        self._faulted = False
         self._task: asyncio.Task[None] | None = None
         self._preparing: asyncio.Task[None] | None = None
 
@@ -236,14 +239,16 @@ class Speech(Driver):
         seconds = sum(each.sound.seconds for each in made)
         return Forecast(seconds, words if all(each.words for each in made) else None)
 
-    async def stop(self, scope: Scope) -> None:
+    async def stop(self, scope: Scope) -> StopReport | None:
         """Fall silent: every program that makes or plays sound for a job is killed. Nobody talks
         through the robot while no wizard watches.
         """
         if self._talk is not None:
             await self._talk.stop()
-        if scope is Scope.ALL:
-            await self._silence()
+        if scope is Scope.DRIVE:
+            return None
+        await self._silence()
+        return StopReport(("sound",)) if self._faulted else None
 
     async def close(self) -> None:
         """End everything."""
@@ -291,7 +296,7 @@ class Speech(Driver):
         recordings can still be played, without the player nothing can.
         """
         *makers, player = _programs(self.settings)
-        self._missing = None
+        self._missing, self._faulted = None, False
         try:
             command_lines.find(player, self.context.folder)
         except DriverError as error:
@@ -302,15 +307,19 @@ class Speech(Driver):
             for maker in makers:
                 command_lines.find(maker, self.context.folder)
         except DriverError as error:
-            self.context.health(Health.FAULTED, error.what, error.remedy)
+            self._fault(error)
             return False
         trouble = self._resident_trouble or self._broken
         if trouble is not None:
-            self.context.health(Health.FAULTED, trouble.what, trouble.remedy)
+            self._fault(trouble)
         else:
             made_by = (self._voice.program,) if makers else ()
             self.context.health(Health.CONNECTED, ", ".join((*made_by, player)))
         return True
+
+    def _fault(self, error: DriverError) -> None:
+        self._faulted = True
+        self.context.health(Health.FAULTED, error.what, error.remedy)
 
     def _resident_moved(self, state: str, why: str, remedy: str) -> None:
         """The program that stays loaded is `loading`, `ready` or `lost`."""
@@ -429,7 +438,7 @@ class Speech(Driver):
             await finish(running, seconds)
         except DriverError as error:
             self._broken = error
-            self.context.health(Health.FAULTED, error.what, error.remedy)
+            self._fault(error)
             raise
         finally:
             self._audible.discard(running)

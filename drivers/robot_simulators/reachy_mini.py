@@ -96,6 +96,7 @@ class DaemonFaults:
         drifts: It moves without a move, by so many radians a second.
         short: Gotos end at this share of their time, as on a busy machine.
         nan: Poses hold values that are no numbers.
+        poses: Whether it tells poses.
         state: What it says of its own state.
         held: Path to what its requests wait for, before they are carried out.
         hangs_up: Path to how many of its requests are carried out, but not answered: it hangs up.
@@ -106,6 +107,7 @@ class DaemonFaults:
     drifts: float = 0.0
     short: float = 1.0
     nan: bool = False
+    poses: bool = True
     state: str = "running"
     held: dict[str, asyncio.Event] = field(default_factory=dict)
     hangs_up: dict[str, int] = field(default_factory=dict)
@@ -223,6 +225,8 @@ class ReachyMiniSimulator(WebRobot):
         return opened
 
     async def _tell_pose(self) -> None:
+        if not self.oddities.poses:
+            return
         pose = self.pose
         head: list[Any] = [pose.body, *([0.5, -0.5] * 3)]
         matrix: list[list[Any]] = _matrix(pose.head)

@@ -223,6 +223,11 @@ class WebSocketLine:
                 "check the address: is this the robot?",
             ) from None
 
+    def lose(self, error: DeviceLostError) -> None:
+        """The robot is of no use although its line is there: end the present connection."""
+        if self._broken is not None and not self._broken.done():
+            self._broken.set_exception(error)
+
     # -- opening and losing --------------------------------------------------------------------
 
     def _open_socket(self) -> aiohttp.ClientWebSocketResponse[bool]:
@@ -238,8 +243,7 @@ class WebSocketLine:
             f"{self._shown} did not take a message: {str(error) or 'it does not answer'}",
             "look at the robot and its network; it is connected again by itself",
         )
-        if not self._broken.done():
-            self._broken.set_exception(why)
+        self.lose(why)
         return why
 
     async def _keep_open(self) -> None:

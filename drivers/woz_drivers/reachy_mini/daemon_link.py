@@ -40,6 +40,8 @@ MEDIA_S = 4.0
 #: seconds, and at least so many poses were seen in them. In the physical simulation the head swings
 #: by half a degree for some tenths of a second after a move was broken off.
 STILL_BY, STILL_S, STILL_POSES = 0.8, 0.1, 4
+#: The newest pose says nothing of where the joints are when it is older, in seconds.
+RECENT_S = 0.5
 _REMEDY = "look at the daemon's own log; restart the daemon"
 
 
@@ -117,6 +119,12 @@ class DaemonLink:
         """Where the joints are, by the newest message."""
         return dict(self._pose)
 
+    @property
+    def tells_poses(self) -> bool:
+        """Whether the newest pose is of this moment."""
+        now = asyncio.get_running_loop().time()
+        return bool(self._poses) and now - self._poses[-1][0] <= RECENT_S
+
     def start(self) -> None:
         """Begin to look for it."""
         self._line.start()
@@ -146,11 +154,7 @@ class DaemonLink:
             )
         self._has_media = await self._ask_media()
         self._take_status(status)
-        if self.status.state != "running":
-            raise DriverError(
-                f"the daemon does not run the robot: {self.status.error or self.status.state}",
-                "start the robot in the vendor's app, or: POST /api/daemon/start?wake_up=true",
-            )
+        self._need_running()
         try:
             async with asyncio.timeout(2.0):
                 await self._complete.wait()
@@ -159,6 +163,13 @@ class DaemonLink:
         await self._get_ready()
         simulated = ", simulated" if self.status.simulated else ""
         return f"{self.status.name}, daemon {self.status.version}{simulated}"
+
+    def _need_running(self) -> None:
+        if self.status.state != "running":
+            raise DeviceLostError(
+                f"the daemon does not run the robot: {self.status.error or self.status.state}",
+                "start the robot in the vendor's app, or: POST /api/daemon/start?wake_up=true",
+            )
 
     # -- what it says ----------------------------------------------------------------------------
 
@@ -175,7 +186,12 @@ class DaemonLink:
                 self._pose |= body_from_joints(head, antennas)
             case {"type": "daemon_status"}:
                 self._take_status(message)
-                self._on_status()
+                try:
+                    self._need_running()
+                except DeviceLostError as error:
+                    self._line.lose(error)
+                else:
+                    self._on_status()
                 return
             case {"type": str()}:
                 return

@@ -137,6 +137,8 @@ class ReachySenses:
             await asyncio.sleep(1 / self._settings.rate)
 
     def _tell_joints(self) -> None:
+        if not self._link.tells_poses:
+            return
         poses = {"joint": self._link.pose, "setpoint": self._setpoints()}
         for kind in _kinds(self._settings):
             for name, at in poses[kind].items():

@@ -453,6 +453,36 @@ async def test_a_daemon_without_its_robot_says_why(folder: Path) -> None:
         await driver.close()
 
 
+async def test_a_robot_that_dies_behind_its_daemon_is_lost_and_found_again(
+    it: PlayedReachy,
+) -> None:
+    it.robot.oddities.state = "error"
+    await it.lost()
+    assert "error" in it.why
+    told = len(it.context.of("joint.pan"))
+    with pytest.raises(DeviceLostError, match="error"):
+        await it.do("home")
+    it.robot.oddities.state = "running"
+    await it.connected()
+    await until(lambda: len(it.context.of("joint.pan")) > told)
+    await it.do("home")
+
+
+async def test_joints_that_nobody_tells_of_any_more_are_not_read(it: PlayedReachy) -> None:
+    it.robot.oddities.poses = False
+    polls: dict[int, int] = {}
+
+    def unread() -> bool:
+        """Whether nothing was read while it was asked for other things again and again."""
+        since = polls.setdefault(len(it.context.of("joint.pan")), len(it.asked("state/doa")))
+        return len(it.asked("state/doa")) > since + 5
+
+    await until(unread)
+    it.robot.oddities.poses = True
+    told = len(it.context.of("joint.pan"))
+    await until(lambda: len(it.context.of("joint.pan")) > told)
+
+
 # -- the doctor ------------------------------------------------------------------------------------
 
 

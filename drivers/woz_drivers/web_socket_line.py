@@ -39,6 +39,10 @@ _AT_ONCE = struct.pack("ii", 1, 0)
 log = logging.getLogger(__name__)
 
 
+class UnansweredError(DriverError):
+    """The robot has not answered a request in time: whether it does as asked, nobody knows."""
+
+
 class AnswerError(DriverError):
     """The robot answered a request with an error.
 
@@ -185,8 +189,8 @@ class WebSocketLine:
         Raises:
             DeviceLostError: The robot is not connected, or was lost meanwhile.
             AnswerError: It answered with an error.
-            DriverError: It did not answer within `within` seconds, broke this request off, or
-                answered with what is no JSON.
+            UnansweredError: It did not answer within `within` seconds.
+            DriverError: It broke this request off, or answered with what is no JSON.
         """
         self._open_socket()
         assert self._session is not None
@@ -201,7 +205,7 @@ class WebSocketLine:
             ) as answer:
                 body = await answer.read()
         except TimeoutError:
-            raise DriverError(
+            raise UnansweredError(
                 f"{self._shown} did not answer {path} within {within:g} s", "try again"
             ) from None
         except (aiohttp.ClientError, ConnectionError, RuntimeError) as error:

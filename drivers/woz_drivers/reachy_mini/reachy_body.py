@@ -20,7 +20,7 @@ from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_moves import PoseFrame
 from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, Pose, reachable
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
-from woz_drivers.web_socket_line import AnswerError
+from woz_drivers.web_socket_line import AnswerError, UnansweredError
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.motion.safety import LimitedJoint, Limits
@@ -35,7 +35,7 @@ _SHORTEST_S = 0.15
 #: From one look at the moves under way to the next, in seconds: at the end of one whose length is
 #: known, and of another.
 _LOOK_S, _SELDOM_S = 0.015, 0.1
-#: So much longer than it should a move may take, in seconds.
+#: So much longer than it should a move may take, and so long nobody may know of it, in seconds.
 _LATE_S = 3.0
 #: Setpoints of a body that are older count no more, in seconds; until a joint has met them it goes
 #: no faster than so, in degrees a second, and it has met them when it is so near, in degrees.
@@ -242,7 +242,15 @@ class ReachyBody:
             seconds / self._settings.pace + _LATE_S if seconds is not None else math.inf
         )
         await self._link.pause(_SELDOM_S if seconds is None else seconds)
-        while uuid in await self._link.running():
+        answered = loop.time()
+        while True:
+            try:
+                if uuid not in await self._link.running():
+                    return
+                answered = loop.time()
+            except UnansweredError:  # one that a network held up ends no move
+                if loop.time() > answered + _LATE_S:
+                    raise
             if loop.time() > latest:
                 raise DriverError("the move did not end in time", "restart the robot's daemon")
             await self._link.pause(_SELDOM_S if seconds is None else _LOOK_S)

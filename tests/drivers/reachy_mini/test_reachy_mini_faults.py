@@ -13,7 +13,7 @@ import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.reachy_mini import ReachyMiniSimulator
 from woz_drivers import web_socket_line
-from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings
+from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link
 
 from tests.drivers.reachy_mini.conftest import PACE, VOICE, PlayedReachy, reachy
 from woz_tui.drivers.contract import (
@@ -223,6 +223,20 @@ async def test_a_move_that_cannot_be_asked_about_is_ended(it: PlayedReachy) -> N
     with pytest.raises(DriverError, match="on fire"):
         await moving
     await until(lambda: not it.asked_to_move)
+
+
+async def test_a_late_word_of_whether_a_move_runs_ends_none(
+    it: PlayedReachy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(daemon_link, "QUICK_S", 0.05)
+    held = it.robot.oddities.held["/api/move/running"] = asyncio.Event()
+    posing = it.begin("pose", joints={"pan": 40}, seconds=4)
+    await until(lambda: len(it.asked("move/running")) > 2 or posing.done())
+    monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
+    held.set()
+    await posing
+    assert it.asked("move/stop") == []
+    assert abs(it.robot.pose.head[5] - math.radians(40)) < 0.01
 
 
 async def test_a_move_whose_beginning_is_not_answered_is_ended(it: PlayedReachy) -> None:

@@ -206,6 +206,46 @@ async def test_a_session_without_any_console_is_abandoned(tmp_path: Path) -> Non
         assert await asyncio.wait_for(host.host.serve(), 20) == "abandoned"
 
 
+@pytest.mark.parametrize("listens", [False, True])
+async def test_without_its_wizard_a_session_is_not_kept_by_programs(
+    tmp_path: Path, listens: bool
+) -> None:
+    async with served(tmp_path, SessionSettings(abandon_after=0.3)) as host:
+        wizard, stays = await host.connect(), await host.connect()
+        await wizard.hello("wizard")
+        if listens:  # as `woz listen`, which shows nothing
+            await stays.hello("watcher", stream="nothing")
+        else:
+            await stays.hello("program")
+        wizard.leave()
+        over = asyncio.ensure_future(host.host.serve())
+        for _ in range(100):
+            if over.done():
+                break
+            passing = await host.connect()
+            await passing.hello("program")
+            await passing.kind("pulse")
+            passing.leave()
+        assert over.done()
+        assert over.result() == "abandoned"
+
+
+async def test_a_session_that_only_programs_play_goes_on_as_long_as_one_is_there(
+    tmp_path: Path,
+) -> None:
+    async with served(tmp_path, SessionSettings(abandon_after=0.3)) as host:
+        program, watcher = await host.connect(), await host.connect()
+        await program.hello("program")
+        await watcher.hello("watcher")
+        watcher.leave()
+        over = asyncio.ensure_future(host.host.serve())
+        for _ in range(20):
+            await program.kind("pulse")
+        assert not over.done()
+        program.leave()
+        assert await asyncio.wait_for(over, 20) == "abandoned"
+
+
 async def test_a_client_that_never_reads_loses_samples_not_acks(tmp_path: Path) -> None:
     async with served(tmp_path) as host:
         slow = await host.connect()

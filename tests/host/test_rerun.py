@@ -155,6 +155,17 @@ async def test_headless_it_goes_on_while_somebody_watches(tmp_path: Path) -> Non
         assert (await ended(it)).reason == "done"
 
 
+async def test_headless_a_wizard_who_looks_in_and_goes_changes_nothing(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        program, wizard = await it.connect(), await it.connect()
+        await program.hello("program")
+        await wizard.hello("wizard")
+        begun(it, log_of(tmp_path, *["play"] * 4), headless=True)
+        await program.kind("rerun.sent")
+        wizard.leave()
+        assert (await ended(it)).reason == "done"
+
+
 async def test_one_that_is_over_is_stopped_by_nobody(tmp_path: Path) -> None:
     async with served(tmp_path) as it:
         program = await it.connect()

@@ -299,7 +299,12 @@ class SessionSettings:
 
     #: Seconds without any console before the robot rests and the session ends.
     abandon_after: Annotated[
-        float, Seconds(5.0), Doc("the session ends after this time without a console")
+        float,
+        Seconds(5.0),
+        Doc(
+            "the session ends after this time without a console; until the first wizard comes,"
+            " a program counts as one"
+        ),
     ] = 600.0
     #: Seconds a key press may wait in a queue before it is refused as late.
     deadline: Annotated[

@@ -74,6 +74,7 @@ class RerunSession:
         self._session = host.session
         self._plan = plan
         self._options = options
+        host.for_program = options.headless
         self._deadline: asyncio.TimerHandle | None = None
         self._ending: asyncio.TimerHandle | None = None
         self._player = RerunPlayer(

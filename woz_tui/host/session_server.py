@@ -81,6 +81,9 @@ class SessionServer:
         self._file: tuple[int, int] | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._alone_us = 0
+        self._wizard_came = False
+        #: Programs keep the session up whoever else comes and goes: it was begun for one.
+        self.for_program = False
         self._views = {name: self._view(name) for name in ("wizard", PARTICIPANT)}
         for view in self._views.values():
             session.hub.listen(view.on_message)
@@ -206,8 +209,22 @@ class SessionServer:
 
     @property
     def alone(self) -> bool:
-        """Whether nobody is attached at all; somebody who answers questions minds no robot."""
-        return all(client.role == PARTICIPANT for client in self._clients)
+        """Whether nobody who is attached keeps the session up."""
+        return not any(map(self._keeps_up, self._clients))
+
+    def _keeps_up(self, client: ClientConnection) -> bool:
+        """Consoles keep it up. Programs do until the first wizard has come: then they expect one,
+        and would go on with a robot that nobody minds. Somebody who answers questions, or listens,
+        minds no robot.
+        """
+        match client.role:
+            case "wizard":
+                return True
+            case "watcher":
+                return client.hello is not None and client.hello.stream != "nothing"
+            case "program":
+                return self.for_program or not self._wizard_came
+        return False
 
     def _request(self, client: ClientConnection, request: AnyRequest) -> None:
         if isinstance(request, AskStop):  # before everything: it needs no hello and no role
@@ -256,6 +273,7 @@ class SessionServer:
             return
         client.hello, client.part = hello, hello.part
         client.role = self._role(client, hello)
+        self._wizard_came |= client.role == "wizard"
         sees_all = sees_everything(client.role, hello.sees)
         client.view = None if sees_all else self._views.get(client.role, self._views["wizard"])
         client.beat_us = self.session.hub.now()
@@ -317,6 +335,7 @@ class SessionServer:
         if (present := self._player(part)) is not None:
             self._demote(present, client)
         client.role, client.part, client.silent = "wizard", part, ""
+        self._wizard_came = True
         client.beat_us = self.session.hub.now()
         via = client.hello.via[:LONGEST_VIA] if client.hello is not None else ""
         self.session.hub.publish(
@@ -375,6 +394,7 @@ class SessionServer:
     def _on_close(self, client: ClientConnection, why: str) -> None:
         if client not in self._clients:
             return
+        was_alone = self.alone
         self._clients.remove(client)
         if not self.session.ended:
             self.session.lose_hands(client.name)
@@ -382,7 +402,7 @@ class SessionServer:
                 m.ConsoleLost(console=client.name, role=client.role, why=why, part=client.part)
             )
             self._switch.update()
-        if self.alone and client.role != PARTICIPANT:
+        if self.alone and not was_alone:
             self._alone_us = self.session.hub.now()
 
     # -- beats -------------------------------------------------------------------------------

@@ -34,6 +34,7 @@ VERBS = (
     Verb("pose", "", BEHAVIOUR, lane="body", arrives=True, limit_s=5.0),
     Verb("aim", "", BEHAVIOUR, lane="body", stream=True, arrives=True, limit_s=5.0),
 )
+LANES = {verb.name: verb.lane for verb in VERBS}
 
 
 @dataclass
@@ -50,11 +51,25 @@ class Scripted:
     #: Commands that reached it while the stop was latched: there must be none, ever.
     while_latched: list[str] = field(default_factory=list)
     latched: Callable[[], bool] = field(default=lambda: False)
+    #: Lanes with a job that has not returned, and commands that came to one of them meanwhile:
+    #: there must be none, ever.
+    occupied: set[str] = field(default_factory=set)
+    beside_another: list[str] = field(default_factory=list)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         self.calls.append((job.command, job.verb))
         if self.latched():
             self.while_latched.append(job.command)
+        lane = LANES.get(job.verb, "")
+        if lane in self.occupied:
+            self.beside_another.append(job.command)
+        self.occupied.add(lane)
+        try:
+            return await self._perform(job)
+        finally:
+            self.occupied.discard(lane)
+
+    async def _perform(self, job: Job) -> Mapping[str, Json]:
         seconds = job.args.get("seconds") or 0.0
         assert isinstance(seconds, float)
         match job.args.get("does", "done"):

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from tests.replay.again import recorded, written
 from tests.replay.test_rerun import tour
 from tests.session.rig import Puppet, experiment
+from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import UNFIT, RerunPlan, fitted, plan_of, unfit_steps
 
@@ -197,7 +198,12 @@ def test_no_damage_raises_or_loses_a_command_silently(
     path = folder / LOG
     path.write_bytes(rest)
     made = plan_of(path)
-    assert all(step.skip or step.command.verb in ("say", "play", "mark") for step in made.steps)
+    left = [line.message for line in read(path, samples=False)]
+    told = {each.command for each in left if isinstance(each, m.Command | m.Dispatched | m.End)}
+    assert {step.command.command for step in made.steps} == told
+    assert made.damage or len(left) == sum(kept)
+    now = fitted(made, experiment(folder))
+    assert all(step.skip or step.command.verb in ("say", "play", "mark") for step in now.steps)
     assert [step.at for step in made.steps] == sorted(step.at for step in made.steps)
     assert all(step.cut == -1 or step.cut >= step.at for step in made.sent)
 

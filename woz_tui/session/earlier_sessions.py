@@ -23,7 +23,7 @@ from woz_tui.system.files import open_regular
 from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.session_state import SessionState
 
-#: A longer line is no line of a log; it is read in pieces.
+#: A longer line is passed over in pieces; a log of whose own kinds one is longer is not read.
 LONGEST = 4 << 20
 #: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
 _KINDS = (
@@ -152,6 +152,8 @@ def _candidates(path: Path) -> Iterator[bytes]:
     with open_regular(path) as file:
         while line := file.readline(LONGEST):
             if _LISTED.search(line):
+                if len(line) == LONGEST:
+                    raise OSError(f"a line of {path.name} is longer than {LONGEST} bytes")
                 yield line
 
 

@@ -97,7 +97,7 @@ def test_what_was_not_recorded_is_said() -> None:
     found = text(told(it))
     assert found.startswith("There was 1 session of 1.0 min. No participant was recorded in 1")
     assert "The wizard was not recorded." in found
-    assert "acts by hand" not in found
+    assert "wizard action" not in found
     assert "reaction time" not in found
 
 

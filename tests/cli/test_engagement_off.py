@@ -76,7 +76,7 @@ def test_nothing_is_said_of_a_model_that_was_never_off(
 ) -> None:
     figures, text = compared(tmp_path, capsys, (0, ADOPTED), *visit())
     assert (figures["engaged_recorded"], figures["off_recorded"]) == (0.5, 0.0)
-    assert "no model there" not in text
+    assert "model off or missing" not in text
 
 
 def test_one_that_is_gone_begins_anew(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -54,12 +54,15 @@ ROOT = Path(__file__).parents[2]
 LIFT = PlainJob("lift", {"kg": 2.0})
 
 
+#: Of the product. The contract gives a stop 4 s: see `patient_contract`.
+STOP_S, LATE_S = remote_side.STOP_S, remote_side.LATE_S
+
+
 @pytest.fixture(autouse=True)
-def _patient(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine nothing is late or lost, unless a test is about that."""
-    if request.node.get_closest_marker("real_clock") is None:
-        monkeypatch.setattr(remote_side, "STOP_S", 10.0)
-        monkeypatch.setattr(remote_side, "LATE_S", 10.0)
+    monkeypatch.setattr(remote_side, "STOP_S", SILENCE_S)
+    monkeypatch.setattr(remote_side, "LATE_S", 10.0)
 
 
 # -- the contract ----------------------------------------------------------------------------------
@@ -97,7 +100,7 @@ class TestServedRobot(DriverTests):
 
     @contextlib.asynccontextmanager
     async def device(self) -> AsyncIterator[Device]:
-        loop, cable = asyncio.get_running_loop(), Cable(RemoteRobot.port)
+        loop, cable = asyncio.get_running_loop(), Cable(RemoteRobot.port, 0.25)
         await cable.lay()
         words = [sys.executable, "-m", "tests.network.other_program", str(cable.own_port)]
         tasks: list[asyncio.Task[None]] = []
@@ -232,10 +235,13 @@ async def test_a_driver_that_does_not_stop_is_no_lost_one(tmp_path: Path) -> Non
 
 
 @pytest.mark.real_clock
-async def test_a_stop_that_does_not_arrive_is_unreached(tmp_path: Path) -> None:
+async def test_a_stop_that_does_not_arrive_is_unreached(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with pair(tmp_path) as two:
+        monkeypatch.setattr(remote_side, "STOP_S", STOP_S)
         two.cable.flowing.clear()
-        with pytest.raises(DeviceLostError):
+        with pytest.raises(DeviceLostError, match="confirm"):  # and not because it is silent
             await two.remote.stop(Scope.ALL)
 
 
@@ -344,10 +350,12 @@ async def test_a_frozen_network_stops_the_driver_and_delivers_nothing_late(tmp_p
 
 @pytest.mark.real_clock
 async def test_a_slow_network_refuses_what_comes_late_and_lets_the_stop_through(
-    tmp_path: Path,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with pair(tmp_path) as two:
-        two.cable.delay = remote_side.LATE_S + 0.1
+        monkeypatch.setattr(remote_side, "STOP_S", STOP_S)
+        monkeypatch.setattr(remote_side, "LATE_S", LATE_S)
+        two.cable.delay = LATE_S + 0.1
         with pytest.raises(DriverError, match="too late"):
             await two.remote.perform(LIFT)
         assert not two.arm.calls

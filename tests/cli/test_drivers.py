@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.simulated import SimulatedRobot
 
-from tests.network.other_computer import free_port
+from tests.network.other_computer import PATIENT, SILENCE_S, free_port
 from woz_tui import cli
 from woz_tui.cli import doctor
 from woz_tui.drivers.contract import DeviceLostError, Health
@@ -71,14 +71,15 @@ async def test_a_program_that_is_frozen_and_one_that_is_killed(
         *("arm", SimulatedRobot.Settings(), context),
         local=SimulatedRobot,
         kind="simulated",
-        router=DriverRouter(f"tcp://127.0.0.1:{port}", ["arm-pi"]),
+        router=DriverRouter(f"tcp://127.0.0.1:{port}", ["arm-pi"], silence_s=SILENCE_S),
         place="arm-pi",
     )
     code = "from woz_tui.cli import program; program()"
     words = ["drivers", "--serve", str(file), "--at", "arm-pi", f"tcp://127.0.0.1:{port}"]
+    command, environ = [sys.executable, "-c", code, *words], {**os.environ, **PATIENT}
     say = PlainJob("say", {"text": "a long sentence " * 50})
     await remote.open()
-    with subprocess.Popen([sys.executable, "-c", code, *words]) as process:  # noqa: ASYNC220
+    with subprocess.Popen(command, env=environ) as process:  # noqa: ASYNC220
         try:
             for end in (signal.SIGSTOP, signal.SIGKILL):
                 await until(lambda: context.healths[-1][0] is Health.CONNECTED, 30)

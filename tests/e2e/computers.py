@@ -12,6 +12,7 @@ from types import TracebackType
 
 from tests.e2e.lab import Lab
 from tests.fakes.terminal import ROOT
+from tests.network.other_computer import PATIENT
 
 
 class Computer(Lab):
@@ -19,6 +20,7 @@ class Computer(Lab):
 
     def __init__(self, address: str, first: int) -> None:
         super().__init__()
+        self.environ |= PATIENT
         self.address = address
         self._first = first
         spaces = ("--user", "--preserve-credentials", "--net", "--pid", "--mount")

@@ -34,6 +34,8 @@ from woz_tui.testing import RecordingContext, until
 
 #: A process of a busy machine may be silent for longer than the second of a real one.
 SILENCE_S = 3.0
+#: In the environment of a program: it is as patient.
+PATIENT = {"PYTHONPATH": str(Path(__file__).parent / "patient")}
 PLACE = "arm-pi"
 
 
@@ -156,7 +158,6 @@ class OtherComputer:
     folder: Path
     type: str = "arm"
     name: str = "arm"
-    silence_s: float = SILENCE_S
     beside: Sequence[OfferedDriver] = ()
     lines: list[str] = field(default_factory=list)
     _task: asyncio.Task[None] | None = None
@@ -166,7 +167,7 @@ class OtherComputer:
         """Connect to the session. Raises `LineError` if it is not let in."""
         while self._line is None:
             try:
-                self._line = await asyncio.to_thread(connect, address, access, self.silence_s)
+                self._line = await asyncio.to_thread(connect, address, access, SILENCE_S)
             except LineError as error:
                 if "refused" not in str(error).lower():
                     raise
@@ -176,7 +177,7 @@ class OtherComputer:
             *(access.name if access else PLACE, [offer, *self.beside]),
             folder=self.folder,
             tell=self.lines.append,
-            silence_s=self.silence_s,
+            silence_s=SILENCE_S,
         )
         self._task = asyncio.create_task(server.run(self._line))
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
 from woz_drivers.simulated import SimulatedRobot
 
-from tests.network.other_computer import OtherComputer, free_port, listens
+from tests.network.other_computer import SILENCE_S, OtherComputer, free_port, listens
 from tests.remote.network import Cable
 from tests.session.rig import Stage
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.network import remote_driver
+from woz_tui.network.driver_line import DriverRouter
 from woz_tui.protocol import messages as m
+from woz_tui.session import driver_manager
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.testing import until
 from woz_tui.training.rehearsal_driver import rehearsed
@@ -37,6 +40,8 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
+    patient = partial(DriverRouter, silence_s=SILENCE_S)
+    monkeypatch.setattr(driver_manager, "DriverRouter", patient)
     port = await free_port()
     path, cable = tmp_path / "e.yaml", Cable(port)
     path.write_text(TEXT.format(port=port, text="a long sentence " * 30))
@@ -49,7 +54,7 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
     await stage.session.open()
     await cable.lay()
     settings = experiment.drivers[0].settings
-    other = OtherComputer(SimulatedRobot, settings, tmp_path, type="simulated", silence_s=1.0)
+    other = OtherComputer(SimulatedRobot, settings, tmp_path, type="simulated")
     await until(lambda: listens(port))
     await other.start(f"tcp://127.0.0.1:{cable.own_port}")
     try:

@@ -249,7 +249,7 @@ async def test_a_command_that_the_stop_has_overtaken_does_not_begin(tmp_path: Pa
     async with pair(tmp_path) as two:
         two.cable.flowing.clear()
         lifting = asyncio.create_task(two.remote.perform(LIFT))
-        await until(lambda: two.cable.held > 0)
+        await until(lambda: two.cable.held_back > 0)
         stopping = asyncio.create_task(two.remote.stop(Scope.ALL))
         await asyncio.sleep(0)
         lifting.cancel()

@@ -43,8 +43,9 @@ class Cable:
     _server: asyncio.Server | None = None
     _tasks: set[asyncio.Task[None]] = field(default_factory=set)
     own_port: int = 0
-    #: How often something has come that waits.
-    held: int = 0
+    #: The longest piece that waits, on the way to `port` and on the way back, in bytes.
+    held_there: int = 0
+    held_back: int = 0
 
     async def lay(self) -> None:
         self.flowing.set()
@@ -68,21 +69,30 @@ class Cable:
             writer.transport.abort()
             return
         self._ends |= {writer, others[1]}
-        for source, target in ((reader, others[1]), (others[0], writer)):
-            task = asyncio.ensure_future(self._carry(source, target))
+        for source, target, there in ((reader, others[1], True), (others[0], writer, False)):
+            task = asyncio.ensure_future(self._carry(source, target, there=there))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
 
-    async def _carry(self, source: asyncio.StreamReader, target: asyncio.StreamWriter) -> None:
+    async def _carry(
+        self, source: asyncio.StreamReader, target: asyncio.StreamWriter, *, there: bool
+    ) -> None:
         with contextlib.suppress(OSError):
             while data := await source.read(1 << 16):
-                self.held += not self.flowing.is_set()
+                if not self.flowing.is_set():
+                    self._hold(len(data), there=there)
                 await self.flowing.wait()
                 if self.delay:
                     await asyncio.sleep(self.delay)
                 target.write(data)
                 await target.drain()
             target.write_eof() if target.can_write_eof() else target.close()
+
+    def _hold(self, size: int, *, there: bool) -> None:
+        if there:
+            self.held_there = max(self.held_there, size)
+        else:
+            self.held_back = max(self.held_back, size)
 
 
 @dataclass

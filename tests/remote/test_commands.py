@@ -93,9 +93,11 @@ async def test_the_microphone_is_heard_and_what_the_network_held_back_is_not(ben
 
     async with asyncio.timeout(30):
         await hears(WORD)
+    (listening,) = robot.host.handlers._sound._listening.values()
+    await until(lambda: listening.waiting > 0 and listening.end == window._blocks[-1].end)
     cable.flowing.clear()
     window.add(b"\7\7" * 320, now(robot))
-    await until(lambda: cable.held > 0)
+    await until(lambda: listening.end == window._blocks[-1].end)
     await asyncio.sleep(listen.LATE_S + 0.1)  # the network holds it back for longer than that
     cable.flowing.set()
     await line_with(running, "late")
@@ -120,12 +122,16 @@ async def test_a_voice_is_heard_and_what_the_network_held_back_is_not(
 
     running.stdin.write(WORD)
     await until(lambda: hears(WORD), 30)
-    monkeypatch.setattr(sound_service, "LATE_S", 0.3)
-    cable.flowing.clear()
-    running.stdin.write(b"\7\7" * 320)
-    await until(lambda: cable.held > 0)
-    await asyncio.sleep(0.8)  # the network holds it back for longer than that
-    cable.flowing.set()
+    await line_with(running, "the robot says it")  # nothing of it is under way any more
+    with monkeypatch.context() as patch:
+        patch.setattr(sound_service, "LATE_S", 0.3)
+        cable.flowing.clear()
+        running.stdin.write(b"\7\7" * 320)
+        await until(lambda: cable.held_there > 640, 30)
+        await asyncio.sleep(0.4)  # the network holds it back for longer than that
+        cable.flowing.set()
+        talking = robot.host.handlers._sound._talking["robot"]
+        await until(lambda: talking.late_s > 0, 30)
     heard.clear()
     while not hears(WORD):
         running.stdin.write(WORD)

@@ -129,8 +129,11 @@ async def test_who_takes_nothing_loses_sound_and_hears_the_newest_later(bench: B
     last = (spoken - 1).to_bytes(2, "little")
     rest = bytearray()
     while last not in (bytes(rest[-2:]),):
-        window.add(last * 320, now(bench.host))
-        rest += await asyncio.to_thread(os.read, reading, 1 << 16)
+        taken = asyncio.ensure_future(asyncio.to_thread(os.read, reading, 1 << 16))
+        while not taken.done():  # again and again: what a busy machine holds back is dropped
+            window.add(last * 320, now(bench.host))
+            await asyncio.sleep(0.01)
+        rest += await taken
     assert len(rest) < 40_000, "what was said meanwhile is not made up for"
     os.close(reading)
     assert await asyncio.wait_for(running.wait(), WAIT_S) == 0

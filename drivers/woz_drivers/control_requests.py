@@ -101,7 +101,7 @@ class RequestQueue:
         #: How many have not been answered.
         self.under_way = 0
         self._waiting: Ask | None = None
-        self.on_answer: Callable[[bool], None] = lambda carried: None
+        self.on_answer: Callable[[Ask, bool], None] = lambda ask, carried: None
 
     def send(self, ask: Ask) -> None:
         """Ask, now or as soon as there is room."""
@@ -113,17 +113,17 @@ class RequestQueue:
 
         def done(carried: bool, why: str) -> None:
             for answered in answers:
-                answered(carried)
+                answered(ask, carried)
 
         self._asking(ask, done)
 
-    def _answered(self, carried: bool) -> None:
+    def _answered(self, ask: Ask, carried: bool) -> None:
         self.under_way -= 1
         waiting, self._waiting = self._waiting, None
         if waiting is not None:
             self.send(waiting)
         else:
-            self.on_answer(carried)
+            self.on_answer(ask, carried)
 
 
 class PanelKnob:
@@ -178,7 +178,7 @@ class PanelKnob:
     def _present(self, state: BodyState | None) -> float | None:
         return None if state is None else state.controls.get(self.fitted.mapped.control)
 
-    def _answered(self, carried: bool) -> None:
+    def _answered(self, _ask: Ask, carried: bool) -> None:
         self._answered_us = self._now_us()
         if not carried:
             self.pickup.drop()
@@ -190,9 +190,11 @@ class PanelButton:
     def __init__(self, fitted: MappedControl, asking: SendRequest) -> None:
         self.fitted = fitted
         self._line = RequestQueue(asking, PRESSES_AT_ONCE)
+        self._line.on_answer = self._answered
         self._down = False
-        #: Whether a toggling verb is on; nobody else knows.
-        self._on = False
+        #: What was asked for last, on or off; and what of it was done. Nobody else knows of a verb,
+        #: and of nothing where the driver tells no state.
+        self._on = self._done = False
 
     def pressed(self, value: float, state: BodyState | None) -> None:
         """It sent `value`: 0 when it is let go."""
@@ -218,16 +220,24 @@ class PanelButton:
     def on(self, state: BodyState | None) -> bool:
         """Whether what it does is so now, as its light shows."""
         mapped = self.fitted.mapped
-        if self.fitted.free or state is None:
+        if self.fitted.free:
             return False
         what = mapped.doing[0]
+        personality = what == "verb" and mapped.verb == "personality" and "name" in mapped.args
+        if state is None or (what == "verb" and not personality):
+            lasts = what != "play" or self._line.under_way > 0  # a move ends by itself
+            return self._on and lasts and mapped.press != START
+        if personality:
+            return bool(state.personality == mapped.args["name"])
         if what == "control":
             low, high = mapped.range
             at = state.controls.get(mapped.control)
             return at is not None and (at >= (low + high) / 2) is not mapped.reversed
-        if what == "verb":
-            if mapped.verb == "personality" and "name" in mapped.args:
-                return bool(state.personality == mapped.args["name"])
-            return self._on and mapped.press != START
         shown = {"play": state.move, "emotion": state.emotion, "mode": state.mode}
         return what in shown and shown[what] == getattr(mapped, what)
+
+    def _answered(self, ask: Ask, carried: bool) -> None:
+        if carried:
+            self._done = ask == self.fitted.press()
+        elif not self._line.under_way and self.fitted.mapped.press == TOGGLE:
+            self._on = self._done

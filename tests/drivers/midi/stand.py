@@ -82,6 +82,11 @@ class Desk(RecordingContext):
         return {name: value for shown in self.moved() for name, value in shown.values.items()}
 
     @property
+    def lit(self) -> list[str]:
+        """The buttons that the console shows as on."""
+        return self.moved()[-1].lit if self.moved() else []
+
+    @property
     def connected(self) -> bool:
         return bool(self.healths) and self.healths[-1][0] is Health.CONNECTED
 

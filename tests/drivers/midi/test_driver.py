@@ -85,7 +85,7 @@ def test_order_is_kept_and_an_answer_counts_once() -> None:
     asked: list[tuple[Ask, Callable[[bool, str], None]]] = []
     line = RequestQueue(lambda ask, done: asked.append((ask, done)), 1)
     answers: list[bool] = []
-    line.on_answer = answers.append
+    line.on_answer = lambda ask, carried: answers.append(carried)
     for name in ("first", "overtaken", "last"):
         line.send(Ask("mark", name))
     asked[0][1](True, "")
@@ -308,3 +308,57 @@ async def test_presses_of_pads_momentary_and_toggling_buttons(tmp_path: Path) ->
             ("verb", "control", {"control": "zoom", "value": 0.0}),
         ]
         assert it.desk.asks[0].on == "voice"
+
+
+TORQUE = ControlMapping(
+    cc=83, verb="torque", args={"on": True}, back={"on": False}, press="toggle", on="servos"
+)
+
+
+async def test_a_toggling_button_goes_back_where_nobody_tells_what_is_on(tmp_path: Path) -> None:
+    panel = PanelMap(
+        controls={
+            "power": TORQUE,
+            "faces": ControlMapping(cc=84, mode="tracking", press="toggle", on="robot"),
+            "dance": ControlMapping(cc=85, play="bow", press="toggle", on="robot"),
+        }
+    )
+    async with stand(tmp_path, map=panel) as it:
+        it.panel.press(83)
+        it.panel.press(84)
+        await until(lambda: it.desk.lit == ["power", "faces"])
+        it.panel.press(83)
+        it.panel.press(84)
+        await until(lambda: it.desk.lit == [])
+        it.desk.slow = True
+        it.panel.press(85)
+        await until(lambda: it.desk.lit == ["dance"])
+        it.desk.answer()
+        await until(lambda: it.desk.lit == [])
+        it.panel.press(85)
+        await it.asked(6)
+        assert [ask.args for ask in it.desk.asks] == [
+            {"on": True},
+            {"mode": "tracking"},
+            {"on": False},
+            {"mode": "normal"},
+            {"move": "bow"},
+            {"move": "bow"},
+        ]
+
+
+async def test_a_press_that_was_refused_switches_nothing_on(tmp_path: Path) -> None:
+    async with stand(tmp_path, map=PanelMap(controls={"power": TORQUE})) as it:
+        it.desk.refuses = "stop pressed"
+        it.panel.press(83)
+        await it.asked(1)
+        it.desk.refuses = ""
+        it.panel.press(83)
+        await until(lambda: it.desk.lit == ["power"])
+        it.desk.refuses = "stop pressed"
+        it.panel.press(83)
+        await it.asked(3)
+        it.desk.refuses = ""
+        it.panel.press(83)
+        await until(lambda: it.desk.lit == [])
+        assert [ask.args["on"] for ask in it.desk.asks] == [True, True, False, False]

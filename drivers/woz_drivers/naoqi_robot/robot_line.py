@@ -26,17 +26,20 @@ HALTS = frozenset(
         "ALRobotPosture.stopMove",
         "ALTextToSpeech.stopAll",
         "ALAudioPlayer.stopAll",
+        "ALAudioDevice.flushAudioOutputs",
         "ALAudioRecorder.stopMicrophonesRecording",
         "ALBehaviorManager.stopAllBehaviors",
         "ALBehaviorManager.stopBehavior",
         "ALTabletService.stopVideo",
     }
 )
-#: What a robot that is being let go is still asked: the stop, and whether it stands still.
+#: What a robot that is being let go is still asked: the stop, whether it stands still, and which
+#: light to hold.
 FAREWELL = HALTS | {
     "ALMotion.getRobotVelocity",
     "ALMotion.moveIsActive",
     "ALBehaviorManager.isBehaviorRunning",
+    "ALLeds.getIntensity",
     "ALLeds.fadeRGB",
 }
 #: What is ended after a reconnection may take so long to be answered, in seconds.

@@ -14,17 +14,19 @@ from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.service_table import Service, ServiceMethod
 from naoqi_simulator.simulator_process import start
 from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
+from woz_drivers.live_talk import TalkSettings
 from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.naoqi_link import open_link
 from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.drivers.heard import Heard, Ordered
+from tests.drivers.heard import Heard, Ordered, until
 from tests.drivers.pepper.connected import stand
 from tests.drivers.pepper.played import played
 from tests.fakes.naoqi import stand_in, stand_in_here
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Health, RejectedError, Scope
+from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, SoundWindow, VoiceState
 from woz_tui.protocol.messages import DriverConnected, Notice
 
 
@@ -92,6 +94,25 @@ async def test_a_robot_that_is_let_go_without_confirming_is_told_of(tmp_path: Pa
         it.robot.freeze()
         await it.do("disconnect")
         assert [text for text in it.notices if "did not confirm its stop: driving" in text]
+
+
+@pytest.mark.parametrize("kind", ["pepper", "nao"])
+async def test_a_robot_that_is_let_go_ends_whatever_it_does(tmp_path: Path, kind: str) -> None:
+    async with played(tmp_path, kind=kind, pace=2.0, talk=TalkSettings()) as it:
+        it.begin("eyes_animation", kind="random", seconds=40.0)
+        it.begin("drive", x=3.0)
+        it.begin("say", text="word " * 40)
+        it.begin("talk")
+        feed = it.heard.context.feed(VOICE_STATE)
+        await until(lambda: isinstance(s := feed.latest().value, VoiceState) and s.on)
+        window = SoundWindow(it.heard.context.feed(VOICE), 16_000)
+        window.add(b"\1\2" * 320, it.heard.clock.now_us(), "con7")
+        await it.robot.called("ALAudioDevice.sendRemoteBufferToOutput")
+        await it.robot.called("ALLeds.randomEyes")
+        await it.robot.called("ALMotion.moveTo")
+        await it.do("disconnect")
+        assert not [text for text in it.notices if "did not confirm" in text]
+        assert (await it.robot.get("sound.output"))["flushed"] > 0
 
 
 async def test_letting_go_while_settings_are_applied_is_no_trouble(tmp_path: Path) -> None:

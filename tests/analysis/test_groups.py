@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import re
 from pathlib import Path
@@ -12,11 +13,15 @@ import pytest
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, study
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
+from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.participant_groups import ConditionRow, GroupedSessions, totals
+from woz_tui.analysis.report_tables import item_totals
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.tables import rounded
+from woz_tui.cli.report_layout import report_page
+from woz_tui.cli.report_sessions import show_sessions
 from woz_tui.protocol import messages as m
 from woz_tui.system.text_cleaning import cell
 
@@ -75,15 +80,17 @@ def test_experiments_are_kept_apart(tmp_path: Path) -> None:
     assert found.versions("guide.yaml") == 1
 
 
-def answered(who: str, condition: str, *values: float | None) -> SessionFigures:
-    item = {"name": "liked", "question": "I liked it", "low": 1, "high": 7}
+def answered(
+    who: str, condition: str, *values: float | None, high: int = 7, question: str = "I liked it"
+) -> SessionFigures:
+    item = {"name": "liked", "question": question, "low": 1, "high": high}
     it = ExampleSession(participant=who, condition=condition)
     for place, value in enumerate(values):
         it.add(place, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[item]))
         it.add(
             place,
             m.QuestionnaireAnswered(
-                questionnaire="ux", item="liked", question="I liked it", value=value,
+                questionnaire="ux", item="liked", question=question, value=value,
                 skipped=value is None,
             ),
         )  # fmt: skip
@@ -123,6 +130,9 @@ def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -
     for name in ("conditions", "cues"):
         counted = {(row["session"], row["counted"]) for row in rows[name]}
         assert counted == {("T01", "false"), ("S09", "false"), ("S01", "true")}
+    for name in ("actions", "wizards", "latencies"):  # nobody played anything in the re-run
+        counted = {(row["session"], row["counted"]) for row in rows[name]}
+        assert counted == {("T01", "false"), ("S01", "true")}
 
 
 def test_a_training_that_ended_before_its_first_cue_is_no_session_of_a_participant() -> None:
@@ -144,6 +154,30 @@ def test_scales_have_means_over_participants() -> None:
     [item] = found.items("guide.yaml")
     assert (item.item, item.condition, item.low, item.high) == ("liked", "warm", 1.0, 7.0)
     assert (item.total.n, item.total.mean) == (2, 6.0)
+
+
+def test_a_scale_that_was_changed_has_a_mean_of_its_own() -> None:
+    found = GroupedSessions()
+    found.add(answered("P01", "warm", 5.0, high=5))
+    found.add(answered("P02", "warm", 6.0))
+    assert [(item.high, item.total.n, item.total.mean) for item in found.items("guide.yaml")] == [
+        *((5.0, 1, 5.0), (7.0, 1, 6.0))
+    ]
+
+
+def test_a_question_whose_words_were_changed_is_told() -> None:
+    found = GroupedSessions()
+    found.add(answered("P01", "warm", 5.0))
+    found.add(answered("P02", "warm", 6.0, question="I did not like it"))
+    found.add(answered("P03", "cold", 6.0))
+    warm, cold = found.items("guide.yaml")
+    assert (warm.total.n, cold.total.n) == (2, 1)
+    assert warm.wordings == cold.wordings == ("I liked it", "I did not like it")
+    [row] = item_totals([warm, cold]).rows
+    assert row[-1] == "I liked it / I did not like it"
+    stream = io.StringIO()
+    show_sessions(report_page(stream, 80), found)
+    assert "words of ux.liked" in stream.getvalue()
 
 
 def test_figures_can_be_said_in_json(tmp_path: Path) -> None:
@@ -200,6 +234,37 @@ def test_answers_are_long_and_wide(written: dict[str, list[dict[str, str]]]) -> 
         ("liked", "", "true"),
     ]
     assert [row["ux.liked"] for row in written["questionnaires_wide"]] == ["4", ""]
+
+
+def test_answers_say_whether_means_include_them(tmp_path: Path) -> None:
+    def asked(it: ExampleSession, seconds: float, value: float) -> None:
+        asks = m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[])
+        answer = m.QuestionnaireAnswered(
+            questionnaire="ux", item="liked", question="?", value=value
+        )
+        it.add(seconds, asks, answer)
+        it.add(seconds, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1))
+
+    it = ExampleSession(participant="")
+    asked(it, 1, 1.0)
+    it.add(2, m.SessionChanged(participant="P07")).add(3, m.TrialStarted(trial=1, condition="warm"))
+    asked(it, 4, 2.0)
+    it.add(20, m.TrialEnded(trial=1, outcome="aborted"))
+    asked(it, 21, 3.0)
+    figures = figures_of(in_time(it.end(60)))
+    found = GroupedSessions()
+    found.add(figures)
+    with table_files(tmp_path) as folder:
+        folder.add(figures)
+    rows = tables(tmp_path)
+    assert [item.total.mean for item in found.items("guide.yaml")] == [3.0]
+    answers = [(row["value"], row["counted"]) for row in rows["questionnaires"]]
+    assert answers == [("1", "false"), ("2", "false"), ("3", "true")]
+    wide = [(row["ux.liked"], row["counted"]) for row in rows["questionnaires_wide"]]
+    assert wide == answers
+    every = GroupedSessions()
+    every.add(figures_of(in_time(it), FigureOptions(all_trials=True)))
+    assert [item.total.mean for item in every.items("guide.yaml")] == [2.5]
 
 
 def test_cells() -> None:

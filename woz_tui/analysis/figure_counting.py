@@ -65,7 +65,7 @@ def figures_of(
     state = timeline.state
     start, assigned, ended = state.start or _NO_START, state.study.assigned, state.end
     trials = tuple(event_rows.trials(timeline))
-    answers = tuple(event_rows.answers(timeline))
+    answers = [*event_rows.answers(timeline)]
     acts = acts_of(timeline)
     trained = [*trained_cues(timeline)]
     cues = [*cues_of(timeline, acts, options.window_us, options.waiting), *trained]
@@ -117,7 +117,9 @@ def figures_of(
         stops=tuple(event_rows.stops(timeline)),
         blocks=tuple(event_rows.blocks(timeline)),
         marks=tuple(event_rows.marks(timeline)),
-        answers=answers,
+        answers=tuple(
+            each if each.participant in people else replace(each, counted=False) for each in answers
+        ),
         rounds=tuple(event_rows.rounds(timeline)),
         unanswered=tuple(event_rows.unanswered(timeline)),
         training=training,

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from woz_tui.analysis.durations import mean_and_sd
 from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures, TrainingFigures
 from woz_tui.analysis.measures import MEASURES, measured
+from woz_tui.analysis.participants import participants_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,10 @@ class ConditionTotal:
 
 @dataclass(frozen=True, slots=True)
 class ItemTotal:
-    """A scale of a questionnaire in one condition: over participants, as in `Total`."""
+    """A scale of a questionnaire in one condition: over participants, as in `Total`. `wordings` are
+    all questions that were asked under the item's name and on this scale, in any condition;
+    `question` is the first of them.
+    """
 
     questionnaire: str
     item: str
@@ -54,6 +58,7 @@ class ItemTotal:
     low: float | None
     high: float | None
     total: Total
+    wordings: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +81,10 @@ class GroupedSessions:
     reruns: list[str] = field(default_factory=list)
     #: Sessions whose log is not whole: who and which, and what is wrong.
     damaged: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
-    _items: dict[tuple[str, str, str, str], _Item] = field(default_factory=dict)
+    #: By experiment, questionnaire, item and the ends of its scale.
+    _items: dict[tuple[str, str, str, float | None, float | None], _Item] = field(
+        default_factory=dict
+    )
     _hashes: dict[str, set[str]] = field(default_factory=dict)
     _sessions: Counter[str] = field(default_factory=Counter)
 
@@ -108,17 +116,15 @@ class GroupedSessions:
                     scope=part.scope,
                 )
             )
+        people = participants_of(figures) if figures.all_trials else ()
         for answer in figures.answers:
-            if answer.value is None or (figures.participant and not answer.participant):
-                continue  # nothing was answered, or nobody was there to do so
-            if not (answer.counted or figures.all_trials):
+            if answer.value is None or not (answer.counted or answer.participant in people):
                 continue
-            key = (experiment, answer.questionnaire, answer.item, answer.condition)
-            item = self._items.get(key)
-            if item is None:
-                item = self._items[key] = _Item(answer.question, answer.low, answer.high)
-            who = _who(answer.participant, figures.session)
-            item.values.setdefault(who, []).append(answer.value)
+            key = (experiment, answer.questionnaire, answer.item, answer.low, answer.high)
+            item = self._items.setdefault(key, _Item())
+            item.wordings[answer.question] = None
+            values = item.values.setdefault(answer.condition, {})
+            values.setdefault(_who(answer.participant, figures.session), []).append(answer.value)
 
     @property
     def sessions(self) -> int:
@@ -153,24 +159,24 @@ class GroupedSessions:
         return totals(self.of(experiment))
 
     def items(self, experiment: str) -> list[ItemTotal]:
-        """Means of all scales, by questionnaire, item and condition."""
+        """Means of all scales, by questionnaire, item, scale and condition."""
         return [
             ItemTotal(
-                *(questionnaire, name, item.question, condition, item.low, item.high),
-                total=_total(item.values),
+                *(questionnaire, name, next(iter(item.wordings)), condition, low, high),
+                total=_total(values),
+                wordings=tuple(item.wordings),
             )
-            for (of, questionnaire, name, condition), item in self._items.items()
+            for (of, questionnaire, name, low, high), item in self._items.items()
             if of == experiment
+            for condition, values in item.values.items()
         ]
 
 
 @dataclass(slots=True)
 class _Item:
-    question: str
-    low: float | None
-    high: float | None
-    #: By participant.
-    values: dict[str, list[float]] = field(default_factory=dict)
+    wordings: dict[str, None] = field(default_factory=dict)
+    #: Condition -> participant -> answers.
+    values: dict[str, dict[str, list[float]]] = field(default_factory=dict)
 
 
 def experiment_of(figures: SessionFigures) -> str:

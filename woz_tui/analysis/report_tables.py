@@ -533,7 +533,8 @@ def item_totals(items: Sequence[ItemTotal]) -> ReportTable:
     conditions = list(dict.fromkeys(item.condition for item in items))
     rows: dict[tuple[str, ...], dict[str, Total]] = {}
     for item in items:
-        key = (item.question, item.questionnaire, item.item, _scale(item.low, item.high))
+        words = " / ".join(item.wordings)
+        key = (words, item.questionnaire, item.item, _scale(item.low, item.high))
         rows.setdefault(key, {})[item.condition] = item.total
     heads = ["Questionnaire", "Item", "Scale", *(LogText(each or "none") for each in conditions)]
     cells = [

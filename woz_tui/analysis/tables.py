@@ -245,20 +245,16 @@ def _main(measure: Measure) -> Column[PartFigures]:
     return _figure(measure.name, kind, measure.meaning, measure.of, measure.unit)
 
 
+_IN_MEANS: Column[PartFigures] = Column(
+    *("counted", "boolean", "means include it: it has a participant, and it is not outside"),
+    lambda _, part: part.in_means,
+)
 CONDITIONS: TableDefinition[PartFigures] = TableDefinition(
     "conditions",
     "The main figures: one row for each participant and condition of a session, and one for the "
     "time outside of trials.",
     (
-        *(_LOG, _CODE, _PARTICIPANT, _CONDITION, _SCOPE),
-        Column(
-            *(
-                "counted",
-                "boolean",
-                "means include it: it has a participant, and it is not outside",
-            ),
-            lambda _, part: part.in_means,
-        ),
+        *(_LOG, _CODE, _PARTICIPANT, _CONDITION, _SCOPE, _IN_MEANS),
         *map(_main, MEASURES),
     ),
     lambda figures: figures.parts,
@@ -381,7 +377,7 @@ def _of_first(column: Column[Any]) -> Column[Any]:
     return replace(column, cell=lambda figures, row: column.cell(figures, row[0]))
 
 
-_PARTS = (_LOG, _CODE, *map(_of_first, (_PARTICIPANT, _CONDITION, _SCOPE)))
+_PARTS = (_LOG, _CODE, *map(_of_first, (_PARTICIPANT, _CONDITION, _SCOPE, _IN_MEANS)))
 
 
 def _count(name: str, meaning: str, of: Callable[[ActionCount], Cell], kind: str) -> Column[Any]:
@@ -585,6 +581,13 @@ _ROUND: tuple[Column[Any], ...] = (
     _text("questionnaire", "name of the questionnaire"),
     _plain("integer", "round", "how often it was given so far in this session, from 1"),
 )
+_COUNTED_ANSWER = _plain(
+    *("boolean", "counted"),
+    "means include it: it has a participant, and it was not asked in a trial that was aborted or "
+    "excluded",
+)
+#: Of a round in the wide table.
+_WIDE = (*_ROUND, _COUNTED_ANSWER)
 
 ANSWERS: TableDefinition[AnswerRow] = TableDefinition(
     "questionnaires",
@@ -603,6 +606,7 @@ ANSWERS: TableDefinition[AnswerRow] = TableDefinition(
         _time("response_time", "from its display to the answer", "answered_us"),
         _time("onset", "when it was answered, from the session's start", "t"),
         _text("question", "the item's words"),
+        _COUNTED_ANSWER,
     ),
     lambda figures: figures.answers,
     key=("log", "questionnaire", "round", "item"),
@@ -624,7 +628,7 @@ def answers_wide(items: Iterable[str]) -> TableDefinition[Mapping[str, Cell]]:
         "questionnaires_wide",
         "The answers once more: one row for each round of a questionnaire, and a column for each "
         "item.",
-        (*(replace(each, cell=column(each.name).cell) for each in _ROUND), *map(column, items)),
+        (*(replace(each, cell=column(each.name).cell) for each in _WIDE), *map(column, items)),
         _nothing,
     )
 
@@ -635,7 +639,7 @@ def rounds_wide(figures: SessionFigures) -> list[dict[str, Cell]]:
     for answer in figures.answers:
         key = (answer.questionnaire, answer.round)
         if key not in rounds:
-            rounds[key] = {column.name: column.cell(figures, answer) for column in _ROUND}
+            rounds[key] = {column.name: column.cell(figures, answer) for column in _WIDE}
         value = answer.text if answer.value is None else rounded(answer.value)
         rounds[key][f"{answer.questionnaire}.{answer.item}"] = None if answer.skipped else value
     return list(rounds.values())

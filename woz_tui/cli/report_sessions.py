@@ -207,7 +207,13 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
         if left:
             page.trouble(left)
         page.print(page.block(tables.condition_totals(grouped.totals(experiment))))
-        page.print(page.block(tables.item_totals(grouped.items(experiment))))
+        items = grouped.items(experiment)
+        page.print(page.block(tables.item_totals(items)))
+        reworded = dict.fromkeys(
+            f"{each.questionnaire}.{each.item}" for each in items if len(each.wordings) > 1
+        )
+        if reworded:
+            page.trouble(f"the words of {', '.join(reworded)} were changed between these sessions")
     page.print(page.block(tables.trainings(grouped)))
     if grouped.reruns:
         page.say()

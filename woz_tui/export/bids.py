@@ -230,7 +230,7 @@ _OF_EVENTS = (
 )
 _OF_ANSWERS = (
     *("questionnaire", "round", "item", "value", "low", "high", "text", "skipped", "response_time"),
-    *("onset", "condition", "trial", "phase", "question"),
+    *("onset", "condition", "trial", "phase", "counted", "question"),
 )
 
 

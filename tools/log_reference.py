@@ -101,6 +101,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     ),
     "right": ("", "cues that were answered rightly"),
     "robot": ("", "the robot that plays instead of the file's own; absent: none"),
+    "redacted": ("", "texts and dates were taken out"),
     "sees": ("", "`all`: it also gets what is hidden from the wizard; absent: it does not"),
     "telling": ("", "those of `changes` that could reveal which condition is which"),
     "tells": (

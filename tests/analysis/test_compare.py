@@ -179,6 +179,26 @@ def test_two_re_runs_of_one_session_are_put_beside_each_other() -> None:
     assert {pair.shift_us for pair in comparison.pairs} == {300}
 
 
+def test_two_re_runs_of_different_sessions_are_aligned_by_names() -> None:
+    """Two logs can have one name, and in redacted logs all originals have the same."""
+    original = commands(4)
+    a, b = rerun(original), rerun(original, "C")
+    a.original_sha256, b.original_sha256 = "ab" * 32, "cd" * 32
+    assert compare(a, b).by == BY_NAMES
+    b.original_sha256 = a.original_sha256
+    b.original = "the same log under another name"
+    assert compare(a, b).by == BY_COMMANDS
+
+
+def test_redacted_re_runs_that_tell_no_hash_are_aligned_by_names() -> None:
+    a, b = rerun(commands(4)), rerun(commands(4), "C")
+    a.start = b.start = m.SessionStart(
+        session="S01", participant="", condition="", wizard="", software={}, experiment="x.yaml",
+        experiment_sha256="", seed=0, clock={}, redacted=True,
+    )  # fmt: skip
+    assert compare(a, b).by == BY_NAMES
+
+
 def test_a_re_run_of_a_re_run_is_put_beside_it_from_either_side() -> None:
     """Both are re-runs, but one of them is what the other one repeats."""
     first = rerun(commands(5))
@@ -294,14 +314,14 @@ def test_lateness_of_a_re_run_counts_from_when_it_was_due() -> None:
     log = played_session(
         "B",
         [
-            m.RerunStarted(original="A", original_session="S01"),
+            m.RerunStarted(original="A", original_session="S01", original_sha256="ab"),
             command("c1", 1_050, source="replay"),
             m.Dispatched(command="c1", latency_us=10, t=1_060),
             m.RerunSent(command="c1", original_command="c7", due=1_000, late_us=50),
             m.RerunSkipped(original_command="c8", reason="no"),
         ],
     )
-    assert (log.original, log.skipped) == ("A", {"c8": "no"})
+    assert (log.original, log.original_sha256, log.skipped) == ("A", "ab", {"c8": "no"})
     assert (log.commands[0].original, log.commands[0].late) == ("c7", 60)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.export.out import exported
 from tests.replay.again import recorded, run_again, written
 from tests.replay.test_plan import END, command, dispatched, done
 from tests.replay.test_rerun import tour
@@ -30,8 +31,10 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Logs:
     return Logs(original, run_again(folder / "b", original).log)
 
 
-def log(path: Path, *names: str, sha: str = "0" * 64, file: str = "made.yaml") -> Path:
-    """A log with these commands, one a second."""
+def log(
+    path: Path, *names: str, sha: str = "0" * 64, file: str = "made.yaml", text: str = "hello"
+) -> Path:
+    """A log with these commands, one a second, each with this text."""
     start = m.SessionStart(
         session="S01",
         participant="P01",
@@ -46,7 +49,11 @@ def log(path: Path, *names: str, sha: str = "0" * 64, file: str = "made.yaml") -
     lines: list[tuple[float, m.AnyMessage]] = [(0, start)]
     for n, name in enumerate(names):
         own = f"c{n}"
-        lines += [(n + 1, command(own, verb=name)), (n + 1, dispatched(own)), (n + 1.5, done(own))]
+        lines += [
+            (n + 1, command(own, verb=name, args={"text": text})),
+            (n + 1, dispatched(own)),
+            (n + 1.5, done(own)),
+        ]
     return written(path, [*lines, (99, END)])
 
 
@@ -130,6 +137,30 @@ def test_damage_is_told_and_no_log_is_no_session(
     assert main(["compare", str(a), str(tmp_path / "nothing.jsonl")]) == 2
     assert "there is no such log" in capsys.readouterr().err
     assert main(["compare", str(a), __file__]) == 2
+
+
+def test_what_was_taken_out_of_a_log_is_not_called_the_same(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    logs = [
+        log(tmp_path / name / f"{STEM}.jsonl", "say", text=text)
+        for name, text in (("a", "good morning"), ("b", "good night"))
+    ]
+    assert main(["compare", *map(str, logs)]) == 1
+    for path in logs:
+        out = path.with_name("redacted")
+        exported(path, "jsonl", out, redact=True)
+    capsys.readouterr()
+    copies = [next(path.with_name("redacted").glob("*_S01.jsonl")) for path in logs]
+    assert main(["compare", *map(str, copies)]) == 0
+    told = capsys.readouterr()
+    assert "A and B" in told.err
+    assert "what was said cannot be compared" in told.err
+    assert "Both did the same in the same order, as far as" in told.out
+    assert main(["compare", str(logs[0]), str(copies[1]), "--json"]) == 1
+    told = capsys.readouterr()
+    assert "texts were taken out of B" in told.err
+    assert json.loads(told.out)["redacted"] == {"a": False, "b": True}
 
 
 def test_nothing_in_a_log_reaches_the_terminal_as_an_order(

@@ -275,6 +275,7 @@ def test_figures_are_the_same_without_words(tmp_path: Path) -> None:
         for name, stem in (("open", STEM), ("kept", "P07_S01"))
     )
     assert published.whole == plain.whole
+    assert (plain.redacted, published.redacted) == (False, True)
     assert [cue.result for cue in published.cues] == ["answered"]
     assert published.whole.engagement.off_us == 5_000_000
     assert (len(plain.unanswered), len(published.unanswered)) == (1, 1)

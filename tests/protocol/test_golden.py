@@ -92,6 +92,7 @@ _CONSOLE: set[str] = {"console"}
 _END: set[str] = {"reason", "remedy"}
 _OPTIONAL: dict[str, set[str]] = {
     "segment": _STAMP,
+    "session.start": {"redacted"},  # in copies alone
     "sample": {"ts"},
     "engagement.shown": {"ts"},
     "session.changed": {"participant"},

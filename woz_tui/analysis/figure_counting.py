@@ -136,6 +136,7 @@ def figures_of(
         order=tuple(assigned.order) if assigned else (),
         order_method=assigned.method if assigned else "",
         seed=start.seed if state.start else None,
+        redacted=start.redacted,
         wholeness=LogIntegrity(ended=ended is not None),
     )
 

@@ -71,6 +71,7 @@ class PlayedSession:
         acts: Actions, and commands that belong to none, in the order in which they were asked for.
         commands: Each command by itself, in the order in which they began.
         original: Of which log it is a re-run; empty: of none.
+        original_sha256: The hash of that log's lines; empty: unknown.
         skipped: Why commands of the original were left out, by their ids.
         streams: How many setpoints there were that are no acts of their own: those of knobs, and
             all but the first of a stream.
@@ -81,8 +82,14 @@ class PlayedSession:
     acts: list[PlayedAct] = field(default_factory=list)
     commands: list[PlayedAct] = field(default_factory=list)
     original: str = ""
+    original_sha256: str = ""
     skipped: dict[str, str] = field(default_factory=dict)
     streams: int = 0
+
+    @property
+    def redacted(self) -> bool:
+        """Whether texts were taken out of the log, the name of its original included."""
+        return self.start is not None and self.start.redacted
 
 
 def played_session(name: str, messages: Iterable[m.AnyMessage]) -> PlayedSession:
@@ -122,6 +129,7 @@ def _played(name: str, timeline: Timeline) -> PlayedSession:
     found.commands.sort(key=lambda act: act.moment)
     for rerun in timeline.of(RerunEpisode):
         found.original = rerun.label
+        found.original_sha256 = rerun.started.original_sha256
     for _, line in moments(timeline, m.RerunSkipped):
         found.skipped[line.original_command] = line.reason
     return found

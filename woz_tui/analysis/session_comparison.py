@@ -217,9 +217,16 @@ def _sides(a: PlayedSession, b: PlayedSession) -> tuple[_Side, _Side] | None:
         return _Side(a, again=False), _Side(b, again=True)
     if a.original and a.original == b.name:
         return _Side(a, again=True), _Side(b, again=False)
-    if a.original and a.original == b.original:
+    if _of_one_session(a, b):
         return _Side(a, again=True), _Side(b, again=True)
     return None
+
+
+def _of_one_session(a: PlayedSession, b: PlayedSession) -> bool:
+    """Whether both are re-runs of one log: two logs can have one name, redacted ones have none."""
+    if a.original_sha256 and b.original_sha256:
+        return a.original_sha256 == b.original_sha256
+    return bool(a.original) and a.original == b.original and not (a.redacted or b.redacted)
 
 
 def _by_commands(a: _Side, b: _Side) -> Comparison:
@@ -328,6 +335,7 @@ def facts(comparison: Comparison) -> dict[str, Any]:
         "extra": [_act_facts(act) for act in comparison.extra],
         "moved": [pair.a.id for pair in comparison.moved],
         "streams": {"a": comparison.a.streams, "b": comparison.b.streams},
+        "redacted": {"a": comparison.a.redacted, "b": comparison.b.redacted},
     }
 
 

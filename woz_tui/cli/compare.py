@@ -49,6 +49,12 @@ def _run(arguments: Namespace) -> int:
         if foreign and not arguments.changed:
             print("woz: use --changed to compare them nevertheless", file=sys.stderr)
             return _TROUBLE
+    redacted = " and ".join(name for name, log in (("A", a), ("B", b)) if log.redacted)
+    if redacted:
+        print(
+            f"woz: texts were taken out of {redacted}: what was said cannot be compared",
+            file=sys.stderr,
+        )
     comparison = compare(a, b)
     if arguments.json:
         print(json_text({**facts(comparison), "experiments": trouble}))
@@ -103,8 +109,10 @@ def _page(comparison: Comparison, *, everything: bool) -> Iterator[str]:
     if everything:
         yield from _pairs("everything that is in both", comparison.pairs, limit)
     if comparison.same:
+        a, b = comparison.a, comparison.b
         yield ""
-        yield "Both did the same in the same order."
+        known = ", as far as logs without texts tell" if a.redacted or b.redacted else ""
+        yield f"Both did the same in the same order{known}."
 
 
 def _head(comparison: Comparison) -> Iterator[str]:

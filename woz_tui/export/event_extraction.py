@@ -178,7 +178,8 @@ class EventExtractor:
         session.duration = max(session.duration, timeline.end)
         self._public.finish()
         figures = figures_of(self._public, stem=session.name)
-        session.figures = replace(figures, lines=session.lines, redacted=session.redacted)
+        redacted = session.redacted or figures.redacted
+        session.figures = replace(figures, lines=session.lines, redacted=redacted)
         for event in session.events:
             self._belongs(event, timeline.contexts.at(event.begin, event.seq))
             at = event.details.get("at") if event.kind == "marker" else None

@@ -144,6 +144,7 @@ class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
     `spill`: folders in which the log goes on if its own fails, best first; each as it is on that
     machine and, where that differs, as seen from the log's. `robot`: the robot that plays the
     experiment instead of the one that its file names: a name, or a file as seen from its folder.
+    `redacted`: this is a copy (`woz export --to jsonl --redact-text`) without texts and dates.
     """
 
     format: str = msgspec.field(default_factory=lambda: FORMAT)
@@ -159,6 +160,7 @@ class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
     clock: dict[str, str]
     spill: list[str] = []
     robot: str = ""
+    redacted: bool = False
 
 
 class SessionChanged(Message, frozen=True, kw_only=True, tag="session.changed"):

@@ -8,7 +8,6 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from hypothesis import given
@@ -105,7 +104,7 @@ def _cell(value: object) -> object:
 
 def exported(messages: Iterable[m.AnyMessage]) -> ExportSession:
     """As exports see it."""
-    extractor = EventExtractor(ExportSession(name="x", log=Path("x")), Path("nowhere"))
+    extractor = EventExtractor(ExportSession(name="x"))
     for message in messages:
         raw = codec.encode(message)
         fields = codec.decode_unknown(raw)

@@ -136,7 +136,7 @@ def test_rows_of_a_setting_follow_one_another_to_the_end(
         (each.begin, each.end or 0, each.label, -1 if each.trial is None else each.trial)
         for each in events
     )
-    assert read_report(session.log).figures.settings == session.figures.settings
+    assert read_report(tmp_path / f"{STEM}.jsonl").figures.settings == session.figures.settings
 
 
 def test_a_log_that_is_torn_is_exported_up_to_its_last_line(tmp_path: Path) -> None:

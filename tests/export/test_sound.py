@@ -5,10 +5,15 @@ from __future__ import annotations
 import wave
 from pathlib import Path
 
-from tests.export.logs import speak
+import pytest
+
+from tests.export.logs import STEM, Timed, speak, start, write
+from tests.export.out import exported
 from woz_tui.export.event_model import ExportSession, SoundClip
 from woz_tui.export.output_folder import new_folder
 from woz_tui.export.visitor_sound import write_sound
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 S = 1_000_000
 
@@ -17,9 +22,7 @@ def joined(
     folder: Path, clips: list[SoundClip], duration: float
 ) -> tuple[list[int], int, list[str]]:
     """The samples of the whole, one for each tenth of a second; its length; what was left out."""
-    session = ExportSession(
-        name="S", log=folder / "S.jsonl", clips=clips, duration=round(duration * S)
-    )
+    session = ExportSession(name="S", folders=(folder,), clips=clips, duration=round(duration * S))
     with new_folder(folder / "out", force=True) as out:
         out.write("README.md", "# Sessions exported by woz-tui\n")
         length, notes = write_sound(session, out, "S.wav")
@@ -84,3 +87,65 @@ def test_a_session_of_days_makes_no_file_of_silence(tmp_path: Path) -> None:
     samples, length, notes = joined(tmp_path, clips, 3 * 86_400)
     assert (samples, length) == ([], 0)
     assert "too long" in notes[0]
+
+
+# -- where the log says that they are --------------------------------------------------------------
+
+#: What the log of a session is called before its participant is chosen.
+NAMELESS = STEM.replace("_P07", "")
+
+
+def spoken(*files: str) -> list[Timed]:
+    """A session of so many seconds in each of which a sentence of half a second was recorded."""
+    ends = (
+        m.SpeechEnded(driver="ears", segment=at + 1, began=at * S, ended=at * S + S // 2, file=file)
+        for at, file in enumerate(files)
+    )
+    return [(0, start()), *((at + 0.6, end) for at, end in enumerate(ends))]
+
+
+def levels(out: Path, seconds: int) -> list[int]:
+    """What is heard at the beginning of each second."""
+    with wave.open(str(out / f"{STEM}.wav")) as file:
+        sound = memoryview(file.readframes(file.getnframes())).cast("h")
+        return list(sound[:: file.getframerate()])[:seconds]
+
+
+@pytest.mark.parametrize("folder", [STEM, NAMELESS])
+def test_a_log_that_got_its_participants_name_has_its_sound(tmp_path: Path, folder: str) -> None:
+    """Whether the folder of the sound was renamed with it, as for some time, or not."""
+    speak(tmp_path / "rec" / f"{folder}.media", "a.wav", 0.5, 5)
+    log = write(tmp_path / "rec", spoken(f"{NAMELESS}.media/a.wav"))
+    (told,) = exported(log, "textgrid", tmp_path / "out")
+    assert (levels(tmp_path / "out", 1), told.notes) == ([5], [])
+
+
+def test_sound_beside_a_later_part_of_the_log_is_found_there(tmp_path: Path) -> None:
+    rec, spill = tmp_path / "rec", tmp_path / "spill"
+    second = spill / f"{STEM}.2.jsonl"
+    log = write(rec, spoken(f"{STEM}.media/a.wav", f"{STEM}.media/b.wav"))
+    lines = log.read_bytes().splitlines(keepends=True)
+    left = m.Segment(log=STEM, session="S01", number=1, next_file=str(second))
+    begun = m.Segment(log=STEM, session="S01", number=2, previous=str(log))
+    log.write_bytes(b"".join([*lines[:2], codec.encode(left)]))
+    speak(rec / f"{STEM}.media", "a.wav", 0.5, 5)
+    speak(spill / f"{STEM}.media", "b.wav", 0.5, 7)
+    second.write_bytes(b"".join([codec.encode(begun), *lines[2:]]))
+    for given in (log, second):
+        (told,) = exported(given, "textgrid", tmp_path / "out", force=True)
+        assert (levels(tmp_path / "out", 2), told.notes) == ([5, 7], [])
+
+
+@pytest.mark.parametrize("gone", ["b.wav", f"{NAMELESS}.media/b.wav", "\0", "b" * 5000, ".."])
+@pytest.mark.parametrize("to", ["eaf", "textgrid"])
+def test_how_many_sentences_are_not_there_is_told(tmp_path: Path, gone: str, to: str) -> None:
+    speak(tmp_path / "rec" / f"{STEM}.media", "a.wav", 0.5, 5)
+    course = spoken(f"{STEM}.media/a.wav", gone, gone)
+    log = write(tmp_path / "rec", course)
+    (told,) = exported(log, to, tmp_path / "out")
+    assert levels(tmp_path / "out", 3) == [5, 0, 0]
+    (note,) = told.notes
+    assert "2" in note.split()
+    for option in ({"sound": False}, {"sound": False, "redact": True}):
+        (told,) = exported(log, to, tmp_path / "out", force=True, **option)
+        assert told.notes == [], "nobody wants it"

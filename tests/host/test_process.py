@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 
+from tests.export.logs import speak
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.cli.host_start import Launch
@@ -259,6 +260,7 @@ def test_the_chosen_participant_stands_in_the_names_of_the_files(
 ) -> None:
     with robot(tmp_path) as host:
         announced = Path(host.announced()["log"])
+        speak(announced.with_suffix(".media"), "ears-0001.wav", 0.1)
         host.ask(
             *(json.dumps({"kind": "set", "ref": 1, "participant": code}) for code in chosen),
             '{"kind":"end","ref":9,"reason":"enough"}',
@@ -266,7 +268,8 @@ def test_the_chosen_participant_stands_in_the_names_of_the_files(
         assert host.ended() == 0
         time_of_start = announced.name.partition("_")[0]
         names = {path.name.removeprefix(time_of_start) for path in (tmp_path / "rec").iterdir()}
-        assert names == {f"{name}.jsonl", f"{name}.samples.jsonl", f"{name}.host.log"}
+        media = "_S01.media"  # as the lines of the log have it
+        assert names == {f"{name}.jsonl", f"{name}.samples.jsonl", f"{name}.host.log", media}
         assert current_path(announced).name == f"{time_of_start}{name}.jsonl"
         assert host.log()[-1]["kind"] == "session.end"
 

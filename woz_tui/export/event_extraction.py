@@ -6,6 +6,7 @@ takes the messages as they were recorded.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -26,6 +27,7 @@ from woz_tui.export.event_model import (
 )
 from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.log.coding_file import MARKERS, Codings
+from woz_tui.log.file_names import media_folder
 from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
@@ -135,10 +137,8 @@ _PARTS = (
 class EventExtractor:
     """Takes the lines of one session in order; `finish` completes `session`."""
 
-    def __init__(self, session: ExportSession, folder: Path) -> None:
+    def __init__(self, session: ExportSession) -> None:
         self.session = session
-        #: Where the files lie that the log names.
-        self._folder = folder
         self._timeline = Timeline(passing=True)
         #: Of what may be shown: figures have texts, too.
         self._public = Timeline()
@@ -300,9 +300,22 @@ class EventExtractor:
         for spoken in self._timeline.of(UtteranceEpisode):
             if spoken.ended is None or not spoken.ended.file or self.session.redacted:
                 continue
-            path = self._folder / spoken.ended.file
-            if path.is_file():
+            path = self._named(spoken.ended.file)
+            if path is None:
+                self.session.clips_missing += 1
+            else:
                 yield SoundClip(path, spoken.begin)
+
+    def _named(self, file: str) -> Path | None:
+        """The file that the log names so; None if it is nowhere."""
+        session = self.session
+        named = [folder / file for folder in session.folders]
+        # For some time the folder of a log's sound was renamed with it, the lines of course not.
+        renamed = [
+            media_folder(folder / f"{session.name}.jsonl") / Path(file).name
+            for folder in session.folders
+        ]
+        return next(filter(os.path.isfile, [*named, *renamed]), None)
 
     def _settings(self) -> Iterator[ExportEvent]:
         """Settings that differed and conflicts: one for each part of an episode."""

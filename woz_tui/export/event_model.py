@@ -103,11 +103,12 @@ class ExportSession:
 
     Attributes:
         name: Of its own among all sessions of an export; its files are called so.
-        log: The log's file from which it was read; its other files lie beside it.
+        folders: Where the log's files lie, and what they name.
         start: What the first line says; None if that line is lost.
         events: By time of beginning.
         figures: What the report computes of it.
         clips: Recorded sound that is there still.
+        clips_missing: How many recorded sentences are not.
         duration: Time of the last line.
         end_reason: What the last line says; empty if it is lost.
         damage: What is wrong with the log, in sentences; empty: nothing.
@@ -116,11 +117,12 @@ class ExportSession:
     """
 
     name: str
-    log: Path
+    folders: tuple[Path, ...] = ()
     start: SessionStart | None = None
     events: list[ExportEvent] = field(default_factory=list)
     figures: SessionFigures = NO_FIGURES
     clips: list[SoundClip] = field(default_factory=list)
+    clips_missing: int = 0
     duration: int = 0
     end_reason: str = ""
     damage: list[str] = field(default_factory=list)

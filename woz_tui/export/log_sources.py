@@ -42,6 +42,11 @@ class LogSource:
         """Its first file."""
         return self.files.paths[0]
 
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """Where its files lie; several if the log went on elsewhere."""
+        return tuple(dict.fromkeys(path.parent for path in self.files.paths))
+
     # The files are those that were found: looked for again from the first one, a segment in
     # a folder that it does not name would be missing.
 
@@ -117,8 +122,8 @@ def _logs_in(folder: Path) -> list[Path]:
 def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
     """Reads a session without its samples. Damage never raises: it is in `damage`."""
     damage = Damage()
-    session = ExportSession(name=source.files.stem, log=source.log, redacted=redact)
-    extractor = EventExtractor(session, source.log.parent)
+    session = ExportSession(name=source.files.stem, folders=source.folders, redacted=redact)
+    extractor = EventExtractor(session)
     sums = _Sums()
     for line in source.lines(damage):
         sums.add(line)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import wave
 from collections.abc import Iterator
 
+from woz_tui.analysis.text_format import counted
 from woz_tui.export.event_model import ExportSession, SoundClip
 from woz_tui.export.output_folder import OutputFolder
 from woz_tui.system.files import open_regular
@@ -44,9 +45,12 @@ _Clips = list[tuple[SoundClip, "wave._wave_params"]]
 def _readable(session: ExportSession) -> tuple[_Clips, list[str]]:
     clips: _Clips = []
     problems = []
-    folder = session.log.parent.resolve()
+    if session.clips_missing:
+        sentences = counted(session.clips_missing, "recorded sentence")
+        problems.append(f"no file was found beside the log for {sentences} of the visitor")
+    folders = [folder.resolve() for folder in session.folders]
     for clip in sorted(session.clips, key=lambda clip: clip.begin):
-        if not clip.path.resolve().is_relative_to(folder):
+        if not any(clip.path.resolve().is_relative_to(folder) for folder in folders):
             problems.append(f"{clip.path} lies outside of the log's folder and is left out")
             continue
         try:

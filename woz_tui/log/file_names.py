@@ -58,6 +58,7 @@ def session_code(name: str) -> str:
 
 def name_after(log: Path, participant: str) -> None:
     """Put the participant into the names of a session that is over: its log and what is beside it.
+    The folder of its media keeps the name that stands in the log's lines.
 
     Nothing is renamed if the log has a participant, is spread over several files, or if one of the
     new names is taken. Raises `OSError` if the folder does not let it.
@@ -67,7 +68,11 @@ def name_after(log: Path, participant: str) -> None:
         return
     start, _, rest = log.stem.partition("_")
     new = f"{start}_{check_code('participant', participant)}_{rest}"
-    beside = [path for path in log.parent.iterdir() if path.name.startswith(f"{log.stem}.")]
+    beside = [
+        path
+        for path in log.parent.iterdir()
+        if path.name.startswith(f"{log.stem}.") and path != media_folder(log)
+    ]
     names = [FileName.parse(path.name) for path in beside]
     targets = [path.with_name(new + path.name.removeprefix(log.stem)) for path in beside]
     if any(name and name.number > 1 for name in names) or any(map(os.path.lexists, targets)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -84,8 +85,22 @@ def test_what_was_used_and_what_comes_next(
     assert ["P03", "-", "1", "of", "4", "A,", "B", "chosen", "by", "the", "wizard"] in found
     assert "from another design" in printed
     assert "P05" not in printed
-    assert "warm" not in printed.split("next")[1]
     assert [row[1] for row in found[-3:]] == ["2", "2", "1"]
+
+
+@pytest.mark.parametrize("form", ["text", "json"])
+def test_labels_alone_name_no_condition_that_there_is_or_was(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], form: str
+) -> None:
+    logs(tmp_path)
+    assert designed(tmp_path, "--labels", "--format", form) == 0
+    printed = capsys.readouterr().out
+    assert not {"warm", "cold", "mild"} & {*re.findall(r"\w+", printed)}
+    if form == "json":
+        told = json.loads(printed)
+        orders = {each["participant"]: each["order"] for each in told["participants"]}
+        assert (orders["P02"], orders["P04"]) == (["B", "A"], ["?"])
+        assert told["next"][0]["order"] == ["B", "A"]
 
 
 def test_the_plan_for_programs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -73,7 +73,8 @@ def design(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     found = EarlierSessions(arguments.recordings).read(experiment.title, experiment.path.name)
     plan = _plan(experiment, experiment.study.design, found, arguments.participants)
     if arguments.format == "json":
-        print(json_text(_report(plan, arguments.recordings), indent=2))
+        report = _report(plan, arguments.recordings, labels=arguments.labels)
+        print(json_text(report, indent=2))
     else:
         _print(plan, arguments.recordings, labels=arguments.labels)
     for name in found.unreadable:
@@ -183,29 +184,37 @@ def _row(row: int) -> str:
 def _order(plan: _Plan, order: tuple[str, ...], labels: bool) -> str:
     blind = plan.design.blind
     if labels:
-        return ", ".join(blind.get(each, each) for each in order) or "-"
+        return ", ".join(_shown(plan, order, labels)) or "-"
     return order_text(order, blind if set(order) <= set(blind) else {})
+
+
+def _shown(plan: _Plan, order: tuple[str, ...], labels: bool) -> list[str]:
+    """The conditions, or their labels: `?` for those that the file no longer names."""
+    blind = plan.design.blind if labels else {}
+    return [blind.get(each, "?") for each in order] if blind else [*order]
 
 
 # -- for programs ---------------------------------------------------------------------------------
 
 
-def _report(plan: _Plan, recordings: Path) -> Json:
+def _report(plan: _Plan, recordings: Path, *, labels: bool) -> Json:
     return {
         "file": str(plan.experiment.path),
         "title": plan.experiment.title,
         "recordings": str(recordings),
         "logs": plan.found.logs,
         "planned": planned(plan.design, plan.experiment.conditions),
-        "participants": [_past(plan, past) for past in plan.assigned],
-        "next": [{"row": each.row, "order": [*each.order]} for each in plan.coming],
+        "participants": [_past(plan, past, labels) for past in plan.assigned],
+        "next": [
+            {"row": each.row, "order": [*_shown(plan, each.order, labels)]} for each in plan.coming
+        ],
     }
 
 
-def _past(plan: _Plan, past: ParticipantHistory) -> Json:
+def _past(plan: _Plan, past: ParticipantHistory, labels: bool) -> Json:
     return {
         "participant": past.participant,
-        "order": [*past.order],
+        "order": [*_shown(plan, past.order, labels)],
         "method": past.method,
         "row": past.row,
         "over": past.over,

@@ -25,14 +25,16 @@ CODES = {
 }
 
 
-def session(folder: Path) -> Path:
+def session(folder: Path, *more: Timed) -> Path:
     """One trial from 1 to 8 s, coded by two."""
     course: list[Timed] = [
         (0, start()),
         (1, m.TrialStarted(trial=1, condition="cold")),
         (8, m.TrialEnded(trial=1, outcome="done")),
         (10, m.Note(text="over")),
+        *more,
     ]
+    course.sort(key=lambda timed: timed[0])
     log = write(folder / "recordings", course)
     with LogIndex.open(log) as index:
         first = next(line for line in index.actions if isinstance(line, m.SessionStart))
@@ -110,6 +112,12 @@ def test_two_coders_are_compared_within_trials(
     out = capsys.readouterr().out
     assert "gaze: agreement 71.4% of 7 bins, Cohen's kappa" in out
     assert "K1 \\ K2" in out
+
+
+def test_a_trial_with_a_break_is_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = str(session(tmp_path, (4, m.BreakStarted()), (5, m.BreakEnded())))
+    assert main(["coding", log, "--coders", "K1", "K2"]) == 0
+    assert "in 1 trial, 6.0 s" in capsys.readouterr().out
 
 
 def test_coders_are_listed_and_who_is_none_is_named(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from woz_tui.log.coding_file import Code, tiers_of
 from woz_tui.timeline.timeline import Timeline
+from woz_tui.timeline.trial_context import ContextSpan
 
 #: The length of a bin unless somebody says otherwise, in microseconds.
 BIN_US = 1_000_000
@@ -64,8 +65,18 @@ def coded_spans(timeline: Timeline, *, every: bool = False) -> list[Stretch]:
     """The trials that count, breaks left out; in a session without trials all of it. `every`: also
     trials that were aborted or excluded.
     """
+    return [(piece.begin, piece.end) for piece in _coded(timeline, every=every)]
+
+
+def coded_trials(timeline: Timeline, *, every: bool = False) -> int:
+    """How many trials `coded_spans` are of: one with a break has several spans."""
+    contexts = [piece.context for piece in _coded(timeline, every=every)]
+    return len({(each.participant, each.trial, each.run) for each in contexts})
+
+
+def _coded(timeline: Timeline, *, every: bool) -> list[ContextSpan]:
     return [
-        (piece.begin, piece.end)
+        piece
         for piece in timeline.pieces
         if piece.end > piece.begin
         and timeline.inside(piece.context)

@@ -90,7 +90,8 @@ def _listed(found: Codings, *, as_json: bool) -> int:
 
 
 def _compared(arguments: argparse.Namespace, found: Codings) -> int:
-    from woz_tui.analysis.coder_agreement import agreements, coded_spans  # noqa: PLC0415
+    from woz_tui.analysis.coder_agreement import agreements, coded_spans, coded_trials  # noqa: PLC0415
+    from woz_tui.analysis.text_format import counted  # noqa: PLC0415
     from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
     from woz_tui.log.log_reader import LogLine, messages  # noqa: PLC0415
     from woz_tui.timeline.timeline import timeline_of  # noqa: PLC0415
@@ -115,7 +116,8 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
         return 0
     paper = report_page()
     seconds = sum(end - begin for begin, end in within) / 1e6
-    where = f"{len(within)} trials" if timeline.has_trials else "the whole session"
+    trials = counted(coded_trials(timeline, every=arguments.all_trials), "trial")
+    where = trials if timeline.has_trials else "the whole session"
     paper.say(f"{one} and {other}: bins of {arguments.bin:g} s in {where}, {seconds:.1f} s")
     for each in selected:
         _show(paper, each, one, other)

@@ -6,11 +6,13 @@ from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.export.logs import Timed, courses, session_of, start, visit
+from tests.export.logs import Timed, courses, session_of, start, visit, write
 from woz_tui.export.eaf import EafExporter
+from woz_tui.export.log_sources import find_sources, read_session
 from woz_tui.export.textgrid import TextGridExporter
 from woz_tui.export.tiers import (
     AFTER,
@@ -21,6 +23,7 @@ from woz_tui.export.tiers import (
     unique_names,
     without_overlaps,
 )
+from woz_tui.log.coding_file import Coding, coding_path
 from woz_tui.protocol import messages as m
 
 GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
@@ -116,6 +119,20 @@ def test_phases_are_a_tier(tmp_path: Path) -> None:
     assert spans == [("opening", 1_000_000, 3_000_000), ("whales", 3_000_000, 5_000_000)]
     (hello,) = (event for event in session.events if event.kind == "action")
     assert hello.phase == "opening"
+
+
+@pytest.mark.parametrize("at", [1, 7])
+def test_codes_that_last_and_moments_of_one_name_are_two_tiers(tmp_path: Path, at: int) -> None:
+    log = write(tmp_path, [(0, start()), (10, m.Note(text="over"))])
+    coding = Coding(coding_path(log), "K1", start())
+    for t, text in ((at, "smile"), (2, "markers: busy"), (5, "markers:")):
+        coding.add(t * 1_000_000, text)
+    coding.close()
+    tiers = unique_names(tiers_of(read_session(find_sources([log])[0])))
+    assert [tier for tier in tiers if tier.name != "notes"] == [
+        Tier("K1 markers", points=True, spans=[TierSpan(at * 1_000_000, at * 1_000_000, "smile")]),
+        Tier("K1 markers (2)", spans=[TierSpan(2_000_000, 5_000_000, "busy")]),
+    ]
 
 
 @settings(suppress_health_check=list(HealthCheck))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left, insort
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 import msgspec
 
@@ -79,17 +80,18 @@ def tiers_of(session: ExportSession) -> list[Tier]:
     overlap still: see `without_overlaps`. Tiers with nothing on them are left out.
     """
     panels: dict[str, Tier] = {}
-    #: By coder and tier.
-    codes: dict[str, Tier] = {}
+    #: By coder and tier: moments, and what lasts.
+    codes: dict[str, tuple[Tier, Tier]] = {}
     for event in session.events:
         if event.kind == "action":
             name = f"panel {one_line(event.panel)}" if event.panel.strip() else NO_PANEL
             panels.setdefault(name, Tier(name)).spans.append(_span(event))
         elif event.kind == "code":
             name = one_line(f"{event.source} {event.label}")
-            codes.setdefault(name, Tier(name, points=event.end is None)).spans.append(_span(event))
+            moments, lasting = codes.setdefault(name, (Tier(name, points=True), Tier(name)))
+            (moments if event.end is None else lasting).spans.append(_span(event))
     tiers = [*_filled(session, BEFORE), *panels.values(), *_filled(session, AFTER)]
-    tiers += codes.values()
+    tiers += chain.from_iterable(codes.values())
     for tier in tiers:
         tier.spans.sort(key=lambda span: (span.begin, span.end))
     return [tier for tier in tiers if tier.spans]

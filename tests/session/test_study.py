@@ -337,6 +337,13 @@ def test_a_blind_wizard_is_shown_labels_and_no_text_that_tells(tmp_path: Path) -
         assert session.values()["greeting"] == "Hello."
         findings = {finding.subject: finding.text for finding in await preflight(session)}
         assert findings["session"] == "P01 B"
+        assert STUDY.design is not None
+        design = replace(STUDY.design, blind={"warm": "A", "mild": "B"})
+        study = replace(STUDY, design=design)
+        renamed = replace(session.experiment, conditions=("warm", "mild"), study=study)
+        session.adopt(renamed, ["a condition"])
+        findings = {finding.subject: finding.text for finding in await preflight(session)}
+        assert findings["session"] == "P01 ?", "not what it is really called"
 
     on_stage(tmp_path, scenario)
 

@@ -121,8 +121,9 @@ class StudyController:
         return VariableValues({**now, **values}, why, tells)
 
     def label(self, condition: str) -> str:
-        """What a blind wizard reads instead of a condition."""
-        return self.settings.blind.get(condition, condition)
+        """What a blind wizard reads instead of a condition; `?` if the file no longer names it."""
+        blind = self.settings.blind
+        return blind.get(condition, "?") if blind else condition
 
     # -- conditions --------------------------------------------------------------------------------
 

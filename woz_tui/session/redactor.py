@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import PurePath
 from typing import Any
 
-from msgspec.structs import replace
+from msgspec.structs import fields, replace
 
 from woz_tui.config.engagement import STATES
 from woz_tui.config.study import BLURRED, PERCEIVED
@@ -52,14 +53,14 @@ _FACE = frozenset(("emotion", "intensity", "valence", "arousal", "eye_x", "eye_y
 #: Settings of a robot that its face shows.
 _EYES = frozenset(("eyes", "eyes_brightness"))
 
-#: The words of a message that tells something.
-_TEXTS: tuple[tuple[type[m.RestrictedMessage], tuple[str, ...]], ...] = (
-    (m.ActionEnd, ("reason",)),
-    (m.End, ("reason", "remedy")),
-    (m.SessionEnd, ("reason",)),
-    (m.RerunSkipped, ("reason",)),
-    (m.Notice, ("text", "remedy")),
-    (m.RestrictedMessage, ("text",)),
+#: What of a message that tells something is no words, but a code, a name or one of few values; all
+#: other texts are words.
+NAMES = frozenset(
+    (
+        *("ts", "driver", "source", "console", "key", "level", "code", "outcome", "sort", "block"),
+        *("run", "action", "panel", "command", "verb", "when_busy", "by", "original_command"),
+        "sha256",
+    )
 )
 #: What says how a command goes: nothing of it is shown where its words tell something.
 _OF_COMMANDS = m.Progress | m.CommandMark | m.BlockPlanned | m.BlockTrouble
@@ -280,7 +281,7 @@ class Redactor:
             isinstance(message, m.Notice) and message.level == "info"
         ):
             return None
-        names = _words(message)
+        names = _words(type(message))
         words: Any = dict.fromkeys(names, "")
         match message:
             case m.Notice(driver=driver, level=level):
@@ -290,7 +291,7 @@ class Redactor:
                 words |= {"sent": {}, "duration_us": 0}
             case m.End() | m.ActionEnd():
                 words["reason"] = _NOT_SHOWN.format("the reason")
-            case _:
+            case _ if names:
                 words[names[0]] = HIDDEN
         return replace(message, **words)
 
@@ -496,7 +497,7 @@ class ParticipantRedactor(Redactor):
             case m.ConditionsAssigned(order=order):
                 return replace(message, order=_numbered(order), why="")
             case m.RestrictedMessage():
-                return replace(message, **dict.fromkeys(_words(message), ""))
+                return replace(message, **dict.fromkeys(_words(type(message)), ""))
         return message
 
     def welcome(self, welcome: r.Welcome) -> r.Welcome:
@@ -601,9 +602,11 @@ def _unique(labels: Mapping[str, str]) -> dict[str, str]:
     return found
 
 
-def _words(message: m.RestrictedMessage) -> tuple[str, ...]:
+@cache
+def _words(kind: type[m.RestrictedMessage]) -> tuple[str, ...]:
     """The fields of its words."""
-    return next(names for kind, names in _TEXTS if isinstance(message, kind))
+    texts = (field.name for field in fields(kind) if field.type is str)
+    return tuple(name for name in texts if name not in NAMES)
 
 
 def _may_reveal(message: m.RestrictedMessage) -> bool:

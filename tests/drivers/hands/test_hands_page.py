@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import re
 import textwrap
-from pathlib import Path
 
 from woz_drivers.hands.device_models import MODELS
 
+from tools import ROOT
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 
-PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "hands.md"
+PAGE = ROOT / "docs" / "how-to" / "hands.md"
 
 
-def test_its_robot_file_is_right(tmp_path: Path) -> None:
+def test_its_robot_file_is_right_in_the_demo() -> None:
     [block] = re.findall(r"```yaml\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
     robot = textwrap.indent(textwrap.dedent(block), "  ")
-    actions = "{key: h, label: Hello, say: Hello}, {key: f13, label: Pedal, say: Pedal}"
-    (tmp_path / "it.yaml").write_text(
-        f"title: it\nrobot:\n{robot}\nscript: [Hello]\n"
-        f"panels:\n  - title: P\n    actions: [{actions}]\n"
-    )
-    found = load(tmp_path / "it.yaml", installed())
+    demo = ROOT / "experiments" / "demo.yaml"
+    [before, after] = re.split(r"^robot: .*\n", demo.read_text("utf-8"), flags=re.MULTILINE)
+    found = load(demo, installed(), f"{before}robot:\n{robot}{after}".encode())
     assert [driver.name for driver in found.drivers] == ["robot", "pad", "deck"]
     assert found.warnings == ()
 

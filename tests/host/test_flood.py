@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from tests.host.rig import WAIT_S, Peer, Served, served
 from tests.session.rig import experiment
+from tools import ROOT
 from woz_tui.config.experiment import Experiment
 from woz_tui.host import client_connection, request_handlers
 from woz_tui.protocol import messages as m
@@ -306,3 +309,10 @@ async def test_who_is_closed_and_then_reads_leaves_no_error(
         await lost(host, "silent")
         await lingered
     assert not errors
+
+
+def test_the_page_of_the_protocol_names_all_that_takes_long() -> None:
+    page = (ROOT / "docs" / "reference" / "protocol.md").read_text(encoding="utf-8")
+    [named] = re.findall(r"notice\.\n *((?:`[a-z-]+`(?:, | and )?)+) take long", page)
+    kinds = {str(kind.__struct_config__.tag) for kind in get_args(request_handlers.Slow)}
+    assert {*re.findall("`([a-z-]+)`", named)} == kinds

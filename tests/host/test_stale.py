@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.host.rig import Peer, Served, served
+from tests.protocol import examples
+from tools import ROOT
+from woz_tui.host import request_handlers
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import RealClock, boot_id
 
@@ -33,6 +37,7 @@ TIMELY: list[tuple[str, dict[str, Any]]] = [
     ("release", {}),
     ("lock", {"panel": "Base", "locked": False}),
     ("profile", {}),
+    ("phase", {"phase": "closing"}),
     ("mistake", {}),
     ("end", {}),
 ]
@@ -72,6 +77,19 @@ async def test_what_waited_in_the_socket_too_long_is_refused_and_logged(
         assert place.session.bus.latched
         assert place.session.locked["Base"]
         assert not place.session.ended
+
+
+def test_the_page_of_the_protocol_names_all_of_it() -> None:
+    page = (ROOT / "docs" / "reference" / "protocol.md").read_text(encoding="utf-8")
+    named = page.partition("### Too old")[2].partition("The stop counts")[0]
+    undone = {
+        str(request.__struct_config__.tag)
+        for request in examples.REQUESTS
+        if request_handlers._undone(request)
+    }
+    kinds = {kind for kind, _ in TIMELY}
+    assert undone < kinds
+    assert {*re.findall("`([a-z-]+)`", named)} - {"stale", "run"} == kinds
 
 
 @pytest.mark.parametrize("stamped", [True, False])

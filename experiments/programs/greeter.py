@@ -1,7 +1,7 @@
 """Greets whoever engages with the robot: a reactive program of ten lines.
 
 woz run experiments/guide.yaml        # in one terminal
-python experiments/programs/greeter.py
+.venv/bin/python experiments/programs/greeter.py
 """
 
 import asyncio

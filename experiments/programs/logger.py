@@ -1,6 +1,6 @@
 """Writes what is said and marked into a table while the session runs, until it ends.
 
-python experiments/programs/logger.py > said.csv
+.venv/bin/python experiments/programs/logger.py > said.csv
 """
 
 import csv

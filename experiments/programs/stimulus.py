@@ -3,7 +3,7 @@
 With PsychoPy the words stand in a window; without it they are printed, to try the program out.
 
     woz run experiments/demo.yaml         # in one terminal
-    python experiments/programs/stimulus.py
+    .venv/bin/python experiments/programs/stimulus.py
 """
 
 from woz_tui.client.blocking import connect

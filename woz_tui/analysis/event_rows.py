@@ -338,6 +338,12 @@ def moments(timeline: Timeline, kind: type[M]) -> Iterator[tuple[Context, M]]:
             yield each.context, each.message
 
 
+def first_plan(timeline: Timeline) -> m.SessionPlan | None:
+    """What consoles were shown at the beginning; None if they never were."""
+    plans = [plan for _, plan in moments(timeline, m.SessionPlan)]
+    return next((plan for plan in plans if plan.title), plans[-1] if plans else None)
+
+
 def trials(timeline: Timeline) -> Iterator[TrialRow]:
     """All trials, also those that do not count."""
     actions = Counter(each.context.run for each in timeline.of(e.ActionEpisode))

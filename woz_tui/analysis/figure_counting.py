@@ -85,7 +85,7 @@ def figures_of(
     whole = _whole_session(counting, trials, people, options)
     parts = _parts(timeline, tallies, trials, people, options)
     conditions = tuple(_unique(tally.condition for tally in tallies))
-    plan = _first_plan(timeline)
+    plan = event_rows.first_plan(timeline)
     return SessionFigures(
         path=path,
         stem=stem,
@@ -400,12 +400,6 @@ def _listed(
     """All cues by time, each with whether it counts."""
     found = [cue if counted(context) else replace(cue, counted=False) for context, cue in cues]
     return sorted(found, key=lambda cue: cue.t)
-
-
-def _first_plan(timeline: Timeline) -> m.SessionPlan | None:
-    """What consoles were shown at the beginning; None if they never were."""
-    plans = [plan for _, plan in event_rows.moments(timeline, m.SessionPlan)]
-    return next((plan for plan in plans if plan.title), plans[-1] if plans else None)
 
 
 def _panels(plan: m.SessionPlan | None) -> Iterator[PanelRow]:

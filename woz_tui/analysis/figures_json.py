@@ -35,6 +35,7 @@ def grouped(found: GroupedSessions) -> list[dict[str, Any]]:
     return [
         {
             "experiment": experiment,
+            "files": found.files(experiment),
             "conditions": plain(found.totals(experiment)),
             "scales": plain(found.items(experiment)),
         }

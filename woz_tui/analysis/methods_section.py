@@ -120,7 +120,8 @@ def _attended(facts: StudyFacts) -> Iterator[str]:
         yield "Conditions were not recorded."
     yield from _orders(facts)
     software = [name for name in facts.software if name]
-    file = f" with the experiment file {facts.experiment}" if facts.experiment else ""
+    files = f"experiment {'file' if len(facts.files) == 1 else 'files'} {listed([*facts.files])}"
+    file = f" with the {files}" if facts.files else ""
     title = f' ("{facts.title}")' if facts.title and file else ""
     if software:
         yield f"The robot was run by {listed(sorted(software))}{file}{title}."

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.analysis.durations import mean_and_sd
+from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures, TrainingFigures
 from woz_tui.analysis.measures import MEASURES, measured
 from woz_tui.analysis.participants import participants_of
@@ -85,12 +86,13 @@ class GroupedSessions:
     _items: dict[tuple[str, str, str, float | None, float | None], _Item] = field(
         default_factory=dict
     )
+    _names: ExperimentNames = field(default_factory=ExperimentNames)
     _hashes: dict[str, set[str]] = field(default_factory=dict)
     _sessions: Counter[str] = field(default_factory=Counter)
 
     def add(self, figures: SessionFigures) -> None:
         """Add a session."""
-        experiment = experiment_of(figures)
+        experiment = self._names.of_session(figures)
         if figures.wholeness.sentences:
             who = " ".join(filter(None, (figures.session, figures.participant))) or figures.stem
             self.damaged.append((who, figures.wholeness.sentences))
@@ -140,6 +142,10 @@ class GroupedSessions:
         """All experiments, in the order in which they came."""
         return list(dict.fromkeys(row.experiment for row in self.rows))
 
+    def files(self, experiment: str) -> list[str]:
+        """The names of an experiment's files: copies may have others."""
+        return list(self._names.files[experiment])
+
     def versions(self, experiment: str) -> int:
         """The number of versions of an experiment's file."""
         return len(self._hashes.get(experiment, ()))
@@ -177,11 +183,6 @@ class _Item:
     wordings: dict[str, None] = field(default_factory=dict)
     #: Condition -> participant -> answers.
     values: dict[str, dict[str, list[float]]] = field(default_factory=dict)
-
-
-def experiment_of(figures: SessionFigures) -> str:
-    """The experiment to which a session belongs: the name of its file, without folders."""
-    return figures.experiment.replace("\\", "/").rsplit("/", 1)[-1]
 
 
 def totals(rows: Sequence[ConditionRow]) -> list[ConditionTotal]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from woz_tui.analysis.event_rows import moments
+from woz_tui.analysis.event_rows import first_plan, moments
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
@@ -68,6 +68,7 @@ class PlayedSession:
     Attributes:
         name: What its files are called, without their endings.
         start: Its first line.
+        title: The experiment's title; empty: the log tells none.
         acts: Actions, and commands that belong to none, in the order in which they were asked for.
         commands: Each command by itself, in the order in which they began.
         original: Of which log it is a re-run; empty: of none.
@@ -79,6 +80,7 @@ class PlayedSession:
 
     name: str
     start: m.SessionStart | None = None
+    title: str = ""
     acts: list[PlayedAct] = field(default_factory=list)
     commands: list[PlayedAct] = field(default_factory=list)
     original: str = ""
@@ -107,7 +109,9 @@ def played_session(name: str, messages: Iterable[m.AnyMessage]) -> PlayedSession
 def _played(name: str, timeline: Timeline) -> PlayedSession:
     again = {line.command: line for _, line in moments(timeline, m.RerunSent)}
     of_runs: dict[str, list[PlayedAct]] = {}
+    plan = first_plan(timeline)
     found = PlayedSession(name, timeline.state.start)
+    found.title = plan.title if plan is not None and not found.redacted else ""
     for command in timeline.of(CommandEpisode):
         request = command.request
         if request.driver == ENGAGEMENT or request.source not in SESSION_SOURCES:

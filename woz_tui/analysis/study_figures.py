@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import RestrictionRow, ShapingRow
+from woz_tui.analysis.experiment_names import ExperimentNames, file_of
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import (
     OUTSIDE,
@@ -15,7 +16,6 @@ from woz_tui.analysis.figures import (
     SessionFigures,
     TrainingFigures,
 )
-from woz_tui.analysis.participant_groups import experiment_of
 from woz_tui.analysis.participants import counted_parts
 
 
@@ -33,6 +33,7 @@ class StudyFacts:
     """All facts of one experiment; grows with each session. Times are microseconds.
 
     Attributes:
+        files: Names of the experiment's files.
         sessions: Sessions with participants; trainings and re-runs are not among them.
         deserted: Sessions in which nobody took part, although a code was given; in nothing else.
         lengths: Their lengths, without the time in which there was no participant.
@@ -50,6 +51,7 @@ class StudyFacts:
     experiment: str
     window_us: int
     title: str = ""
+    files: dict[str, None] = field(default_factory=dict)
     sessions: int = 0
     deserted: int = 0
     reruns: int = 0
@@ -109,6 +111,8 @@ class StudyFacts:
     def _session(self, figures: SessionFigures) -> None:
         self.sessions += 1
         self.title = figures.title or self.title
+        if file := file_of(figures.experiment):
+            self.files[file] = None
         nobodys = sum(part.us for part in figures.parts if not part.counted)
         self.lengths.add(figures.duration_us - nobodys)
         self.wizards[figures.wizard] += 1
@@ -202,8 +206,9 @@ class Studies:
     """The facts of each experiment."""
 
     found: dict[str, StudyFacts] = field(default_factory=dict)
+    _names: ExperimentNames = field(default_factory=ExperimentNames)
 
     def add(self, figures: SessionFigures) -> None:
         """Add a session, in any order."""
-        name = experiment_of(figures)
+        name = self._names.of_session(figures)
         self.found.setdefault(name, StudyFacts(name, figures.window_us)).add(figures)

@@ -7,6 +7,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from pathlib import Path
 
+from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.played_actions import PlayedAct, PlayedSession, played_session
 from woz_tui.analysis.session_comparison import BY_COMMANDS, ActPair, Comparison, compare, facts
 from woz_tui.cli.error_sentences import with_error_sentences
@@ -87,9 +88,13 @@ def _experiments(a: PlayedSession, b: PlayedSession) -> tuple[str, bool]:
     """How the experiments differ, in words (empty: not at all), and whether they are two."""
     if a.start is None or b.start is None:
         return "the first line of a log is missing: its experiment is unknown", False
-    name_a, name_b = clean(a.start.experiment), clean(b.start.experiment)
     if a.start.experiment_sha256 == b.start.experiment_sha256:
         return "", False
+    names = ExperimentNames()
+    name_a, name_b = (
+        clean(names.of(title, start.experiment))
+        for title, start in ((a.title, a.start), (b.title, b.start))
+    )
     if name_a != name_b:
         return f"these are sessions of different experiments: {name_a} and {name_b}", True
     return f"{name_a} was changed between the two sessions", False

@@ -11,9 +11,10 @@ from rich.text import Text
 
 from woz_tui.analysis import report_tables as tables
 from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.experiment_names import file_of
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import PartFigures, Reactions, SessionFigures
-from woz_tui.analysis.participant_groups import GroupedSessions, experiment_of
+from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.participants import excluded_sentence
 from woz_tui.analysis.session_reading import SessionReport
 from woz_tui.analysis.text_format import clock, counted
@@ -66,7 +67,7 @@ def title(page: ReportPage, figures: SessionFigures) -> None:
     ]
     page.say(f" {page.signs.dot} ".join(who), style="bold")
     what = [
-        experiment_of(figures) or "experiment not recorded",
+        file_of(figures.experiment) or "experiment not recorded",
         figures.title,
         f"robot {figures.robot}" if figures.robot else "",
         figures.started[:16].replace("T", " ") + " UTC" if figures.started else "",
@@ -196,7 +197,9 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
         page.head(f"{experiment or 'experiment not recorded'}: {size}")
         versions = grouped.versions(experiment)
         if versions > 1:
-            page.trouble(f"the experiment file had {versions} versions in these sessions")
+            files = grouped.files(experiment)
+            named = f" ({', '.join(files)})" if len(files) > 1 else ""
+            page.trouble(f"the experiment file had {versions} versions in these sessions{named}")
         made = page.table(tables.condition_rows(rows))
         shown = fitted(made, page.width)[0]  # those figures for which there is room
         page.console.print(shown)

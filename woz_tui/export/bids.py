@@ -15,6 +15,7 @@ from typing import Any, get_args
 
 from woz_tui import __version__
 from woz_tui.analysis.event_rows import AnswerRow
+from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, TableDefinition
 from woz_tui.export.event_model import ExportEvent, ExportSession, letters
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
@@ -62,6 +63,7 @@ class BidsExporter(Exporter):
         self._labels: dict[str, str] = {}
         self._conditions: dict[str, list[str]] = {}
         self._experiments: dict[str, None] = {}
+        self._names = ExperimentNames()
         #: Runs that would be called the same, by what they would be called.
         self._runs: dict[str, list[_Run]] = {}
 
@@ -81,7 +83,7 @@ class BidsExporter(Exporter):
                 "several participants: values of sensors cannot be assigned and are left out"
             )
         elif self._options.samples:
-            notes += write_physio(self._folder, paths[0], source, _common(session))
+            notes += write_physio(self._folder, paths[0], source, self._common(session))
         return notes
 
     def _participant(self, session: ExportSession, code: str) -> str:
@@ -93,10 +95,10 @@ class BidsExporter(Exporter):
         listed += [each for each in conditions if each not in listed]
         run = self._run(session, label)
         path = run.path(len(self._runs[run.path()]))
-        write_events(self._folder, path, session, events, _common(session))
+        write_events(self._folder, path, session, events, self._common(session))
         run.kinds.append("events")
         if answers:
-            write_answers(self._folder, path, session, answers, _common(session))
+            write_answers(self._folder, path, session, answers, self._common(session))
             run.kinds.append("beh")
         return path
 
@@ -114,13 +116,22 @@ class BidsExporter(Exporter):
 
     def _run(self, session: ExportSession, label: str) -> _Run:
         place = f"sub-{label}/ses-{letters(session.code, 'unknown')}"
-        task = _task(session)
+        task = self._task(session)
         self._experiments[session.start.experiment if session.start else task] = None
         started = session.started
         when = started.strftime("%Y-%m-%dT%H:%M:%S.%fZ") if started else ""
         run = _Run(place, f"{place.replace('/', '_')}_task-{task}", when)
         self._runs.setdefault(run.path(), []).append(run)
         return run
+
+    def _common(self, session: ExportSession) -> dict[str, Any]:
+        """The fields that every sidecar of a session has."""
+        return {"TaskName": self._task(session), **_about_log(session)}
+
+    def _task(self, session: ExportSession) -> str:
+        """The label of the task: the first file of the session's experiment."""
+        name = next(iter(self._names.files[self._names.of_session(session.figures)]), "")
+        return letters(PurePath(name).stem, "experiment")
 
     def finish(self, summaries: list[SessionSummary]) -> None:
         """Writes the files that describe the dataset as a whole."""
@@ -166,17 +177,11 @@ class BidsExporter(Exporter):
         }
 
 
-def _task(session: ExportSession) -> str:
-    name = session.start.experiment if session.start else ""
-    return letters(PurePath(name).stem, "experiment")
-
-
-def _common(session: ExportSession) -> dict[str, Any]:
-    """The fields that every sidecar of a session has."""
+def _about_log(session: ExportSession) -> dict[str, Any]:
+    """How a session was recorded, for its sidecars."""
     start = session.start
     software = start.software if start else {}
     return {
-        "TaskName": _task(session),
         "StimulusPresentation": {
             "OperatingSystem": "Linux",
             "SoftwareName": software.get("name", "woz-tui"),

@@ -659,28 +659,25 @@ async def test_nonsense_on_the_line_moves_nothing(tmp_path: Path) -> None:
 # -- certificates ----------------------------------------------------------------------------------
 
 
-async def _entered(
-    tmp_path: Path, made: Authority, access: AccessFile, within: float = 1.0
-) -> list[Health]:
-    """How the session's side is once somebody has come with this file; at the latest `within`
-    seconds later.
-    """
+async def _entered(tmp_path: Path, made: Authority, *accesses: AccessFile) -> list[bool]:
+    """Which of the computers that come with these files, one after the other, the session uses."""
     port = await free_port()
     context = RecordingContext()
     router = DriverRouter(f"127.0.0.1:{port}", [PLACE], made, SILENCE_S)
     remote = remote_driver(context, router)
-    other = OtherComputer(Arm, ArmSettings(), tmp_path)
+    others = [OtherComputer(Arm, ArmSettings(), tmp_path) for _ in accesses]
     await remote.open()
     try:
-        await other.start(f"127.0.0.1:{port}", access)
-        with contextlib.suppress(TimeoutError):
-            await until(lambda: context.healths[-1][0] is Health.CONNECTED, within)
-        if context.healths[-1][0] is Health.CONNECTED:
-            assert await remote.perform(PlainJob("wave")) == {"waved": 1}
-        return [health for health, *_ in context.healths]
+        for other, access in zip(others, accesses, strict=True):
+            await other.start(f"127.0.0.1:{port}", access)
+        await until(lambda: context.healths[-1][0] is Health.CONNECTED)
+        assert await remote.perform(PlainJob("wave")) == {"waved": 1}
+        assert not context.notices
+        return [bool(other.lines) for other in others]
     finally:
         await remote.close()
-        await other.end()
+        for other in others:
+            await other.end()
 
 
 def _access(authority: Authority, name: str, folder: Path) -> AccessFile:
@@ -692,15 +689,15 @@ def _access(authority: Authority, name: str, folder: Path) -> AccessFile:
 async def test_a_computer_with_its_certificate_is_let_in(tmp_path: Path) -> None:
     made = Authority(tmp_path / "authority")
     access = _access(made, PLACE, tmp_path)
-    assert (await _entered(tmp_path, made, access, 20))[-1] is Health.CONNECTED
+    assert await _entered(tmp_path, made, access) == [True]
 
 
 async def test_the_certificate_of_somebody_else_opens_no_driver(tmp_path: Path) -> None:
     """A watcher's, for example, who calls itself as the computer of the arm."""
     made = Authority(tmp_path / "authority")
-    _access(made, PLACE, tmp_path)
+    own = _access(made, PLACE, tmp_path)
     eve = replace(_access(made, "eve", tmp_path), name=PLACE)
-    assert await _entered(tmp_path, made, eve) == [Health.CONNECTING]
+    assert await _entered(tmp_path, made, eve, own) == [False, True]
 
 
 @pytest.mark.parametrize("which", ["of another authority", "of another robot"])

@@ -76,50 +76,32 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], Path]
     return names, wheel
 
 
-def tracked(folder: str, ending: str) -> list[str]:
-    """Paths under `folder`, relative to it."""
-    return [
-        str(path.relative_to(ROOT / folder))
-        for path in sorted((ROOT / folder).rglob(f"*{ending}"))
-        if "__pycache__" not in path.parts
-    ]
-
-
-def test_the_wheel_has_all_packages_typed(packages: tuple[list[str], Path]) -> None:
-    names = set(zipfile.ZipFile(packages[1]).namelist())
-    wanted = {f"woz_tui/{name}" for name in tracked("woz_tui", ".py")}
-    for package in ("woz_drivers", "qimessaging", "naoqi_simulator"):
-        wanted |= {f"{package}/{name}" for name in tracked(f"drivers/{package}", ".py")}
-    wanted |= {f"{name.partition('/')[0]}/py.typed" for name in wanted}
-    assert wanted <= names
-
-
-def test_the_wheel_has_the_example_experiments(packages: tuple[list[str], Path]) -> None:
-    names = set(zipfile.ZipFile(packages[1]).namelist())
-    examples = {f"woz_tui/_experiments/{name}" for name in tracked("experiments", ".yaml")}
-    assert examples
-    assert examples <= names
-
-
-def test_the_wheel_has_the_consoles_style(packages: tuple[list[str], Path]) -> None:
-    assert {f"woz_tui/{name}" for name in tracked("woz_tui", ".tcss")} <= set(
-        zipfile.ZipFile(packages[1]).namelist()
+def shipped(folder: str) -> list[str]:
+    """Paths under `folder`, relative to it, of all files that sessions and Python did not make."""
+    made = re.compile(r"(^|/)(__pycache__|recordings|[^/]+\.media)/|\.(jsonl|log|access)$")
+    paths = (
+        path.relative_to(ROOT / folder).as_posix()
+        for path in sorted((ROOT / folder).rglob("*"))
+        if path.is_file()
     )
+    return [path for path in paths if not made.search(path)]
 
 
-def test_the_wheel_has_the_pictures_and_the_sound_of_signals(
+def test_the_wheel_has_every_file_of_the_packages_and_examples(
     packages: tuple[list[str], Path],
 ) -> None:
-    data = {f"woz_tui/{name}" for end in (".gif", ".wav") for name in tracked("woz_tui", end)}
-    assert len(data) == 7
-    assert data <= set(zipfile.ZipFile(packages[1]).namelist())
-
-
-def test_the_wheel_has_all_parts_of_the_reports_page(packages: tuple[list[str], Path]) -> None:
-    ends = (".js", ".css", ".html")
-    parts = {f"woz_tui/{name}" for end in ends for name in tracked("woz_tui", end)}
-    assert len(parts) > 10
-    assert parts <= set(zipfile.ZipFile(packages[1]).namelist())
+    names = set(zipfile.ZipFile(packages[1]).namelist())
+    drivers = {path.parent.name for path in (ROOT / "drivers").glob("*/__init__.py")}
+    assert "robot_simulators" in drivers
+    folders = {
+        "woz_tui": "woz_tui",
+        "woz_tui/_experiments": "experiments",
+        **{name: f"drivers/{name}" for name in drivers},
+    }
+    wanted = {f"{name}/{path}" for name, folder in folders.items() for path in shipped(folder)}
+    assert {"woz_tui/_experiments/demo.yaml", "woz_tui/console/theme/woz.tcss"} <= wanted
+    assert {f"{package}/py.typed" for package in {"woz_tui", *drivers}} <= wanted
+    assert not wanted - names
 
 
 def test_the_wheel_registers_command_and_drivers(packages: tuple[list[str], Path]) -> None:
@@ -146,7 +128,7 @@ def test_the_sdist_has_what_a_packager_needs(packages: tuple[list[str], Path]) -
         "docs/reference/protocol.md",
         "tests/protocol/golden/messages.jsonl",
     }
-    wanted |= {f"experiments/{name}" for name in tracked("experiments", ".yaml")}
+    wanted |= {f"experiments/{name}" for name in shipped("experiments")}
     assert wanted <= names
 
 

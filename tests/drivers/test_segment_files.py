@@ -73,6 +73,7 @@ async def test_lent_sound_is_given_back_however_much_of_it_comes_at_once(
     files: SegmentFiles,
 ) -> None:
     lent = [await files.lend(f"{number}.wav", b"\0\0") for number in range(20)]
+    assert all(path.exists() for path in lent)
     await asyncio.gather(*map(files.give_back, lent))
     assert not any(path.exists() for path in lent)
     files.close()

@@ -35,6 +35,7 @@ class Hostile:
     def __init__(self, shape: BodyShape, seed: object) -> None:
         self._shape = shape
         self._chance = random.Random(f"hostile {seed}")
+        self._t = 0.0
 
     def input(self) -> tuple[Any, Any, Operator]:
         """Verb, arguments and hand; one in four is absurd in some way."""
@@ -55,16 +56,18 @@ class Hostile:
             return chance.choice([*ABSURD, "fly"]), args, hand
         return verb, args, hand
 
-    def time(self, t: float) -> Any:
-        """The next tick's time: 20 ms later as a rule."""
+    def time(self) -> Any:
+        """The next tick's time: 20 ms later as a rule; after an absurd one, too, time goes on."""
         chance = self._chance.random()
+        if chance >= 0.985:
+            return self._chance.choice(ABSURD)
         if chance < 0.95:
-            return t + 0.02
-        if chance < 0.98:
-            return t + self._chance.uniform(0.0, 3.0)
-        if chance < 0.985:
-            return t - self._chance.uniform(0.0, 50.0)
-        return self._chance.choice(ABSURD)
+            self._t += 0.02
+        elif chance < 0.98:
+            self._t += self._chance.uniform(0.0, 3.0)
+        else:
+            self._t -= self._chance.uniform(0.0, 50.0)
+        return self._t
 
     def seen(self) -> Any:
         """What the camera sees."""

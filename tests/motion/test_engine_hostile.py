@@ -49,7 +49,7 @@ def test_nothing_from_outside_makes_a_setpoint_that_no_servo_may_get(run: int) -
         if hostile.often(0.02):
             engine.see(hostile.seen())
         if hostile.often(0.4):
-            tick = engine.tick(hostile.time(tick.t))
+            tick = engine.tick(hostile.time())
             watch.check(tick)
             modes.add(tick.mode)
     assert INPUTS * 0.1 < taken < INPUTS * 0.9

@@ -6,6 +6,7 @@ import math
 
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.engine_io import Tick
+from woz_tui.motion.safety import LONGEST_S
 
 
 class Watch:
@@ -16,8 +17,10 @@ class Watch:
         self._last = first
 
     def check(self, tick: Tick) -> None:
-        """In range, finite, no faster than allowed since the tick before; nothing missing."""
-        elapsed = max(0.0, tick.t - self._last.t)
+        """In range, finite, no faster than allowed since the tick before, of which no more time
+        counts than a process that stood still may catch up with; nothing missing.
+        """
+        elapsed = min(max(0.0, tick.t - self._last.t), LONGEST_S)
         assert math.isfinite(tick.t)
         assert tick.joints.keys() == self._shape.joints.keys()
         for name, joint in self._shape.joints.items():

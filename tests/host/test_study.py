@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 import pytest
 
 from tests.host.rig import Peer, Served, served
-from tests.session.studied import had, log, studied
+from tests.session.studied import had, log, renamed, studied
 from woz_tui.config.experiment import SessionSettings
 from woz_tui.protocol import messages as m
 
@@ -232,6 +233,19 @@ def test_after_a_reload_the_study_is_told_again(tmp_path: Path) -> None:
                 "preflight 'the camera sees the table' was removed",
                 "preflight 'the lamp is on' is new",
             ]
+
+    asyncio.run(go())
+
+
+def test_a_condition_that_was_renamed_is_not_told_to_a_blind_wizard(tmp_path: Path) -> None:
+    async def go() -> None:
+        async with served(tmp_path, made=studied(tmp_path), load=lambda: renamed(tmp_path)) as host:
+            peer, _ = await wizard(host)
+            assert (await peer.ask("assign", participant="P01", order=["A", "B"]))["ok"]
+            assert (await peer.ask("reload"))["ok"]
+            reply = await peer.ask("trial", what="begin")
+            assert (reply["ok"], reply["command"]) == (False, "start")
+            assert not re.search("warm|friendly", f"{reply} {peer.seen}")
 
     asyncio.run(go())
 

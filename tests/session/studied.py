@@ -63,6 +63,16 @@ def studied(tmp_path: Path, study: Study = STUDY) -> Experiment:
     )
 
 
+def renamed(tmp_path: Path) -> Experiment:
+    """The same, in which the condition `warm` is called `friendly`."""
+    design = Design(trials=2, blind={"friendly": "A", "cold": "B"})
+    return replace(
+        studied(tmp_path, replace(STUDY, design=design)),
+        conditions=("friendly", "cold"),
+        by_condition={"greeting": {"friendly": "Hi!", "cold": "Hello."}},
+    )
+
+
 def on_stage(
     tmp_path: Path,
     scenario: Callable[[Stage], Awaitable[None]],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 
 from tests.log.disks import FaultyDisk
 from tests.session.rig import Stage
-from tests.session.studied import STUDY, had, log, on_stage, said, studied
+from tests.session.studied import STUDY, had, log, on_stage, renamed, said, studied
 from woz_tui.config.study import PerceptionLimits, Study
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import PreflightCheck
@@ -94,6 +95,28 @@ def test_the_condition_of_a_trial_is_set_before_it_begins(tmp_path: Path) -> Non
     last = changed[-2:]
     assert isinstance(last[0], m.SessionChanged)
     assert (last[0].condition, last[0].trial) == ("cold", 3)
+
+
+@pytest.mark.parametrize(("order", "over"), [(["warm", "cold"], 1), (["cold", "warm"], 2)])
+def test_a_condition_that_is_not_in_the_file_any_more_begins_no_trial_and_is_not_named(
+    tmp_path: Path, order: list[str], over: int
+) -> None:
+    """The one that holds already, and one that comes next."""
+
+    async def scenario(stage: Stage) -> None:
+        stage.session.study.assign("P01", order)
+        for _ in range(over):
+            stage.session.study.trial("begin", "")
+            stage.session.study.trial("done", "")
+        stage.session.adopt(renamed(tmp_path), [])
+        with pytest.raises(RequestError) as caught:
+            stage.session.study.trial("begin", "")
+        assert caught.value.command == "start"
+        said = f"{caught.value.reason}; {caught.value.hint}"
+        assert "P01" in said
+        assert not {"warm", "friendly"} & {*re.findall(r"\w+", said)}
+
+    assert len(said(on_stage(tmp_path, scenario), m.TrialStarted)) == over
 
 
 def test_refusals(tmp_path: Path) -> None:

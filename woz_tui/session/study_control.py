@@ -224,9 +224,17 @@ class StudyController:
                 command="start",
             )
         condition = state.condition_of(number) or state.condition
-        if self._read().conditions and not condition:
+        conditions = self._read().conditions
+        if conditions and not condition:
             raise RequestError(
                 "no condition is set", "choose the participant's order first", command="start"
+            )
+        if conditions and condition not in conditions:  # not named: the wizard may be blind
+            raise RequestError(
+                f"the file no longer has the condition of trial {number} of {state.participant}",
+                "give it its old name and read the file again, or choose a new order, whose trials"
+                " begin with the first",
+                command="start",
             )
         identity = self._identity()
         if (identity.condition, identity.trial) != (condition, number):

@@ -119,6 +119,32 @@ def test_a_condition_that_is_not_in_the_file_any_more_begins_no_trial_and_is_not
     assert len(said(on_stage(tmp_path, scenario), m.TrialStarted)) == over
 
 
+@pytest.mark.parametrize("trials", [1, 3, 0])
+def test_a_reload_leaves_the_trials_of_the_participant_who_is_there(
+    tmp_path: Path, trials: int
+) -> None:
+    """The file has more of them in each condition, fewer, or no design any more."""
+    design = replace(STUDY.design, trials=trials) if STUDY.design and trials else None
+
+    async def scenario(stage: Stage) -> None:
+        study = stage.session.study
+        study.assign("P01", ["warm", "cold"])
+        for _ in range(3):
+            study.trial("begin", "")
+            study.trial("done", "")
+        stage.session.adopt(studied(tmp_path, replace(STUDY, design=design)), [])
+        study.trial("begin", "")
+        study.trial("done", "")
+        assert [each.questionnaire for each in study.state.due] == ["each", "ux", "last"]
+        assert "all 4 trials of P01 are done" in refused(stage, "begin")
+
+    stage = on_stage(tmp_path, scenario)
+    begun = [line for line in stage.lines if isinstance(line, m.TrialStarted)]
+    assert [(line.condition, line.planned) for line in begun] == [
+        ("warm", 4), ("warm", 4), ("cold", 4), ("cold", 4),
+    ]  # fmt: skip
+
+
 def test_refusals(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         study = stage.session.study

@@ -169,6 +169,7 @@ class StudyController:
                 method=as_proposed.method if as_proposed else BY_HAND,
                 row=as_proposed.row if as_proposed else -1,
                 why=as_proposed.why if as_proposed else "chosen by the wizard",
+                trials=design.trials,
             )
         )
 

@@ -126,9 +126,10 @@ class StudyState:
 
     @property
     def trials(self) -> int:
-        """Trials in each condition; 0: not specified."""
-        design = self.settings.design
-        return design.trials if design is not None else 0
+        """Trials in each condition, for a participant with an order as it was given; 0: not
+        specified.
+        """
+        return self._trials(self.assigned)
 
     @property
     def planned(self) -> int:
@@ -172,7 +173,13 @@ class StudyState:
     def _planned(self, assigned: m.ConditionsAssigned | None) -> int:
         if assigned is None or assigned.participant != self.participant:
             return 0
-        return self.trials * max(len(assigned.order), 1)
+        return self._trials(assigned) * max(len(assigned.order), 1)
+
+    def _trials(self, assigned: m.ConditionsAssigned | None) -> int:
+        if assigned is not None and assigned.participant == self.participant and assigned.trials:
+            return assigned.trials
+        design = self.settings.design
+        return design.trials if design is not None else 0
 
     @property
     def due(self) -> list[DueQuestionnaire]:
@@ -180,8 +187,8 @@ class StudyState:
         over = self._over
         if over is None:
             return []
-        planned = self._planned(self._order_then)
-        whens = due_after_trial(over.trial, over.outcome, trials=self.trials, planned=planned)
+        trials, planned = self._trials(self._order_then), self._planned(self._order_then)
+        whens = due_after_trial(over.trial, over.outcome, trials=trials, planned=planned)
         return [
             DueQuestionnaire(name, -1 if when == "end" else over.trial)
             for when in whens

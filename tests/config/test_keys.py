@@ -383,6 +383,14 @@ def test_the_stop_cannot_be_moved_nor_taken(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize("name", ["leave", "release"])
+def test_what_counts_in_text_fields_is_on_no_key_that_is_typed(tmp_path: Path, name: str) -> None:
+    (found,) = keymap_errors(tmp_path / "k.yaml", f"{name}: R\n")
+    assert found.startswith(f"1:1: {name}: 'R' could not be typed")
+    (tmp_path / "k.yaml").write_text(f"{name}: f10\n")
+    assert {each.id: each.chord for each in keys.load_keymap(tmp_path / "k.yaml")}[name] == "f10"
+
+
 def test_what_else_a_keymap_cannot_say(tmp_path: Path) -> None:
     text = "sya: x\nsay: spaec\nnote: c r\nmarker: [a]\nhelp: '.'\nfind: '/'\n"
     assert keymap_errors(tmp_path / "k.yaml", text) == [

@@ -8,8 +8,10 @@ from dataclasses import replace
 import pytest
 from msgspec.structs import replace as replace_fields
 from textual import events
+from textual.widgets import OptionList
 
 from tests.console import scenes
+from tests.console.dialogs import opened
 from tests.console.driving import sitting
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.config.keys.terminals import KITTY
@@ -224,11 +226,11 @@ async def test_keys_of_the_console_without_dialogs() -> None:
         await seat.press("greater_than_sign")
         moved = seat.feed.last(r.AskScript)
         assert isinstance(moved, r.AskScript)
-        assert (moved.play, moved.to) == (False, 3)
+        assert (moved.play, moved.by) == (False, 1)
         await seat.press("less_than_sign")
         moved = seat.feed.last(r.AskScript)
         assert isinstance(moved, r.AskScript)
-        assert moved.to == 1
+        assert (moved.play, moved.by) == (False, -1)
 
 
 async def test_the_last_run_can_be_cut_short() -> None:
@@ -419,6 +421,25 @@ async def test_no_colour_means_none(monkeypatch: pytest.MonkeyPatch) -> None:
             if colour is not None
         }
         assert colours == {"default"}
+
+
+async def test_without_colours_the_chosen_line_of_a_list_is_told_by_its_look(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    async with sitting(look=Appearance(ASCII, "woz-16")) as seat:
+        await opened(seat, "FindDialog")
+        await seat.press("down")
+        found = seat.console.screen.query_one("#found", OptionList)
+        chosen = [
+            number
+            for number in range(found.size.height)
+            if any(
+                each.style is not None and each.style.underline
+                for each in found.render_line(number)
+            )
+        ]
+        assert chosen == [1]
 
 
 async def test_themes_change_while_it_runs() -> None:

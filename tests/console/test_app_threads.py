@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from tests.console import scenes
 from tests.console.driving import sitting
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.console.screens.lost import LostDialog
+from woz_tui.console.screens.note import NoteDialog
 from woz_tui.console.screens.release import ReleaseDialog
 from woz_tui.protocol import messages as m
 
@@ -28,6 +32,28 @@ async def test_a_stop_that_did_not_arrive_is_told_when_the_line_is_back() -> Non
         await seat.tell(scenes.welcome())
         assert "STOP SENT" not in seat.text("StopBar")
         assert "the stop is not pressed: press it again" in seat.text("StopBar")
+
+
+async def test_news_of_a_loss_are_not_hidden_by_what_was_told_of_the_keys_before() -> None:
+    moved = tuple(replace(key, chord="h") if key.id == "say" else key for key in BUILTIN_KEYS)
+    async with sitting(builtins=moved) as seat:
+        assert "which the experiment uses" in seat.text("StopBar")
+        seat.feed.cut("the line was cut")
+        await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
+        await seat.press("escape")
+        await seat.tell(scenes.welcome())
+        assert "the stop is not pressed: press it again" in seat.text("StopBar")
+
+
+async def test_the_enter_for_a_note_starts_no_robot_process_that_was_lost_meanwhile() -> None:
+    began: list[int] = []
+    async with sitting(restart=lambda: began.append(1)) as seat:
+        await seat.press("comma")
+        await seat.until(lambda: isinstance(seat.console.dialog, NoteDialog))
+        seat.feed.cut("gone")
+        await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
+        await seat.press("enter")
+        assert began == []
 
 
 async def test_a_stop_that_ended_with_the_robot_process_is_told_when_it_is_back() -> None:

@@ -243,11 +243,60 @@ def test_behind_a_key_that_opens_a_dialog_keys_wait_for_the_screen(rig: Rig) -> 
 
 
 def test_behind_a_key_that_opens_nothing_nobody_waits(rig: Rig) -> None:
-    for chord in ("q", "tab", "<"):
+    for chord in ("q", "tab", "|"):
         assert not rig.keyboard.arrive(chord)
         rig.keyboard.leave_to_screen(chord)
 
     assert rig.keyboard.arrive("h")
+
+
+def test_behind_a_key_that_cuts_a_run_short_the_rest_waits(rig: Rig) -> None:
+    """It cuts what is under way when the screen gets it: nothing new may begin before."""
+    assert not rig.keyboard.arrive("ctrl+x")
+    handled = rig.keyboard.leave_to_screen("ctrl+x")
+    assert not rig.keyboard.arrive("h")
+    handled()
+    assert rig.keyboard.arrive("h")
+
+
+def test_the_script_moves_and_plays_in_the_order_of_the_keys(rig: Rig) -> None:
+    for chord in (">", "space"):
+        assert rig.keyboard.arrive(chord)
+    moved, played = rig.feed.asked
+    assert isinstance(moved, AskScript) and isinstance(played, AskScript)
+    assert (moved.play, moved.by, played.play) == (False, 1, True)
+
+
+def test_late_keys_are_typed_into_a_dialog_as_far_as_it_says(rig: Rig) -> None:
+    rig.keyboard.takes_late = lambda chord: chord != "enter"
+    rig.keyboard.free = False
+    assert not rig.keyboard.arrive("a", stale=True)
+    assert rig.keyboard.arrive("enter", stale=True), "nothing is sent by it"
+    assert rig.stale == [("enter", "", 0)]
+    assert not rig.keyboard.arrive("enter")
+
+
+def test_the_rest_of_a_held_key_does_nothing_in_the_dialog_that_it_opened(rig: Rig) -> None:
+    assert not rig.keyboard.arrive("enter")
+    rig.keyboard.leave_to_screen("enter")
+    rig.keyboard.free = False
+    for _ in range(3):
+        rig.clock.advance(0.1)
+        assert rig.keyboard.arrive("enter")
+    rig.clock.advance(1.0)
+    assert not rig.keyboard.arrive("enter"), "pressed on purpose"
+    rig.clock.advance(0.1)
+    assert not rig.keyboard.arrive("enter"), "the same key twice is typed twice"
+
+
+def test_the_rest_of_an_enter_that_sent_something_shows_no_failures(rig: Rig) -> None:
+    rig.keyboard.free = False
+    assert not rig.keyboard.arrive("enter")
+    rig.keyboard.free = True
+    rig.clock.advance(0.1)
+    assert rig.keyboard.arrive("enter")
+    rig.clock.advance(1.0)
+    assert not rig.keyboard.arrive("enter"), "left to the screen, which shows them"
 
 
 @pytest.mark.parametrize("free", [True, False])

@@ -57,6 +57,20 @@ async def test_the_phase_stands_in_the_status_line_with_its_time(size: tuple[int
         assert "Phase The ride" in seat.text("EventList")
 
 
+async def test_beside_a_phase_a_driver_that_is_lost_stays_in_sight() -> None:
+    names = ["speech", "head", "base", "camera", "distance"]
+    state = [m.DriverConnected(driver=name, t=NOW) for name in names[:-1]]
+    lost = m.DriverLost(driver="distance", detail="cut", t=NOW)
+    settings: dict[str, m.Json] = {"phases": [*PHASES]}
+    first = replace(
+        scenes.welcome([scenes.start(), *state, lost], settings=settings), drivers=names
+    )
+    async with sitting(first) as seat:
+        await at(seat, begins("opening", planned_us=120_000_000))
+        assert "distance lost" in seat.text("StatusLines")
+        assert "Opening 00:00/02:00" in seat.text("StatusLines")
+
+
 @SIZES
 async def test_panels_of_other_phases_fold_away(size: tuple[int, int]) -> None:
     async with sitting(guide(), size=size) as seat:

@@ -151,6 +151,17 @@ async def test_a_question_stays_in_sight_above_its_field(size: tuple[int, int]) 
             assert part in drawn, part
 
 
+async def test_behind_a_stop_on_the_thanks_nothing_is_offered() -> None:
+    told = studied.told(questionnaires=[studied.ROBOT, {**studied.QUICK, "when": "end"}])
+    async with sitting(studied.welcome(study=told)) as seat:
+        await asking(seat)
+        await seat.tell(studied.ended())
+        await seat.press("escape")
+        await seat.settle()
+        assert seat.console.dialog is None
+        assert any(isinstance(asked, r.AskStop) for asked in seat.feed.asked)
+
+
 async def test_the_stop_goes_through_a_text_field() -> None:
     async with sitting(studied.welcome()) as seat:
         await asking(seat)

@@ -120,6 +120,7 @@ async def test_the_stop_is_released_from_within_a_dialog() -> None:
 async def test_failures_are_read_and_seen() -> None:
     async with sitting(busy()) as seat:
         assert "1 failed" in seat.text("StatusLines")
+        await seat.pass_time(1)  # the key is not held
         await opened(seat, "FailuresDialog")
         assert "servo 2 (pitch) overloaded" in seat.drawn()
         await seat.press("enter")
@@ -136,6 +137,7 @@ async def test_a_failure_that_comes_while_others_are_read_is_not_cleared_with_th
         assert "no power" not in seat.drawn(), "nothing moves under the reader's eyes"
         await seat.press("enter")
         assert "1 failed" in seat.text("StatusLines")
+        await seat.pass_time(1)  # the key is not held
         await opened(seat, "FailuresDialog")
         assert "no power" in seat.drawn()
         assert "overloaded" not in seat.drawn()
@@ -262,7 +264,7 @@ async def test_the_console_leaves_it_to_the_robot_process_which_codes_there_are(
         )
         await opened(seat, "StartDialog")
         await seat.type("ABCDEFGH")
-        await seat.press("enter")
+        await seat.press("tab", "enter", "shift+tab")
         await seat.until(lambda: "does not match the pattern" in seat.drawn())
         await seat.type("1")  # what was said of another code is not said of this one
         await seat.until(lambda: "does not match the pattern" not in seat.drawn())
@@ -392,6 +394,10 @@ async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
         assert "closed the connection" in drawn
         assert "recordings/20260301-100000-P07-S01.jsonl" in drawn
         await seat.press("enter")
+        assert restarted == [], "an enter for something else may land here"
+        await seat.press("enter")
+        await seat.until(lambda: seat.console.dialog is not None)
+        await seat.press("down", "enter")
         assert restarted == [1]
         await seat.pass_time(20)
         assert "it is starting again" in seat.text("StopBar")
@@ -463,7 +469,9 @@ async def test_what_is_lost_and_what_the_robot_does_meanwhile_is_told(part: Lost
         assert part.title in seat.text("StopBar")
         assert part.sign in seat.drawn()
         await seat.press("escape")
-        await seat.until(lambda: f"NOT DELIVERED: {part.sentence}" in seat.text("StopBar"))
+        await seat.until(lambda: "STOP NOT DELIVERED" in seat.text("StopBar"))
+        assert "own switch" in seat.text("StopBar")
+        assert part.robot[:60] in seat.text("StopBar")
 
 
 async def test_more_that_becomes_known_of_a_loss_is_shown() -> None:

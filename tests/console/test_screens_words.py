@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import msgspec
 import pytest
+from textual.events import Key
 from textual.widgets import OptionList
 
 from tests.console import scenes
@@ -36,6 +37,29 @@ async def test_the_log_has_the_key_that_a_keymap_file_gave_to_saying() -> None:
         asked = seat.feed.last(r.AskVerb)
         assert isinstance(asked, r.AskVerb)
         assert asked.key == ";"
+
+
+async def test_a_dialog_closes_as_it_says_wherever_the_keymap_has_put_leaving() -> None:
+    moved = tuple(replace(key, chord="f10") if key.id == "leave" else key for key in BUILTIN_KEYS)
+    async with sitting(builtins=moved) as seat:
+        for key in ("ctrl+q", "f10"):
+            await opened(seat, "NoteDialog")
+            assert "ctrl+q closes" in seat.drawn()
+            await seat.press(key)
+            assert seat.console.dialog is None
+        await seat.press("ctrl+q")
+        assert seat.console.is_running
+        assert seat.console.return_value is None
+
+
+async def test_two_enters_at_once_say_it_once() -> None:
+    async with sitting() as seat:
+        await opened(seat, "SayDialog")
+        await seat.type("hi")
+        for _ in range(2):
+            seat.console.post_message(Key("enter", "\r"))
+        await seat.press()
+        assert len([asked for asked in seat.feed.asked if isinstance(asked, r.AskVerb)]) == 1
 
 
 async def test_history_and_completion() -> None:

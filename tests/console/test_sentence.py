@@ -146,7 +146,10 @@ async def test_a_peek_shows_steps_and_sentence_and_plays_nothing() -> None:
         assert "Spc plays it next" in shown or "Space plays it next" in shown
         await seat.press("f")
         assert KRILL in seat.drawn()
-        await seat.press("c", "r")
+        await seat.press("c")
+        assert "waits for its second key" in seat.drawn()
+        assert "not assigned" not in seat.drawn()
+        await seat.press("r")
         shown = seat.drawn()
         for part in ("“This is the krill tank.”", "play point-left", "wait 0.5 s", "gaze yaw 0"):
             assert part in shown

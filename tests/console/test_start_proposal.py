@@ -68,6 +68,32 @@ async def test_enter_on_a_condition_chooses_it_and_accepts() -> None:
         assert asked.condition == "cold"
 
 
+async def test_enter_on_the_conditions_takes_the_one_that_is_chosen() -> None:
+    async with sitting(scenes.welcome(state=[scenes.start("P07", "cold")])) as seat:
+        await opened(seat, "StartDialog")
+        await seat.press("tab", "enter")
+        await seat.until(lambda: seat.console.dialog is None)
+        asked = seat.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert asked.condition == "cold"
+
+
+async def test_somebody_else_gets_neither_trial_nor_condition_of_the_one_before() -> None:
+    """Without a design nothing is proposed."""
+    third = m.SessionChanged(trial=3, participant="P07", condition="cold", t=scenes.NOW)
+    async with sitting(scenes.welcome(state=[scenes.start("P07", "cold"), third])) as seat:
+        await named(seat, "P08")
+        await seat.press("enter")
+        assert seat.feed.last(r.AskSet) is None
+        assert "Choose a condition" in seat.drawn()
+        await seat.press("tab", "down", "enter")
+        await seat.until(lambda: seat.console.dialog is None)
+        asked = seat.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert (asked.participant, asked.trial) == ("P08", None)
+        assert asked.condition in ("warm", "cold")
+
+
 def last(seat: Sitting) -> r.AskAssign:
     asked = seat.feed.last(r.AskAssign)
     assert isinstance(asked, r.AskAssign)
@@ -196,7 +222,8 @@ async def test_without_a_design_nothing_is_proposed() -> None:
     async with sitting(scenes.welcome()) as seat:
         await named(seat)
         assert seat.feed.last(r.AskProposal) is None
-        await seat.press("enter")
+        await seat.press("tab", "enter")
+        await seat.until(lambda: seat.console.dialog is None)
         asked = seat.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert (asked.participant, asked.condition) == ("P08", "warm")

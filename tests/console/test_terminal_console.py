@@ -48,8 +48,9 @@ def test_keys_sequences_arrows_and_the_script(host: FakeHost, terminal: FakeTerm
     assert host.wait(AskAction, 3).action == "Circle"
     terminal.send(b"\x1b[A")
     assert host.wait(AskVerb).verb == "nudge"
-    terminal.send(" ")
-    host.wait(AskScript)
+    terminal.send("> >")
+    moved = [(asked.play, asked.by) for asked in (host.wait(AskScript, n) for n in (1, 2, 3))]
+    assert moved == [(False, 1), (True, 0), (False, 1)], "in the order of the keys"
 
 
 @pytest.mark.parametrize("opens", ["/", ":", ",", "?", "\x11", "\x14", "\x17"])

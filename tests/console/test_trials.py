@@ -6,6 +6,7 @@ import pytest
 
 from tests.console import scenes, studied
 from tests.console.driving import sitting
+from woz_tui.console.screens.leave import LeaveDialog
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.screens.trial import OfferDialog, TrialDialog, trial_status
 from woz_tui.console.study.study_view import StudyView
@@ -292,6 +293,19 @@ async def test_leaving_offers_what_is_asked_at_the_end_first() -> None:
         assert seat.feed.last(r.AskEnd) is None
         await seat.press("down", "enter")
         assert seat.feed.last(r.AskEnd) is not None
+
+
+async def test_behind_a_questionnaire_that_leaving_brought_the_wizard_is_asked_again() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await seat.press("ctrl+q", "down", "down", "enter")
+        await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
+        await seat.tell(studied.started())
+        await seat.press("enter")
+        await seat.until(lambda: isinstance(seat.console.dialog, QuestionnaireDialog))
+        await seat.tell(studied.ended())
+        await seat.press("ctrl+q")
+        await seat.until(lambda: isinstance(seat.console.dialog, LeaveDialog))
+        assert seat.feed.last(r.AskEnd) is None
 
 
 async def test_leaving_without_one_questionnaire_offers_the_next_one() -> None:

@@ -16,12 +16,16 @@ from tests.fakes.terminal import FakeTerminal
 pytestmark = pytest.mark.real_clock
 
 
+#: It is the second line of the dialog: the first one stays and looks on.
+RESTART = "\x1b[B\r"
+
+
 def started_again(lab: Lab, terminal: FakeTerminal) -> Log:
     """Kill the robot process, and start it again as the screen proposes; the new log."""
     log = lab.log
     lab.host_process().kill()
     terminal.wait_text("Start the robot process again")
-    terminal.send("\r")
+    terminal.send(RESTART)
     return Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
 
 
@@ -46,7 +50,7 @@ def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
     )
     begin = len(servos.journal)
     terminal.wait_text("Start the robot process again")
-    terminal.send("\r")
+    terminal.send(RESTART)
     terminal.wait_for(lambda text: "is gone" not in text and "● head" in text)
     second = Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
     terminal.send("2")
@@ -69,7 +73,7 @@ def test_another_robot_than_the_files_own_is_started_again(lab: Lab) -> None:
     log = lab.log
     lab.host_process().kill()
     terminal.wait_text("Start the robot process again")
-    terminal.send("\r")
+    terminal.send(RESTART)
     terminal.wait_for(lambda text: "is gone" not in text and "no play, eyes" in text)
     second = Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
     assert second.wait("session.start").fields["robot"] == "other.yaml"

@@ -363,6 +363,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskScript(ref=9, key="space", age_us=800),
     r.AskScript(ref=20, key="space", stale=True),
     r.AskScript(ref=10, play=False, to=0),
+    r.AskScript(ref=21, play=False, by=-1, key="<"),
     r.AskCancel(ref=11, run="a00001"),
     r.AskEmptyQueue(ref=12),
     r.AskTakeOver(ref=13),

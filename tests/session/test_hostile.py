@@ -183,7 +183,7 @@ def test_a_reload_brings_the_locks_that_were_edited_and_no_others(tmp_path: Path
 def test_a_script_that_became_shorter_moves_its_position_for_everybody(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         session = stage.session
-        session.script_to(2)
+        session.move_script(2)
         session.adopt(replace(session.experiment, script=("Hello",)), ["shorter"])
         assert session.scripts.now.position == 1
 

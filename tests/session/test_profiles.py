@@ -62,7 +62,7 @@ def test_only_its_actions_are_played_and_the_others_are_refused_in_the_log(tmp_p
         with pytest.raises(RequestError, match=f"'Map' {NOT}"):
             stage.session.play("Map", KEY)
         with pytest.raises(RequestError, match=f"'Welcome' {NOT}"):
-            stage.session.script_to(1)
+            stage.session.move_script(1)
             stage.session.script_next(KEY)
 
     stage = on_stage(tmp_path, scenario)

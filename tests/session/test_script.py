@@ -58,8 +58,8 @@ def test_a_line_played_by_its_letter_is_not_offered_again(tmp_path: Path) -> Non
         assert stands(stage) == (1, [0], "")
         stage.session.play("Welcome", KEY)
         assert stands(stage) == (1, [0, 2], "")
-        stage.session.script_to(2)
-        stage.session.script_to(1)
+        stage.session.move_script(2)
+        stage.session.move_script(1)
         await asyncio.sleep(3)
         stage.session.play("Map", KEY)
         stage.session.play("Map", KEY)
@@ -73,12 +73,12 @@ def test_a_line_played_by_its_letter_is_not_offered_again(tmp_path: Path) -> Non
 def test_the_script_stands_still_where_a_line_failed(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         session = stage.session
-        session.script_to(1)
+        session.move_script(1)
         session.script_next(SPACE)
         assert stands(stage)[0] == 2
         await asyncio.sleep(1)
         assert stands(stage) == (1, [], "failed")
-        session.script_to(2)
+        session.move_script(2)
         assert stands(stage) == (2, [], "")
         session.script_next(SPACE)
         await asyncio.sleep(2)

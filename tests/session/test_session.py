@@ -159,9 +159,9 @@ def test_script_moves_on_and_ends(tmp_path: Path) -> None:
         await asyncio.sleep(2)
         with pytest.raises(RequestError, match="no more lines"):
             stage.session.script_next(KEY)
-        stage.session.script_to(0)
+        stage.session.move_script(0)
         with pytest.raises(RequestError, match="2 lines"):
-            stage.session.script_to(3)
+            stage.session.move_script(3)
 
     stage = on_stage(tmp_path, scenario)
     assert [line.position for line in stage.lines if isinstance(line, m.ScriptMoved)] == [1, 2, 0]

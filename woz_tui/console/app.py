@@ -54,6 +54,8 @@ if TYPE_CHECKING:
 NEWS_S = 8.0
 #: What a robot lacks whose drivers do not offer the verb of an arrow key.
 _LACKS = {"nudge": "head that can turn (gaze)", "drive": "drive", "hip": "hip to bend"}
+#: What closes every dialog, as its hint says, wherever a keymap has put `leave`.
+CLOSES = "ctrl+q"
 #: Seconds a pressed key cap stays lit.
 FLASH_S = 0.25
 
@@ -289,6 +291,7 @@ class Console(ScreenApp):
         state = self.state
         repairs = [action.name for action in state.settings.repairs]
         own = builtin_keys_with(repairs, self._builtins)
+        warned = self.keymap.warnings  # told already: at each return of the line all is adopted
         self.keymap = key_map(state.panels, self.terminal, state.keyboard, own)
         self._main_screen.repairs.keys = {
             name: self._key(name.replace(" ", "_", 1)) for name in repairs
@@ -300,7 +303,7 @@ class Console(ScreenApp):
         self.keyboard.bind(self.keymap.table, self._own_keys())
         self._bind_arrows()
         self.requests.arrows.adopt(state.settings.steps)
-        if self.keymap.warnings:
+        if self.keymap.warnings != warned and self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
 
     def _bind_arrows(self) -> None:
@@ -468,6 +471,8 @@ class Console(ScreenApp):
             return True
         name = self.keymap.builtin_table.get(chord)
         dialog = self.dialog
+        if chord == CLOSES and dialog is not None:
+            name = "leave"
         if dialog is not None and (not dialog.plays or name == "leave" or chord in dialog.own_keys):
             return self._key_in_dialog(name)
         if self.keyboard.press(chord, age_us=_age_us(event)):
@@ -558,9 +563,15 @@ class Console(ScreenApp):
 
     def _give_keys(self, top: Dialog | None) -> None:
         self.keyboard.kept = frozenset() if top is None else top.own_keys
+        self.keyboard.takes_late = _everything if top is None else top.takes_late
         self.keyboard.free = top is None or top.plays
 
 
 def _age_us(event: events.Event) -> int:
     """How long an event has waited for the screen, in microseconds."""
     return max(0, round((time.monotonic() - event.time) * 1_000_000))
+
+
+def _everything(chord: str) -> bool:
+    """No dialog is open: the keyboard itself knows which keys are late."""
+    return True

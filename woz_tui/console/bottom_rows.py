@@ -325,7 +325,9 @@ def _below(what: str, news: News, frame: PaintFrame) -> Row:
 
 
 def _undelivered(loss: Loss, what: str, glyphs: Glyphs, width: int) -> list[Row]:
-    first = f" {glyphs.stop} STOP NOT {what}: {loss.part.sentence}; use the robot's own switch"
+    first = f" {glyphs.stop} STOP NOT {what}: use the robot's own switch"
+    if len(told := f"{first}; {loss.part.sentence}") <= width:
+        first = told
     second = f" {loss.part.robot}"
     return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
 

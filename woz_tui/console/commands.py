@@ -108,15 +108,13 @@ def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> ConsoleC
     return _row(name, sends=ask, verb=verb, found=False)
 
 
-def _script(by: int) -> Run:
-    """So many lines on without playing."""
+def _move_script(by: int) -> Callable[[KeyPress], AskScript]:
+    """So many lines on without playing, from where the script stands when this arrives."""
 
-    def run(app: ConsoleApp) -> None:
-        to = app.state.position + by
-        if 0 <= to <= len(app.state.script):
-            app.requests.ask(AskScript(play=False, to=to))
+    def ask(press: KeyPress) -> AskScript:
+        return AskScript(play=False, by=by, **press.fields)
 
-    return run
+    return ask
 
 
 def _next_phase(press: KeyPress) -> AskPhase:
@@ -186,8 +184,8 @@ COMMANDS = (
         found=False,
         hint=KeyHint(2, "script", _has_script),
     ),
-    _row("script_back", _script(-1), opens=False),
-    _row("script_on", _script(1), opens=False),
+    _row("script_back", sends=_move_script(-1)),
+    _row("script_on", sends=_move_script(1)),
     _row("phase_next", sends=_next_phase, once=True, hint=KeyHint(2.5, "phase", _phases_can_begin)),
     _row("phases", opens("screens.phases:PhasesDialog"), users=WATCHER),
     _row("say", opens("screens.say:SayDialog"), hint=KeyHint(3, "say")),
@@ -206,7 +204,6 @@ COMMANDS = (
     _row(
         "cut",
         _cut,
-        opens=False,
         hint=KeyHint(0.5, "cut", lambda state: bool(state.runs.blocks)),
     ),
     _row(
@@ -224,7 +221,7 @@ COMMANDS = (
         found=False,
         users=frozenset({"watcher"}),
     ),
-    _row("failures", calls("screens.failures:open_failures"), users=EVERYBODY),
+    _row("failures", calls("screens.failures:open_failures"), once=True, users=EVERYBODY),
     _row("events", lambda app: app.filter_events(), opens=False, users=EVERYBODY),
     _row(
         "panel_next page_next",

@@ -118,6 +118,9 @@ class Keyboard:
         self.on_held: OnPress = _ignore
         #: The first key of a sequence, while it waits for the second; then empty again.
         self.on_prefix: Callable[[str], None] = lambda prefix: None
+        #: Whether a key that came late, in a burst, still counts in what has the keyboard. Called
+        #: from the thread that reads keys.
+        self.takes_late: Callable[[str], bool] = lambda chord: True
         #: Keys that belong to what is drawn over the screen while the rest plays the robot.
         self.kept: frozenset[str] = frozenset()
         #: The stop has come with a key right behind it, as alt and that key do.
@@ -142,6 +145,8 @@ class Keyboard:
         self.came_us = 0
         #: The last key, and whether it has been told that it may be held.
         self._last, self._told_held = "", False
+        #: Whether the last key counted on the main screen.
+        self._last_free = True
 
     # -- what the app says ----------------------------------------------------------------------
 
@@ -181,12 +186,26 @@ class Keyboard:
             self.on_suspend()
             return True
         if not self._free or self._behind:
-            return False
+            return self._arrive_elsewhere(chord, stale)
         if chord not in self.kept and self._press(chord, age_us, stale):
             return True
         if stale:  # nor may it open a dialog that the rest of the burst would fill
             self.on_stale(chord, "", 0)
         return stale
+
+    def _arrive_elsewhere(self, chord: str, stale: bool) -> bool:
+        """A key for a dialog: it may be the rest of the held key that opened this dialog, or closed
+        the last one.
+        """
+        now = self._clock.now_us()
+        with self._lock:
+            again = chord == self._last and now - self.came_us < HELD_US
+            rest = again and self._last_free
+            self._last, self.came_us, self._last_free = chord, now, rest
+        if stale and not self._free and not self.takes_late(chord):
+            self.on_stale(chord, "", 0)
+            return True
+        return rest
 
     def leave_to_screen(self, chord: str) -> Callable[[], None]:
         """`chord` goes to the screen; call the result when the screen has handled it."""
@@ -237,7 +256,7 @@ class Keyboard:
         now, own = self._clock.now_us(), self._own.get(chord)
         with self._lock:
             again = chord == self._last and now - self.came_us < HELD_US
-            self._last, self.came_us = chord, now
+            self._last, self.came_us, self._last_free = chord, now, True
             held = again and own is not None and own.once and chord not in self._table
             tells, self._told_held = held and not self._told_held, held
         if tells and own is not None:

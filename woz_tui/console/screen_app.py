@@ -9,7 +9,6 @@ import functools
 from collections import deque
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import ClassVar
 
 from textual.app import App
 from textual.driver import Driver
@@ -82,7 +81,7 @@ class Inbox:
 BEAT = 0.1
 
 
-class ScreenApp(App[str]):
+class ScreenApp(App[str], inherit_bindings=False):  # Textual's ctrl+q would quit unasked
     """An app that shows what a feed brings.
 
     Args:
@@ -96,7 +95,6 @@ class ScreenApp(App[str]):
     CSS_PATH = Path(__file__).parent / "theme" / "woz.tcss"
     ENABLE_COMMAND_PALETTE = False
     ESCAPE_TO_MINIMIZE = False
-    BINDINGS: ClassVar = []
 
     def __init__(
         self,
@@ -129,7 +127,6 @@ class ScreenApp(App[str]):
         self.inbox.open()
         self.set_class(self.look.glyphs.ascii, "-ascii")
         self.set_class(self.no_color, "-plain")
-        self.set_class(self.theme == SIXTEEN.name, "-sixteen")
         self.begin()
         self.set_interval(BEAT, self.beat)
         self.feed.start(self.inbox.receive, self.inbox.cut)

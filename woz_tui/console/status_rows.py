@@ -66,9 +66,9 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
     block = _block(state, frame, line.cut, width - length(failures))
     failures = (*block, *failures)
-    drivers = _drivers(state, glyphs, width - length(failures))
-    room = width - length(drivers) - length(failures) - GAP
-    phase = _phase(state, frame, line.phase, room)
+    room = width - length(failures) - length(phase := _phase(state, frame))
+    drivers = _drivers(state, glyphs, room - GAP if phase else room)
+    phase += _next_phase(state, line.phase, room - length(drivers) - GAP)
     return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
 
 
@@ -280,8 +280,8 @@ def _failures(state: ConsoleState, glyphs: Glyphs, key: str) -> Row:
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
 
 
-def _phase(state: ConsoleState, frame: PaintFrame, key: str, room: int) -> Row:
-    """The phase with its time and, where there is room, the key and the phase that it begins."""
+def _phase(state: ConsoleState, frame: PaintFrame) -> Row:
+    """The phase with its time."""
     study, phases = state.session.study, state.settings.phases
     if not phases:
         return ()
@@ -292,12 +292,16 @@ def _phase(state: ConsoleState, frame: PaintFrame, key: str, room: int) -> Row:
         limit = f"/{elapsed(planned)}" if planned else ""
         late = "warn" if 0 < planned < passed else "plain"
         row = ((f"{name} ", "title"), (f"{elapsed(passed)}{limit} ", late))
-    following = study.next_phase(phases)
-    if following is not None and key:
-        then: Row = ((f" {key} ", "key"), (f" {clean(following.heading)} ", "muted"))
-        if length(row) + length(then) <= room:
-            row += then
     return row
+
+
+def _next_phase(state: ConsoleState, key: str, room: int) -> Row:
+    """The key that goes on, and the phase that it begins, where there is room."""
+    following = state.session.study.next_phase(state.settings.phases)
+    if following is None or not key:
+        return ()
+    then: Row = ((f" {key} ", "key"), (f" {clean(following.heading)} ", "muted"))
+    return then if length(then) <= room else ()
 
 
 def _block(state: ConsoleState, frame: PaintFrame, key: str, width: int) -> Row:

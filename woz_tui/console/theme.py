@@ -75,6 +75,9 @@ _LIGHT = {
 }
 #: The terminal's own sixteen colours, so that its palette decides.
 _SIXTEEN = {
+    # Without colours only attributes tell the chosen line; Textual leaves out `reverse` here.
+    "block-cursor-text-style": "bold underline",
+    "block-cursor-blurred-text-style": "bold underline",
     "woz-muted": "ansi_default",
     "woz-faint": "ansi_bright_black",
     "woz-strong": "ansi_default",

@@ -258,10 +258,10 @@ class RequestHandlers:
         return ("condition",) if blinds and client.view is None else ()
 
     def _script(self, client: ClientConnection, request: AskScript, stale: str) -> str:
-        if request.to is not None:
+        if request.to is not None or request.by:
             if stale:
                 self._session.refuse("Script not moved", stale)
-            self._session.script_to(request.to)
+            self._session.move_script(request.to, request.by)
         if not request.play:
             return ""
         return self._session.script_next(RequestOrigin("script", request.key, client.name), stale)

@@ -139,13 +139,15 @@ class AskRelease(Request, frozen=True, kw_only=True, tag="release"):
 
 
 class AskScript(Request, frozen=True, kw_only=True, tag="script"):
-    """Play the script's next line (`play`), or move its position to `to` without playing.
+    """Play the script's next line (`play`), or move its position without playing: to `to`, or by
+    so many lines from where it stands then (`by`; below 0: back).
 
     `key`, `age_us` and `stale` as for an action.
     """
 
     play: bool = True
     to: int | None = None
+    by: int = 0
     key: str = ""
     age_us: int = 0
     stale: bool = False

@@ -62,7 +62,9 @@ class ScriptState:
 
     def move(self, to: int) -> None:
         """Choose the next line."""
-        if not 0 <= to <= len(self.lines):
+        if to < 0:
+            raise RequestError("the script is at its first line")
+        if to > len(self.lines):
             raise RequestError(f"the script has {len(self.lines)} lines")
         self.position, self.halted = to, ""
 
@@ -190,9 +192,11 @@ class ScriptController:
             if run in self.by_script and other.script == played.script and self._waits(run):
                 self._withdraw(run)
 
-    def move(self, to: int) -> None:
-        """Choose the next line of the script that Space plays; 0 is the first."""
-        self.now.move(to)
+    def move(self, to: int | None = None, by: int = 0) -> None:
+        """Choose the next line of the script that Space plays: `to` (0: the first; None: the one
+        that is next already), and `by` lines on from there.
+        """
+        self.now.move((self.now.position if to is None else to) + by)
         self.publish()
 
     def phase_began(self) -> None:

@@ -504,9 +504,9 @@ class Session:
         self.scripts.by_script.add(run)
         return run
 
-    def script_to(self, position: int) -> None:
-        """Move the script's position; 0 is its first line."""
-        self.scripts.move(position)
+    def move_script(self, to: int | None = None, by: int = 0) -> None:
+        """Move the script's position, to a line (0: the first) or by so many."""
+        self.scripts.move(to, by)
 
     def _on_message(self, message: m.AnyMessage) -> None:
         """A message of this session: scripts follow the actions."""

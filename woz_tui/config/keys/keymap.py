@@ -50,6 +50,10 @@ _RESERVES = (
 )
 
 
+#: These keys of the console count in text fields, too.
+_IN_DIALOGS = frozenset({"leave", "release"})
+
+
 class KeyedAction(Protocol):
     """An action as the key map needs it; `experiment.Action` and `panels.ActionView` are."""
 
@@ -365,7 +369,11 @@ def _read(path: Path, layout: str, report: ProblemReport) -> dict[str, str]:
             cursor.unknown(known, "known are")
         elif not known[name].movable:
             cursor.error("the key of the stop cannot be changed")
-        elif (chord := _chord(cursor, layout)) is not None:
+        elif (chord := _chord(cursor, layout)) is None:
+            continue
+        elif name in _IN_DIALOGS and len(chord) == 1:
+            cursor.error(f"{chord!r} could not be typed any more: take a key such as f10 or ctrl+g")
+        else:
             moved[name] = chord
     return moved
 

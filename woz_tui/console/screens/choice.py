@@ -51,8 +51,10 @@ class ChoiceDialog(Dialog):
                 choices.highlighted = self.first
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Close, then carry out."""
+        """Close, then carry out, once."""
         event.stop()
+        if not self.is_on_top:
+            return
         self.leave()
         if (do := self._offers[event.option_index].do) is not None:
             do()
@@ -129,7 +131,8 @@ class SearchDialog(EntryDialog, Generic[T]):
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """A click in this list is meant."""
         event.stop()
-        self._choose(event.option_index)
+        if self.is_on_top:
+            self._choose(event.option_index)
 
     def _choose(self, index: int | None) -> None:
         chosen = self.shown[index] if index is not None and index < len(self.shown) else None

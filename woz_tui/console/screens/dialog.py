@@ -196,6 +196,11 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
         return cast("ConsoleApp", self.app)
 
     @property
+    def is_on_top(self) -> bool:
+        """Whether it has not been closed: messages that it sent itself may come after that."""
+        return self.console_app.dialog is self
+
+    @property
     def requests(self) -> RobotRequests:
         """Requests and drafts."""
         return self.console_app.requests
@@ -239,6 +244,12 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
     def body(self) -> Iterable[Widget]:
         """What stands inside the frame."""
         raise NotImplementedError
+
+    def takes_late(self, chord: str) -> bool:
+        """Whether a key still counts that came late, in a burst: nothing is done by it. Called from
+        the thread that reads keys.
+        """
+        return False
 
     def leave(self) -> None:
         """Close this dialog."""
@@ -394,10 +405,15 @@ class EntryDialog(Dialog):
     def changed(self, typed: str) -> None:
         """What stands in the field is new."""
 
+    def takes_late(self, chord: str) -> bool:
+        """What is typed is not lost, but nothing is sent by it."""
+        return chord != "enter"
+
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Enter was pressed."""
+        """Enter was pressed; a second one behind it has nothing to send."""
         event.stop()
-        self.accept(event.value.strip())
+        if self.is_on_top:
+            self.accept(event.value.strip())
 
     def accept(self, typed: str) -> None:
         """Carry out what was typed, forget it and close."""
@@ -472,6 +488,10 @@ def refusal_text(reply: Reply) -> str:
 
 class FormDialog(Dialog):
     """A dialog of several fields that stays open until what stands in them is accepted."""
+
+    def takes_late(self, chord: str) -> bool:
+        """What is typed is not lost, but nothing is sent by it."""
+        return chord != "enter"
 
     def answered(self, reply: Reply) -> None:
         """Close, or say why not."""

@@ -78,7 +78,8 @@ class LostDialog(ChoiceDialog):
         gone = self._loss.part is LostPart.PROCESS
         restart = ListChoice(Content("Start the robot process again"), self._restart)
         can = self.console_app.restart is not None and gone
-        return [*([restart] if can else []), *_leaving(self, "lost")]
+        stay, *rest = _leaving(self, "lost")  # first, where it lands on an enter for something else
+        return [stay, *([restart] if can else []), *rest]
 
     def _restart(self) -> None:
         if (restart := self.console_app.restart) is not None:

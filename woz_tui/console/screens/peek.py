@@ -35,6 +35,9 @@ class PeekDialog(LiveReportDialog):
         """A key that plays no action."""
         app, key = self.console_app, key_name(self._typed, self.glyphs)
         own = app.keymap.builtin_table.get(self._typed)
+        if own is None and any(chord.startswith(f"{self._typed} ") for chord in app.keymap.table):
+            waits = f" {self.glyphs.ellipsis} waits for its second key"
+            return ((key, "key"), (waits, "muted"))
         if own is None:
             return ((f"{key} is not assigned", "warn"),)
         return ((f"{key} ", "key"), (app.commands[own].words, "strong"))

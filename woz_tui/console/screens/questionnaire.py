@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 
 from textual.app import ComposeResult
 from textual.widget import Widget
@@ -51,9 +52,15 @@ class QuestionnaireDialog(Dialog):
             elif self._over:
                 self.call_later(self.leave)
 
+    def takes_late(self, chord: str) -> bool:
+        """Answers move nothing."""
+        return True
+
     def closing(self) -> None:
-        """Keep what was typed; what is to be asked behind it is offered."""
+        """Keep what was typed; unless a stop closed it, offer what is to be asked behind it."""
         for sheet in self.query(QuestionnaireSheet):
             sheet.keep_draft()
-        if self._over:
-            self.app.call_later(offer_due, self.console_app)
+        leaving, self.requests.leaving = self.requests.leaving, False
+        if self._over and not self.console_app.stop_pending:
+            goes_on = partial(self.console_app.do, "leave") if leaving else None
+            self.app.call_later(goes_on or partial(offer_due, self.console_app))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
+from textual.events import Mount
 from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
@@ -95,6 +96,20 @@ class ConditionList(RadioSet):
     class Accepted(Message):
         """Enter was pressed; what it chose is chosen."""
 
+    def _on_mount(self, event: Mount) -> None:
+        """The cursor is on what is chosen, not on the first: enter takes what it is on."""
+        event.prevent_default()  # Textual would call the one below once more
+        super()._on_mount(event)
+        if self.pressed_index >= 0:
+            self._selected = self.pressed_index
+
+    def clear(self) -> None:
+        """Nothing is chosen any more."""
+        with self.prevent(RadioButton.Changed):
+            for button in self.query(ConditionButton):
+                button.value = False
+        self._pressed_button = None
+
     def action_accept(self) -> None:
         """The choice is a message on its way: the acceptance goes behind it."""
         self.action_toggle_button()
@@ -119,6 +134,8 @@ class StartDialog(FormDialog):
         self._for = ""
         #: A proposal was asked for, and enter was pressed before it came.
         self._awaited = self._accepts = False
+        #: Trial and condition of the participant before were taken out of their fields.
+        self._cleared = False
 
     def body(self) -> Iterable[Widget]:
         """Fields filled in with what holds now."""
@@ -165,11 +182,22 @@ class StartDialog(FormDialog):
         self.complain("")
         self._propose(None)
         self._accepts, self._refused = False, ""
+        if self.state.participant not in ("", code) and not self.state.study.designed:
+            self._clear_previous()
         self._awaited = self.state.study.designed and bool(code)
         if self._awaited:
             self.requests.ask(
                 AskProposal(participant=code), functools.partial(self._proposed, code)
             )
+
+    def _clear_previous(self) -> None:
+        """Somebody else takes part: trial and condition of the one before are not theirs."""
+        if self._cleared:
+            return
+        self._cleared = True
+        self.query_one("#trial", Input).value = ""
+        for conditions in self.query(ConditionList):
+            conditions.clear()
 
     def _proposed(self, code: str, reply: Reply) -> None:
         """Without a design there is nothing to propose."""

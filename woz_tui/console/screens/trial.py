@@ -79,6 +79,10 @@ class TrialDialog(Dialog):
 
     # -- keys ---------------------------------------------------------------------------------
 
+    def takes_late(self, chord: str) -> bool:
+        """What is typed as the reason is not lost."""
+        return self._asking is not None and chord != "enter"
+
     def on_key(self, event: events.Key) -> None:
         """A letter does it at once."""
         if self._asking is not None:
@@ -141,7 +145,8 @@ class OfferDialog(ChoiceDialog):
 
     def choices(self) -> list[ListChoice]:
         """Where to ask it."""
-        ask = partial(ask_questionnaire, self.console_app, self._asked)
+        leaving = self._otherwise is not None
+        ask = partial(ask_questionnaire, self.console_app, self._asked, leaving=leaving)
         there = ListChoice(Content("At the participant's terminal"), partial(ask, here=False))
         return [
             ListChoice(Content("Ask it here"), partial(ask, here=True)),
@@ -230,12 +235,15 @@ def order_row(order: Iterable[str], present: str, here: str) -> Row:
     return row
 
 
-def ask_questionnaire(app: ConsoleApp, name: str, *, here: bool) -> None:
-    """Put a questionnaire to the participant, at this terminal or at theirs."""
+def ask_questionnaire(app: ConsoleApp, name: str, *, here: bool, leaving: bool = False) -> None:
+    """Put a questionnaire to the participant, at this terminal or at theirs. `leaving`: the wizard
+    was ending the session, and is asked again behind it.
+    """
 
     def answered(reply: Reply) -> None:
         app.requests.refused(reply)
         if reply.ok and here:
+            app.requests.leaving = leaving
             app.do("questionnaire")
 
     app.requests.ask(AskQuestionnaire(questionnaire=name), answered)

@@ -384,10 +384,19 @@ class ReachyMini(Driver):
         if not self.settings.sleeps or not self._link.ready:
             return
         await self._end_demo()
-        if self._link.status.motors == "enabled":
-            await self._body.lie_down(ASLEEP, _LIES_DOWN_S)
-            await self._link.pause(_SETTLES_S)
-            await self._link.set_motors("disabled")
+        motors = self._link.status.motors
+        if motors == "disabled":
+            return
+        if self._senses.may_track:
+            with contextlib.suppress(DriverError):  # it lies down all the same
+                await self._switch_tracking(False)
+        self._take_mode(MODES[0])
+        if motors == "gravity_compensation":
+            self._body.forget()
+            await self._link.set_motors("enabled")
+        await self._body.lie_down(ASLEEP, _LIES_DOWN_S)
+        await self._link.pause(_SETTLES_S)
+        await self._link.set_motors("disabled")
 
     async def close(self) -> None:
         """Let go of the daemon; the robot stays as it is, and does nothing by itself."""

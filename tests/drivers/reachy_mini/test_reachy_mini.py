@@ -276,6 +276,23 @@ async def test_left_alone_it_lies_down_and_lets_go(it: PlayedReachy) -> None:
     assert it.robot.played == []
 
 
+async def test_it_looks_at_nobody_while_it_lies_down(it: PlayedReachy) -> None:
+    it.robot.face = (0.8, 0.0)
+    await it.do("mode", mode="tracking")
+    await until(lambda: abs(degrees(it.robot)["pan"]) > 5)
+    await it.driver.rest()
+    assert it.robot.motors == "disabled"
+    assert abs(degrees(it.robot)["pan"]) < 1
+    assert it.context.modes[-1] == "normal"
+
+
+async def test_moved_by_hand_it_lies_down_and_lets_go_too(it: PlayedReachy) -> None:
+    await it.do("torque", on=True, by_hand=True)
+    await it.driver.rest()
+    assert it.robot.motors == "disabled"
+    assert len(it.asked("move/goto")) == 1
+
+
 # -- recorded moves --------------------------------------------------------------------------------
 
 

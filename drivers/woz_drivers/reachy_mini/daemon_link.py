@@ -346,17 +346,21 @@ class DaemonLink:
         self.status = replace(self.status, released=status.get("released") is True)
 
     async def installed(self) -> dict[str, list[str]]:
-        """The recorded moves of the libraries that are there, by our name of each library."""
+        """The recorded moves of each library of which the daemon tells, by our name of the library;
+        none, where it has not got it.
+        """
         found = {}
         for library, data_set in LIBRARIES.items():
             try:
                 moves = await self.ask(
                     "GET", f"move/recorded-move-datasets/list/{data_set}", within=LIST_S
                 )
+            except AnswerError:
+                moves = []
             except DeviceLostError:
                 raise
             except DriverError:
-                continue
+                continue  # nobody knows
             if isinstance(moves, list):
                 found[library] = sorted(str(move) for move in moves)
         return found

@@ -29,6 +29,7 @@ from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
 from woz_drivers.simulated.argument_values import did_you_mean
 from woz_drivers.speech.settings import VOICE_ARGUMENTS
 from woz_drivers.speech.voice_list import voices
+from woz_drivers.web_socket_line import AnswerError
 from woz_tui.drivers.contract import (
     UNKNOWN,
     Argument,
@@ -65,6 +66,7 @@ _LIES_DOWN_S = 2.0
 _SETTLES_S = 0.5
 #: Between two moves of the mode `demo`, in seconds.
 _DEMO_PAUSE_S = 2.0
+_FETCH = "give the robot a network once, and restart its daemon: it fetches them"
 MODES = ("normal", "tracking", "demo")
 _SILENT = (
     "no speech and sounds are heard: the daemon runs without media",
@@ -221,15 +223,21 @@ class ReachyMini(Driver):
         self._mode = MODES[0]
         self._demo = Background("the demo", context)
         self._leaving = BackgroundTasks("following faces no more")
-        #: Recorded moves by library; None: not asked for, or nobody answered.
-        self._installed: Mapping[str, list[str]] | None = None
+        #: Recorded moves by library, none of one that is not there; without the library: not asked
+        #: for, or nobody answered.
+        self._installed: Mapping[str, list[str]] = {}
+        #: Moves in place of an emotion that the robot turned out not to have.
+        self._lacking: set[str] = set()
         self._asking = Background("asking what it has", context)
         #: Of the robot's loudspeaker, 0 to 1; None: it does not say.
         self._level: float | None = None
         self._shown: dict[str, Json] = {}
         #: Whether it was there and went: nobody knows what it does now.
         self._lost = False
-        self._told_silent = self._asked_library = False
+        self._told_silent = False
+        self._told_moves = ""
+        #: Whether the robot was lost while it was asked for its libraries.
+        self._lost_by_asking = False
         self._closed = False
         self._stops = BackgroundTasks("a stop")
         self._performers: dict[str, Callable[[Job], Awaitable[Sent]]] = {
@@ -483,32 +491,34 @@ class ReachyMini(Driver):
         with contextlib.suppress(DeviceLostError):
             self._level = await self._sounds.volume()
             self._show_settings()
-        if self.settings.libraries and not self._asked_library:
-            self._asked_library = True
+        complete = all(self._installed.get(library) for library in LIBRARIES)
+        if self.settings.libraries and not (complete or self._lost_by_asking):
             await self._ask_library()
 
     async def _ask_library(self) -> None:
-        """Say which recorded moves are there. Asked once: a daemon that has none looks for them in
-        the network, and says and does nothing in the meantime.
+        """Say which recorded moves are there, if that is new. A daemon that has none looks for them
+        in the network, and says and does nothing in the meantime: one that is lost over it is not
+        asked again, nor any in the middle of a connection.
         """
         try:
-            self._installed = await self._link.installed()
+            self._installed = told = await self._link.installed()
         except DeviceLostError:
+            self._lost_by_asking = True
             self.context.notice(
                 "warning",
                 "the daemon did not say which recorded moves it has",
                 "without a network: set `libraries: false`; the driver's own moves need nothing",
             )
             return
-        there = [f"{len(moves)} {name}" for name, moves in self._installed.items()]
-        absent = [name for name in LIBRARIES if name not in self._installed]
-        self.context.notice(
-            "info",
-            "recorded moves on the robot: "
-            + (", ".join(there) or "none")
-            + (f"; not installed: {', '.join(absent)}" if absent else ""),
-            "give the robot a network once, and it fetches them" if absent else "",
-        )
+        there = [f"{len(moves)} {name}" for name, moves in told.items() if moves]
+        absent = [name for name, moves in told.items() if not moves]
+        unknown = [name for name in LIBRARIES if name not in told]
+        what = "recorded moves on the robot: " + (", ".join(there) or "none")
+        what += f"; not installed: {', '.join(absent)}" if absent else ""
+        what += f"; it did not say: {', '.join(unknown)}" if unknown else ""
+        if what != self._told_moves:
+            self._told_moves = what
+            self.context.notice("info", what, _FETCH if absent else "")
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """What this driver times from where the robot stands: not the daemon's own moves."""
@@ -569,24 +579,31 @@ class ReachyMini(Driver):
 
     async def _play_recorded(self, move: str) -> Sent:
         data_set, name = data_set_and_name(move)
-        library = next((ours for ours, theirs in LIBRARIES.items() if theirs == data_set), None)
-        if library is not None and self._installed is not None:
-            there = self._installed.get(library)
-            if there is None:
+        there = self._known_beside(move)
+        if there is not None and name not in there:
+            library = next(ours for ours, theirs in LIBRARIES.items() if theirs == data_set)
+            if not there:
                 raise RejectedError(
-                    f"the robot has no {library}",
-                    "give it a network once, and it fetches them; `play` and `emotion` need none",
+                    f"the robot has no {library}", f"{_FETCH}; `play` and `emotion` need none"
                 )
-            if name not in there:
-                raise RejectedError(f"{library} have no {name!r}", did_you_mean(name, there))
+            raise RejectedError(f"{library} have no {name!r}", did_you_mean(name, there))
         await self._body.play(f"recorded-move-dataset/{data_set}/{name}")
         return {"recorded": move}
 
     async def _emotion(self, job: Job) -> Sent:
         emotion, intensity = job.args["emotion"], job.args["intensity"]
         recorded = self.settings.emotions.get(emotion)
-        if recorded and self._has(recorded):
-            return {"emotion": emotion, **await self._play_recorded(recorded)}
+        if recorded and self._may_have(recorded):
+            try:
+                return {"emotion": emotion, **await self._play_recorded(recorded)}
+            except (AnswerError, DeviceLostError) as error:
+                if self._known_beside(recorded) is not None:
+                    raise
+                self._lacking.add(recorded)
+                what = f"from now on the driver's own {emotion} is shown, not {recorded}"
+                self.context.notice("warning", f"{what}: {error.what}", _FETCH)
+                if isinstance(error, DeviceLostError):  # a daemon that looks in the network is lost
+                    raise
         frames = EMOTIONS[emotion]
         if self._body.following:
             self._body.need_motors()
@@ -598,10 +615,15 @@ class ReachyMini(Driver):
             await self._body.gesture(*how)
         return {"emotion": emotion, "intensity": intensity}
 
-    def _has(self, move: str) -> bool:
-        data_set, name = data_set_and_name(move)
-        known = {LIBRARIES[library]: moves for library, moves in (self._installed or {}).items()}
-        return name in known.get(data_set, ()) if data_set in LIBRARIES.values() else True
+    def _may_have(self, move: str) -> bool:
+        """Whether the robot has a recorded move, or nobody knows."""
+        known = self._known_beside(move)
+        return move not in self._lacking if known is None else data_set_and_name(move)[1] in known
+
+    def _known_beside(self, move: str) -> list[str] | None:
+        """The moves of its library; None: nobody knows them."""
+        known = {LIBRARIES[library]: moves for library, moves in self._installed.items()}
+        return known.get(data_set_and_name(move)[0])
 
     async def _gaze(self, job: Job) -> Sent:
         args = {name: at for name, at in job.args.items() if at is not None}

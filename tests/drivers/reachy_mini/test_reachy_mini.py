@@ -15,7 +15,7 @@ from aiohttp import web
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.visitor import SimulatedVisitors
 from robot_simulators.reachy_mini import ReachyMiniSimulator
-from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings
+from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link
 from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, MOVES
 from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, reachable
 from woz_drivers.reachy_mini.settings import LOUDSPEAKER
@@ -329,6 +329,59 @@ async def test_an_emotion_is_recorded_where_the_robot_has_it(folder: Path) -> No
         await until(lambda: any("recorded moves" in text for _, text, _ in it.context.notices))
         assert "recorded" in await it.do("emotion", emotion="happy")
         assert "recorded" not in await it.do("emotion", emotion="sad")
+
+
+EMOTIONS_LIBRARY = "pollen-robotics/reachy-mini-emotions-library"
+LIST = "move/recorded-move-datasets/list"
+
+
+def told_of_moves(it: PlayedReachy) -> list[str]:
+    return [text for _, text, _ in it.context.notices if "recorded moves" in text]
+
+
+async def test_moves_that_came_are_played_when_the_daemon_is_there_again(it: PlayedReachy) -> None:
+    await until(lambda: "not installed: emotions" in " ".join(told_of_moves(it)))
+    it.robot.data_sets[EMOTIONS_LIBRARY] = {"cheerful1": 1.0}
+    await it.robot.close()
+    await it.lost()
+    await it.robot.start()
+    await until(lambda: "1 emotions" in told_of_moves(it)[-1])
+    await it.do("recorded", move="emotions/cheerful1")
+    asked = len(it.asked(f"{LIST}/{EMOTIONS_LIBRARY}"))
+    await it.robot.close()
+    await it.lost()
+    await it.robot.start()
+    await it.connected()
+    polls = len(it.asked("state/doa"))
+    await until(lambda: len(it.asked("state/doa")) > polls + 3)
+    assert len(it.asked(f"{LIST}/{EMOTIONS_LIBRARY}")) == asked, "both are known to be there"
+
+
+async def test_moves_of_which_the_daemon_says_nothing_in_time_are_tried(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot = ReachyMiniSimulator(PacedTime(PACE))
+    robot.data_sets[EMOTIONS_LIBRARY] = {"cheerful1": 1.0}
+    held = robot.oddities.held[f"/api/{LIST}/{EMOTIONS_LIBRARY}"] = asyncio.Event()
+    monkeypatch.setattr(daemon_link, "LIST_S", 0.1)
+    async with reachy(folder, robot) as it:
+        await until(lambda: told_of_moves(it) != [])
+        assert "not installed" not in told_of_moves(it)[0]
+        monkeypatch.setattr(daemon_link, "LIST_S", 20.0)
+        held.set()
+        await it.do("recorded", move="emotions/cheerful1")
+
+
+async def test_an_emotion_is_tried_as_recorded_where_the_robot_is_not_asked(folder: Path) -> None:
+    robot = ReachyMiniSimulator(PacedTime(PACE))
+    robot.data_sets[EMOTIONS_LIBRARY] = {"cheerful1": 1.0}
+    chosen = {"happy": "emotions/cheerful1", "sad": "emotions/sad1"}
+    async with reachy(folder, robot, libraries=False, emotions=chosen) as it:
+        assert "recorded" in await it.do("emotion", emotion="happy")
+        for _ in range(2):
+            assert "recorded" not in await it.do("emotion", emotion="sad")
+        assert sum("sad1" in text for _, text, _ in it.context.notices) == 1
+        assert sum("sad1" in name for name, _ in it.robot.calls) == 1, "it is not tried again"
 
 
 def test_woz_check_warns_of_what_is_no_recorded_move() -> None:

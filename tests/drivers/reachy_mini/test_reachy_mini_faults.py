@@ -171,6 +171,25 @@ async def test_a_command_that_comes_late_moves_nothing_after_the_stop(it: Played
     await until(lambda: it.asked("move/stop") != [] and not it.asked_to_move)
 
 
+async def test_a_daemon_that_is_lost_over_the_question_for_moves_is_not_asked_again(
+    folder: Path,
+) -> None:
+    """It looks for them in the network, and does nothing else meanwhile."""
+    path = "move/recorded-move-datasets/list/pollen-robotics/reachy-mini-emotions-library"
+    robot = ReachyMiniSimulator(PacedTime(PACE))
+    held = robot.oddities.held[f"/api/{path}"] = asyncio.Event()
+    async with reachy(folder, robot) as it:
+        await until(lambda: it.asked(path) != [])
+        robot.freeze()
+        await it.lost()
+        robot.thaw()
+        held.set()
+        await it.connected()
+        polls = len(it.asked("state/doa"))
+        await until(lambda: len(it.asked("state/doa")) > polls + 3)
+        assert len(it.asked(path)) == 1
+
+
 # -- requests that hang, or are not answered -------------------------------------------------------
 
 

@@ -292,10 +292,19 @@ class ReachyBody:
             self._streaming = self._task(self._follow)
 
     async def express(self, frames: Sequence[PoseFrame], intensity: float) -> None:
-        """Show an emotion over the pose of the body that is followed."""
-        for frame in frames:
-            self._posture = {name: intensity * by for name, by in frame.joints.items()}
-            await self._link.pause(frame.seconds)
+        """Show an emotion over the pose of the body that is followed; its last frame stays, also
+        where it is cut short.
+        """
+        try:
+            for frame in frames:
+                self._add(frame, intensity)
+                await self._link.pause(frame.seconds)
+        except asyncio.CancelledError:
+            self._add(frames[-1], intensity)
+            raise
+
+    def _add(self, frame: PoseFrame, intensity: float) -> None:
+        self._posture = {name: intensity * by for name, by in frame.joints.items()}
 
     async def _stream(self) -> None:
         """Setpoints until every joint has come to its goal."""

@@ -339,9 +339,11 @@ async def test_a_demo_that_fails_is_left_and_says_so(it: PlayedReachy) -> None:
 
 
 @contextlib.asynccontextmanager
-async def following(folder: Path) -> AsyncIterator[PlayedReachy]:
+async def following(folder: Path, pace: float = PACE) -> AsyncIterator[PlayedReachy]:
     """A robot that follows a body, which says something all the time."""
-    async with reachy(folder, follows="body", twitches=0.0, libraries=False) as it:
+    robot = ReachyMiniSimulator(PacedTime(pace))
+    settings = {"follows": "body", "twitches": 0.0, "libraries": False, "pace": pace}
+    async with reachy(folder, robot, **settings) as it:
         feed = it.context.feed(SETPOINTS, of="body")
 
         async def speaks() -> None:
@@ -377,6 +379,18 @@ async def test_motors_that_are_not_switched_leave_a_body_followed(folder: Path) 
             await it.do("torque", on=False)
         targets = len(it.asked("set_full_target"))
         await until(lambda: len(it.asked("set_full_target")) > targets + 3)
+
+
+async def test_an_emotion_that_is_cut_short_leaves_what_it_would_have_left(folder: Path) -> None:
+    async with following(folder, pace=0.5) as it:
+        showing = it.begin("emotion", emotion="sad")
+        await until(lambda: math.degrees(it.robot.pose.head[4]) > 8)  # the body wants 5
+        stop = asyncio.ensure_future(it.driver.stop(Scope.ALL))
+        await asyncio.sleep(0)
+        showing.cancel()
+        await asyncio.gather(stop, showing, return_exceptions=True)
+        await it.driver.resume()
+        await until(lambda: abs(math.degrees(it.robot.pose.head[4]) - 5) < 0.5)
 
 
 # -- nonsense --------------------------------------------------------------------------------------

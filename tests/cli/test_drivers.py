@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.simulated import SimulatedRobot
 
+from tests.fakes.terminal import FakeTerminal
 from tests.network.other_computer import PATIENT, SILENCE_S, free_port
 from woz_tui import cli
 from woz_tui.cli import doctor
@@ -60,26 +61,65 @@ def test_the_doctor_looks_at_the_drivers_of_the_computer_that_it_is_on(tmp_path:
         assert "leg-pi" in sections[at]["Driver leg (simulated, at leg-pi)"][0].remedy
 
 
-@pytest.mark.real_clock
-async def test_a_program_that_is_frozen_and_one_that_is_killed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
-    file, port, context = tmp_path / "robot.yaml", await free_port(), RecordingContext()
-    file.write_text(ROBOT)
-    remote = RemoteDriver(
+def arm(port: int, context: RecordingContext) -> RemoteDriver:
+    """The session's side of the arm."""
+    return RemoteDriver(
         *("arm", SimulatedRobot.Settings(), context),
         local=SimulatedRobot,
         kind="simulated",
         router=DriverRouter(f"tcp://127.0.0.1:{port}", ["arm-pi"], silence_s=SILENCE_S),
         place="arm-pi",
     )
+
+
+def offering(folder: Path, port: int) -> list[str]:
+    """The command that offers the arm to it."""
+    (folder / "robot.yaml").write_text(ROBOT)
     code = "from woz_tui.cli import program; program()"
-    words = ["drivers", "--serve", str(file), "--at", "arm-pi", f"tcp://127.0.0.1:{port}"]
-    command, environ = [sys.executable, "-c", code, *words], {**os.environ, **PATIENT}
-    say = PlainJob("say", {"text": "a long sentence " * 50})
+    words = ["drivers", "--serve", str(folder / "robot.yaml"), "--at", "arm-pi"]
+    return [sys.executable, "-c", code, *words, f"tcp://127.0.0.1:{port}"]
+
+
+@pytest.mark.real_clock
+async def test_it_outlives_its_terminal_and_a_second_one_finds_it(tmp_path: Path) -> None:
+    port, context = await free_port(), RecordingContext()
+    command = offering(tmp_path, port)
+
+    async def connected() -> None:
+        """A session uses the arm, and ends."""
+        remote = arm(port, context)
+        context.healths.clear()
+        await remote.open()
+        try:
+            await until(lambda: Health.CONNECTED in [each[0] for each in context.healths], 30)
+        finally:
+            await remote.close()
+
+    with FakeTerminal(command, columns=120, env=PATIENT) as terminal:
+        await connected()
+        terminal.wait_text("has ended")
+        terminal.close()
+        await connected()  # its end is told to nobody
+        await connected()
+        second = subprocess.run(  # noqa: ASYNC221
+            command, capture_output=True, text=True, timeout=60, check=False
+        )
+        assert second.returncode == 1
+        assert f"kill {terminal.process.pid}" in second.stderr
+        terminal.process.terminate()
+        terminal.wait_exit()
+
+
+@pytest.mark.real_clock
+async def test_a_program_that_is_frozen_and_one_that_is_killed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
+    port, context = await free_port(), RecordingContext()
+    remote, say = arm(port, context), PlainJob("say", {"text": "a long sentence " * 50})
     await remote.open()
-    with subprocess.Popen(command, env=environ) as process:  # noqa: ASYNC220
+    environ = {**os.environ, **PATIENT}
+    with subprocess.Popen(offering(tmp_path, port), env=environ) as process:  # noqa: ASYNC220
         try:
             for end in (signal.SIGSTOP, signal.SIGKILL):
                 await until(lambda: context.healths[-1][0] is Health.CONNECTED, 30)

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import signal
+import socket
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import datetime
+from hashlib import sha256
 from pathlib import Path
+from typing import TextIO
 
 from woz_tui.cli.argument_types import listen_address
 from woz_tui.cli.error_sentences import with_error_sentences
@@ -19,6 +23,7 @@ from woz_tui.network.certificates import AccessError, AccessFile
 from woz_tui.network.driver_line import LineError, connect
 from woz_tui.network.driver_server import DriverServer, OfferedDriver
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
+from woz_tui.system import session_sockets
 
 #: How long until the session is looked for again, in seconds.
 RETRY_S = 1.0
@@ -55,7 +60,7 @@ def add(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Offer them until ctrl+c."""
+    """Offer them until ctrl+c or a signal to end, whatever becomes of the terminal."""
     return with_error_sentences(
         lambda: _drivers(arguments), AccessError, LineError, ValueError, who="woz drivers"
     )
@@ -71,10 +76,37 @@ def _drivers(arguments: Namespace) -> int:
         )
     place, offers = _offers(arguments.serve, arguments.at or (access.name if access else ""))
     names = ", ".join(offer.name for offer in offers)
-    tell(f"{place} offers {names} to the session at {address}; ctrl+c ends it")
-    with contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(_serve(place, offers, arguments.serve.absolute().parent, address, access))
+    with _only_one(place, address):
+        tell(f"{place} offers {names} to the session at {address}; ctrl+c ends it")
+        with contextlib.suppress(KeyboardInterrupt):
+            asyncio.run(_serve(place, offers, arguments.serve.absolute().parent, address, access))
     return 0
+
+
+@contextlib.contextmanager
+def _only_one(place: str, address: str) -> Iterator[None]:
+    """Raises `ValueError` if a program of this user offers the same already: one whose terminal was
+    closed is not in sight.
+    """
+    # A name that is no file: the user's folder for sockets goes with the last login, it does not.
+    what = sha256(f"{place} {address}".encode()).hexdigest()
+    name = f"\0woz-drivers-{os.getuid()}-{what}"
+    with socket.socket(socket.AF_UNIX) as mine:
+        try:
+            mine.bind(name)
+        except OSError as error:
+            message = f"a program here offers them to {address} already{_way_to_end(name)}"
+            raise ValueError(message) from error
+        mine.listen()
+        yield
+
+
+def _way_to_end(name: str) -> str:
+    with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as other:
+        other.setblocking(False)
+        other.connect(name)
+        return f"; `kill {session_sockets.peer_pid(other)}` ends it"
+    return ""
 
 
 def _address_in(access: AccessFile | None) -> str:
@@ -103,7 +135,12 @@ def _offers(file: Path, place: str) -> tuple[str, list[OfferedDriver]]:
 
 def tell(text: str) -> None:
     """One line, with the time of day."""
-    print(f"{datetime.now().astimezone():%H:%M:%S} {text}", flush=True)
+    _print(f"{datetime.now().astimezone():%H:%M:%S} {text}", sys.stdout)
+
+
+def _print(text: str, file: TextIO) -> None:
+    with contextlib.suppress(OSError):  # the terminal is gone: nobody reads this
+        print(text, file=file, flush=True)
 
 
 async def _serve(
@@ -115,7 +152,8 @@ async def _serve(
 ) -> None:
     loop, running = asyncio.get_running_loop(), asyncio.current_task()
     assert running is not None
-    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not take the robot away
+    for number in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, running.cancel)
     server = DriverServer(place, offers, folder=folder, tell=tell)
     told = ""
@@ -128,7 +166,7 @@ async def _serve(
                 remedy = f" ({error.remedy})" if error.remedy else ""
                 if str(error) != told:
                     told = str(error)
-                    print(f"woz drivers: {error}{remedy}; trying again", file=sys.stderr)
+                    _print(f"woz drivers: {error}{remedy}; trying again", sys.stderr)
                 await asyncio.sleep(RETRY_S)
                 continue
             try:

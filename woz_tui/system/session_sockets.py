@@ -7,6 +7,7 @@ import os
 import re
 import socket
 import stat
+import struct
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -179,5 +180,16 @@ def bind(path: Path) -> socket.socket:
 
 def peer_uid(connection: socket.socket) -> int:
     """User id of the process at the other end."""
-    credentials = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12)
-    return int.from_bytes(credentials[4:8], "little")
+    return _peer(connection)[1]
+
+
+def peer_pid(connection: socket.socket) -> int:
+    """Process id of the process at the other end."""
+    return _peer(connection)[0]
+
+
+def _peer(connection: socket.socket) -> tuple[int, int, int]:
+    """Its process id, user id and group id."""
+    packed = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12)
+    process, user, group = struct.unpack("=iII", packed)
+    return process, user, group

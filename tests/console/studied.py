@@ -77,10 +77,12 @@ def typed(told: dict[str, m.Json]) -> StudySettings:
     return msgspec.convert(told, StudySettings)
 
 
-def assigned(order: Sequence[str] = ("warm", "cold")) -> m.ConditionsAssigned:
+def assigned(
+    order: Sequence[str] = ("warm", "cold"), over: list[int] | None = None
+) -> m.ConditionsAssigned:
     """Warm first."""
     return m.ConditionsAssigned(
-        participant="P07", order=[*order], method="latin-square", row=0, t=scenes.MINUTE
+        participant="P07", order=[*order], method="latin-square", row=0, over=over, t=scenes.MINUTE
     )
 
 

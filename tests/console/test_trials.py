@@ -173,6 +173,18 @@ async def test_a_trial_that_is_set_by_hand_is_the_next_one() -> None:
         assert " b   begin trial 2 again" in seat.drawn()
 
 
+async def test_behind_a_trial_that_was_run_too_early_comes_the_first_that_is_not_over() -> None:
+    state = (studied.assigned(over=[1]), studied.trial(4))
+    async with sitting(studied.welcome(*state)) as seat:
+        await seat.tell(over(4))
+        await seat.press("asterisk")
+        await seat.settle()
+        assert " b   begin trial 2  " in seat.drawn()
+        await seat.press("ctrl+q", "ctrl+q")
+        await seat.settle()
+        assert "2 of 4 trials have not begun" in seat.drawn()
+
+
 async def test_when_all_trials_are_over_none_can_be_begun() -> None:
     async with sitting(studied.welcome(studied.trial(4))) as seat:
         await seat.tell(over(4))

@@ -35,6 +35,7 @@ BEGINNING: tuple[m.AnyMessage, ...] = (
         row=0,
         why="row 0 was given 3 times, row 1 4 times",
         trials=2,
+        over=[1],
     ),
     m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]),
     m.PerceptionChanged(hidden=["distance"], blurred=["transcript"]),

@@ -12,11 +12,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.session.studied import had, log
+from woz_tui.config.study import Design
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session import earlier_sessions
-from woz_tui.session.condition_proposal import ParticipantHistory
+from woz_tui.session.condition_proposal import ParticipantHistory, propose
 from woz_tui.session.earlier_sessions import EarlierParticipants, EarlierSessions
 
 ORDER = ("warm", "cold")
@@ -33,9 +34,9 @@ def test_participants_their_orders_and_how_far_they_came(tmp_path: Path) -> None
     log(tmp_path, "2026-03-04T10-00-00_P04_S01", had("P04", ORDER, row=0), title="T")
     assert read(tmp_path) == EarlierParticipants(
         (
-            ParticipantHistory("P01", ORDER, "latin-square", 0, 2, begun=True, done=True),
-            ParticipantHistory("P02", ORDER[::-1], "latin-square", 1, 0, begun=True),
-            ParticipantHistory("P03", ORDER, "latin-square", 0, 1, begun=True),
+            ParticipantHistory("P01", ORDER, "latin-square", 0, {1, 2}, begun=True, done=True),
+            ParticipantHistory("P02", ORDER[::-1], "latin-square", 1, begun=True),
+            ParticipantHistory("P03", ORDER, "latin-square", 0, {1}, begun=True),
             ParticipantHistory("P04", ORDER, "latin-square", 0),
         ),
         logs=4,
@@ -67,6 +68,31 @@ def test_trials_under_an_earlier_order_say_nothing_about_the_new_one(tmp_path: P
     log(tmp_path, "2026-03-01T10-00-00_S01", lines, title="T")
     (past,) = read(tmp_path).past
     assert (past.over, past.order) == (1, ORDER[::-1])
+
+
+def test_a_trial_that_was_run_too_early_leaves_those_before_it_to_come(tmp_path: Path) -> None:
+    out_of_turn: list[m.AnyMessage] = [
+        *had("P01", ORDER, "d"),
+        m.TrialStarted(trial=4),
+        m.TrialEnded(trial=4, outcome="done"),
+    ]
+    log(tmp_path, "2026-03-01T10-00-00_S01", out_of_turn, title="T")
+    proposed = propose("P01", Design(trials=2), ORDER, read(tmp_path).past)
+    assert (proposed.trial, proposed.condition, proposed.over) == (2, "warm", (1, 4))
+    assert "2 of 4 trials done" in proposed.why
+
+
+def test_a_practice_trial_uses_no_order_up(tmp_path: Path) -> None:
+    practice: list[m.AnyMessage] = [
+        m.TrialStarted(trial=0),
+        m.TrialEnded(trial=0, outcome="done"),
+    ]
+    only_practised = [*had("P01", ORDER), *practice]
+    log(tmp_path, "2026-03-01T10-00-00_S01", only_practised, title="T")
+    log(tmp_path, "2026-03-02T10-00-00_S01", [*had("P02", ORDER, "a"), *practice], title="T")
+    one, two = read(tmp_path).past
+    assert (one.begun, one.counts, one.over) == (False, True, 0)
+    assert (two.begun, two.counts, two.over) == (True, False, 0)
 
 
 def test_logs_of_other_experiments_do_not_count(tmp_path: Path) -> None:

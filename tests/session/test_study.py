@@ -53,6 +53,8 @@ def test_a_whole_participant(tmp_path: Path) -> None:
         )
         stage.session.set(trial=2)
         study.trial("begin", "")
+        study.trial("done", "")
+        assert "all 4 trials of P01 are done" in refused(stage, "begin")
 
     stage = on_stage(tmp_path, scenario)
     assert said(stage, *TRIALS) == [
@@ -70,7 +72,7 @@ def test_a_whole_participant(tmp_path: Path) -> None:
         "trial.started 4 cold",
         "trial.ended 4 done",
         "trial.started 2 warm",
-        "trial.ended 2 aborted",
+        "trial.ended 2 done",
     ]
     (order,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
     assert (order.method, order.row, order.order) == ("latin-square", 0, ["warm", "cold"])
@@ -117,6 +119,29 @@ def test_a_condition_that_is_not_in_the_file_any_more_begins_no_trial_and_is_not
         assert not {"warm", "friendly"} & {*re.findall(r"\w+", said)}
 
     assert len(said(on_stage(tmp_path, scenario), m.TrialStarted)) == over
+
+
+def test_behind_a_trial_out_of_turn_comes_the_first_that_is_not_over(tmp_path: Path) -> None:
+    """One that was run too early, and one that is run again after the break of a day."""
+    log(
+        tmp_path / "recordings",
+        "2026-03-01T10-00-00_P01_S01",
+        [*had("P01", ["warm", "cold"], "d", row=0)],
+        title="Made by hand",
+    )
+
+    async def scenario(stage: Stage) -> None:
+        study = stage.session.study
+        assigned(stage)
+        assert study.state.next_trial == 2
+        for number, following in ((4, 2), (2, 3), (1, 3), (3, 5)):
+            stage.session.set(trial=number)
+            study.trial("begin", "")
+            study.trial("done", "")
+            assert study.state.next_trial == following
+        assert study.state.trials_left == 0
+
+    on_stage(tmp_path, scenario)
 
 
 @pytest.mark.parametrize("trials", [1, 3, 0])

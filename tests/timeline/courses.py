@@ -201,8 +201,11 @@ class Recording:
             self._say(
                 m.SessionChanged(participant=self._participant, condition=self._condition, trial=1)
             )
+            over = self._chance.choice([None, [], [1, 3]])
             self._say(
-                m.ConditionsAssigned(participant=self._participant, order=order, method="hand")
+                m.ConditionsAssigned(
+                    participant=self._participant, order=order, method="hand", over=over
+                )
             )
         else:
             self._say(m.SessionChanged(participant=self._participant))

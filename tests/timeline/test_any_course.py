@@ -45,6 +45,7 @@ def held(state: SessionState) -> dict[str, Any]:
     return {
         "context": study.context,
         "study": (study.participant, study.condition, study.next_trial, study.order, study.planned),
+        "over": (study.over, study.trials_left),
         "answers": study.questionnaire and study.questionnaire.answers,
         "due": (study.due, study.had, study.checks),
         "phase": (study.phase and study.phase.changed, study.phases),

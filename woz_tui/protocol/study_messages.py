@@ -51,7 +51,8 @@ class ConditionsAssigned(Message, frozen=True, kw_only=True, tag="condition.assi
     """The order in which the participant gets the conditions; with one condition for each
     participant, that one. `method` is latin-square, blocks or fixed, or `hand` where the wizard
     chose otherwise; `row` counts the rows of the square, or the places of all blocks, from 0 (-1:
-    none). `trials`: in each condition (0: as the file says).
+    none). `trials`: in each condition (0: as the file says). `over`: numbers of the trials
+    that the participant has had in this order already (None: nobody said).
     """
 
     participant: str
@@ -60,6 +61,7 @@ class ConditionsAssigned(Message, frozen=True, kw_only=True, tag="condition.assi
     row: int = -1
     why: str = ""
     trials: int = 0
+    over: list[int] | None = None
 
 
 class TrialStarted(Message, frozen=True, kw_only=True, tag="trial.started"):

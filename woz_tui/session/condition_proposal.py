@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import msgspec
@@ -18,17 +18,22 @@ from woz_tui.protocol.messages import Json
 class ParticipantHistory:
     """What the earlier logs have of one participant.
 
-    `over`: the highest number of a trial that was done or excluded under the present order. `begun`
-    and `done`: whether any trial was begun, and was done.
+    `finished`: numbers of the trials that were done or excluded under the present order. `begun`
+    and `done`: whether any trial was begun, and was done. A practice trial (number 0) is none.
     """
 
     participant: str
     order: Order = ()
     method: str = ""
     row: int = -1
-    over: int = 0
+    finished: set[int] = field(default_factory=set)
     begun: bool = False
     done: bool = False
+
+    @property
+    def over(self) -> int:
+        """How many trials were done or excluded under the present order."""
+        return len(self.finished)
 
     @property
     def counts(self) -> bool:
@@ -40,8 +45,9 @@ class ParticipantHistory:
 
 @dataclass(frozen=True, slots=True)
 class ConditionProposal:
-    """An order for one participant, and where this session would go on: `trial` is one more than
-    `planned` if all are over. `why` names no condition, because a wizard may be blind to them.
+    """An order for one participant, and where this session would go on: `trial` is the first that
+    is not `over`, one more than `planned` if all are. `why` names no condition, because a wizard
+    may be blind to them.
     """
 
     participant: str
@@ -52,11 +58,12 @@ class ConditionProposal:
     condition: str
     trial: int
     planned: int
+    over: tuple[int, ...] = ()
 
     def data(self) -> dict[str, Json]:
         """The fields of the reply to a `proposal`."""
         data: dict[str, Json] = msgspec.to_builtins(self)
-        del data["participant"]
+        del data["participant"], data["over"]
         return data
 
 
@@ -111,7 +118,9 @@ def propose(
 
 
 def _proposal(past: ParticipantHistory, design: Design, why: str) -> ConditionProposal:
-    place = min(past.over // design.trials, len(past.order) - 1)
+    count = design.trials * max(len(past.order), 1)
+    trial = next((each for each in range(1, count + 1) if each not in past.finished), count + 1)
+    place = min((trial - 1) // design.trials, len(past.order) - 1)
     return ConditionProposal(
         participant=past.participant,
         order=past.order,
@@ -119,8 +128,9 @@ def _proposal(past: ParticipantHistory, design: Design, why: str) -> ConditionPr
         row=past.row,
         why=why,
         condition=past.order[place] if past.order else "",
-        trial=past.over + 1,
-        planned=design.trials * max(len(past.order), 1),
+        trial=trial,
+        planned=count,
+        over=tuple(sorted(past.finished)),
     )
 
 

@@ -177,11 +177,12 @@ def _attribute(lines: list[m.AnyMessage], people: dict[str, ParticipantHistory])
             case m.ConditionsAssigned():
                 order = tuple(line.order)
                 if order != past.order:
-                    past.over = 0
+                    past.finished.clear()
+                past.finished.update(line.over or ())
                 past.order, past.method, past.row = order, line.method, line.row
-            case m.TrialStarted():
+            case m.TrialStarted(trial=trial) if trial > 0:
                 past.begun = True
-            case m.TrialEnded(trial=trial, outcome=outcome):
+            case m.TrialEnded(trial=trial, outcome=outcome) if trial > 0:
                 past.done |= outcome == EpisodeOutcome.DONE
                 if outcome in OVER:
-                    past.over = max(past.over, trial)
+                    past.finished.add(trial)

@@ -170,6 +170,7 @@ class StudyController:
                 row=as_proposed.row if as_proposed else -1,
                 why=as_proposed.why if as_proposed else "chosen by the wizard",
                 trials=design.trials,
+                over=[*as_proposed.over] if as_proposed else [],
             )
         )
 

@@ -93,6 +93,9 @@ class StudyState:
     checks: dict[str, m.PreflightChecked] = field(default_factory=dict)
     had: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
     begins_trials: bool = False
+    #: The participant's trials that are over since the order was given, by number: the last end of
+    #: each.
+    _ended: dict[int, m.TrialEnded] = field(default_factory=dict)
     #: Whether any line has set the context.
     begun: bool = False
     #: The trial whose questionnaires are due, the order of conditions at its end, and which
@@ -111,7 +114,7 @@ class StudyState:
     def copy(self) -> StudyState:
         """An independent copy."""
         other = copy.copy(self)
-        for name in ("phases", "checks", "had", "_rounds", "_sources"):
+        for name in ("phases", "checks", "had", "_rounds", "_sources", "_ended"):
             setattr(other, name, dict(getattr(self, name)))
         return other
 
@@ -135,6 +138,40 @@ class StudyState:
     def planned(self) -> int:
         """Trials of the participant in all; 0: not specified, or no order was given yet."""
         return self._planned(self.assigned)
+
+    @property
+    def over(self) -> set[int]:
+        """Numbers of the participant's trials that were done or excluded, as far as is known."""
+        return {*self._ended, *(self._over_before or ())}
+
+    @property
+    def trials_left(self) -> int:
+        """Trials of the participant that are planned and not over; 0: not specified."""
+        if self._over_before is None:
+            return max(0, self.planned - self.next_trial + 1)
+        return len(self._open)
+
+    @property
+    def again(self) -> bool:
+        """Whether the next trial has run before: it was aborted, or is run once more."""
+        last = self.last_ended.trial if self.last_ended is not None else -1
+        if self._over_before is None:
+            return self.next_trial <= last
+        return self.next_trial in {*self.over, last}
+
+    @property
+    def _over_before(self) -> list[int] | None:
+        """Trials that the participant had had when the order was given; None: nobody said."""
+        return self.assigned.over if self.assigned is not None and self.planned else None
+
+    @property
+    def _open(self) -> list[int]:
+        over = self.over
+        return [number for number in range(1, self.planned + 1) if number not in over]
+
+    @property
+    def _first_open(self) -> int:
+        return next(iter(self._open), self.planned + 1)
 
     def condition_of(self, trial: int) -> str:
         """The condition that the order has for this trial; empty if it has none."""
@@ -219,6 +256,7 @@ class StudyState:
         yield from self.had.values()
         yield from self.phases.values()
         yield from self._rounds.values()
+        yield from self._ended.values()
         study = (self.assigned, self.last_started, self._over, self._order_then)
         for line in study:
             if line is not None:
@@ -260,6 +298,9 @@ class StudyState:
         """A participant got an order of conditions."""
         self._somebody(message.participant, message)
         self.assigned = message
+        self._ended.clear()
+        if message.over is not None:
+            self._follow(self._first_open, message)
         self._begin_trials()
         self._enter()
 
@@ -273,6 +314,7 @@ class StudyState:
         self._sources["participant"] = message
         self._follow(1, message)
         self.had.clear()
+        self._ended.clear()
         self.last_ended = None
         self._over, self._had_since = None, frozenset()
 
@@ -330,7 +372,9 @@ class StudyState:
         self._number = None
         self._sources.pop("number", None)
         if message.outcome in OVER:
-            self._follow(message.trial + 1, message)
+            keep_latest(self._ended, message.trial, message)
+            known = self._over_before is not None
+            self._follow(self._first_open if known else message.trial + 1, message)
             self._over, self._had_since = message, frozenset()
             self._order_then = self.assigned
         self._enter()

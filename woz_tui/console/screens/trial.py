@@ -192,8 +192,7 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
 
 def _beginning(study: StudyView) -> str:
     """`begin trial 3`, or that it is run again."""
-    again = study.last is not None and study.next <= study.last[0]
-    return f"begin trial {study.next}{' again' if again else ''}"
+    return f"begin trial {study.next}{' again' if study.session.study.again else ''}"
 
 
 def trial_status(study: StudyView, now: int) -> str:

@@ -154,7 +154,7 @@ class StudyView:
     @property
     def trials_left(self) -> int:
         """Trials of the participant that are planned and not over; 0: unknown."""
-        return max(0, self.planned - self.next + 1)
+        return self.session.study.trials_left
 
     def unasked(self) -> list[str]:
         """Questionnaires that are due or for the end of the session, that nobody has answered or

@@ -189,7 +189,10 @@ FIELDS: dict[str, tuple[str, str]] = {
     "took_us": ("µs", "from the end of speech to this line; absent: not measured"),
     "trail": ("", "the last states, oldest first, the present one at the end"),
     "trial": ("", "number of the trial"),
-    "over": ("", "numbers of trials that the participant has had in this order; absent: not recorded"),
+    "over": (
+        "",
+        "numbers of trials that the participant has had in this order; absent: not recorded",
+    ),
     "trials": ("", "trials in each condition; absent: as the experiment file says"),
     "unit": ("", "unit of `value`"),
     "until": ("µs", "moment, on the `t` axis, at which it begins"),

@@ -70,8 +70,8 @@ def test_trials_and_breaks_are_rows() -> None:
     ]
 
 
-def test_a_trial_without_an_end_counts() -> None:
-    figures = told(ExampleSession().add(1, m.TrialStarted(trial=1)).act(2))
+def test_a_trial_whose_end_is_lost_counts() -> None:
+    figures = told(ExampleSession().add(1, m.TrialStarted(trial=1)).act(2).end(9))
     assert (figures.trials[0].end, figures.trials[0].outcome) == (None, "")
     assert figures.whole.actions == 1
 

@@ -64,6 +64,29 @@ def test_the_number_of_the_next_trial_is_no_trials_yet() -> None:
     ]  # fmt: skip
 
 
+def test_a_practice_trial_does_not_count() -> None:
+    it = trial(ExampleSession(), 10, 20, "done", 0).act(15)
+    figures = told(trial(it, 30, 40, "done", 1).act(35).end(60))
+    assert [each.left_out for each in figures.trials] == ["practice", ""]
+    assert (figures.parts[0].trials, figures.parts[0].by_hand) == (1, 1)
+    every = told(it, all_trials=True)
+    assert (every.parts[0].trials, every.parts[0].by_hand) == (2, 2)
+
+
+@pytest.mark.parametrize(
+    ("ended", "left_out", "counts"), [(False, ["", "cut off"], 1), (True, ["", ""], 2)]
+)
+def test_the_trial_in_which_a_log_breaks_off_does_not_count(
+    ended: bool, left_out: list[str], counts: int
+) -> None:
+    """It is run again; without its end in a log that has one, it counts."""
+    it = trial(ExampleSession(), 10, 20, "done").act(15)
+    it.add(30, m.TrialStarted(trial=2)).act(35)
+    figures = told(it.end(60) if ended else it)
+    assert [each.left_out for each in figures.trials] == left_out
+    assert (figures.parts[0].trials, figures.parts[0].by_hand) == (counts, counts)
+
+
 def means(figures: SessionFigures) -> list[tuple[str, int]]:
     """Condition and time of the parts that means include."""
     return [(part.condition, part.us) for part in figures.parts if part.in_means]

@@ -13,7 +13,7 @@ from woz_tui.analysis.figures import PartFigures
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.tables import CONDITIONS
 from woz_tui.sensing.state_machine import ENGAGED
-from woz_tui.timeline.episodes import NOT_COUNTED
+from woz_tui.timeline.episodes import LEFT_OUT
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference"
 TEXT = (DOCS / "report.md").read_text(encoding="utf-8")
@@ -75,7 +75,7 @@ def test_the_rules_are_those_of_the_code() -> None:
     assert "A cue that comes within a second of another one" in WORDS
     for name in (*CUE_RESULTS, *CUE_TYPES):
         assert f"| `{name}` |" in TEXT
-    for name in (*BY_MACHINE, *NOT_COUNTED, *WAITING):
+    for name in (*BY_MACHINE, *LEFT_OUT, *WAITING):
         assert f"`{name}`" in TEXT
     share = next(measure for measure in MEASURES if measure.name == "engaged_share")
     for state in ENGAGED:

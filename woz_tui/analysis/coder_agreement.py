@@ -63,7 +63,7 @@ class Agreement:
 
 def coded_spans(timeline: Timeline, *, every: bool = False) -> list[Stretch]:
     """The trials that count, breaks left out; in a session without trials all of it. `every`: also
-    trials that were aborted or excluded.
+    trials that do not.
     """
     return [(piece.begin, piece.end) for piece in _coded(timeline, every=every)]
 

@@ -15,7 +15,6 @@ from typing import Any, TypeVar
 from woz_tui.config.session_verbs import BML, PERFORMERS
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
-from woz_tui.timeline.episodes import NOT_COUNTED
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
 
@@ -97,7 +96,9 @@ class CueRow(ContextRow):
 
 @dataclass(frozen=True, slots=True)
 class TrialRow:
-    """A trial; `end` is None if it never ended, then `outcome` is empty."""
+    """A trial; `end` is None if it never ended, then `outcome` is empty. `left_out`: why it is not
+    to be analysed (aborted, excluded, practice, cut off); empty: it is.
+    """
 
     trial: int
     participant: str
@@ -107,6 +108,7 @@ class TrialRow:
     outcome: str
     text: str
     actions: int
+    left_out: str = ""
 
     @property
     def duration(self) -> int | None:
@@ -116,7 +118,7 @@ class TrialRow:
     @property
     def counted(self) -> bool:
         """Whether its data are to be analysed."""
-        return self.outcome not in NOT_COUNTED
+        return not self.left_out
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -357,6 +359,7 @@ def trials(timeline: Timeline) -> Iterator[TrialRow]:
             outcome="" if each.cut else each.outcome,
             text=each.text,
             actions=actions[each.seq],
+            left_out=timeline.left_out(each),
         )
 
 

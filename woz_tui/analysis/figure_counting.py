@@ -39,7 +39,7 @@ class FigureOptions:
     Attributes:
         window_us: Time after a cue in which an answer counts as one, in microseconds.
         waiting: States of the engagement model that are cues.
-        all_trials: Also what happened in trials that were aborted or excluded.
+        all_trials: Also what happened in trials that do not count.
     """
 
     window_us: int = WINDOW_US

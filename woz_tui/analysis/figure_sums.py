@@ -98,7 +98,7 @@ _SUMS = tuple(each.name for each in fields(PartSums))
 @dataclass(slots=True, kw_only=True)
 class Tally(PartSums):
     """One condition of one participant within one run of a trial (see `Context`), or outside of
-    trials. `counted`: it is in no trial that was aborted or excluded. `inside`: it is in a trial,
+    trials. `counted`: it is in no trial that is left out. `inside`: it is in a trial,
     or the session has none.
     """
 

@@ -72,7 +72,7 @@ MEASURES: tuple[Measure, ...] = (
         "length", lambda part: part.us / 1e6,
     ),
     Measure(
-        "trials", "", "trials that were begun and count: neither `aborted` nor `excluded`",
+        "trials", "", "trials that were begun and count (see `counted` of trials)",
         "trials", lambda part: part.trials,
     ),
     Measure(

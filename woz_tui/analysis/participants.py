@@ -39,7 +39,7 @@ def taking_part(
 
 def counts_in_means(timeline: Timeline, people: Collection[str], context: Context) -> bool:
     """Whether means contain what happens in this context: one of `people`, who took part, is
-    there, and in a session with trials it is in one that was neither aborted nor excluded.
+    there, and in a session with trials it is in one that counts.
     """
     return context.participant in people and timeline.inside(context) and timeline.counts(context)
 

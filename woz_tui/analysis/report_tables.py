@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, value_text
+from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, TrialRow, value_text
 from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.measures import BY_NAME, Measure, title_of
 from woz_tui.analysis.participant_groups import (
@@ -28,6 +28,7 @@ from woz_tui.analysis.text_format import (
     percent,
 )
 from woz_tui.protocol.messages import Json
+from woz_tui.timeline.episodes import PRACTICE
 
 #: Values of one setting that are named in a row; beyond, there were more.
 _VALUES = 3
@@ -317,7 +318,7 @@ def trials(figures: SessionFigures) -> ReportTable:
     """Trials, in their order."""
     rows = [
         (
-            *(str(trial.trial), LogText(trial.condition), trial.outcome or "no end in the log"),
+            *(str(trial.trial), LogText(trial.condition), _outcome(trial)),
             *(LogText(trial.text), clock(trial.begin), duration(trial.duration)),
             str(trial.actions),
         )
@@ -325,6 +326,11 @@ def trials(figures: SessionFigures) -> ReportTable:
     ]
     heads = ("Trial", "Condition", "Outcome", "Remark", "Begin", "Length", "Actions")
     return ReportTable("Trials", heads, rows, words=4)
+
+
+def _outcome(trial: TrialRow) -> str:
+    practice = f", {PRACTICE}" if trial.left_out == PRACTICE else ""
+    return (trial.outcome or "no end in the log") + practice
 
 
 def phases(figures: SessionFigures) -> ReportTable:

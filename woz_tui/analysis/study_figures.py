@@ -174,7 +174,7 @@ class StudyFacts:
         people = figures.participants or ("",)
         trials = [trial for trial in figures.trials if trial.participant in people]
         self.trials += len(trials)
-        self.left_out.update(trial.outcome for trial in trials if not trial.counted)
+        self.left_out.update(trial.left_out for trial in trials if not trial.counted)
         lost = integrity.left_out + integrity.dropped + integrity.missing
         self.lost += lost
         self.damaged += bool(lost)

@@ -187,8 +187,7 @@ _SEQ: Column[Any] = Column(
 )
 _COUNTED = _plain(
     *("boolean", "counted"),
-    "means include it: it has a participant, and where there are trials it was in one that was "
-    "neither aborted nor excluded",
+    "means include it: it has a participant, and where there are trials it was in one that counts",
 )
 _PIECE = "false: only participant, condition, trial or a break changed"
 
@@ -343,7 +342,12 @@ TRIALS: TableDefinition[TrialRow] = TableDefinition(
         _time("duration", "until its end; empty if it has none", "duration"),
         _text("outcome", "done, aborted or excluded; empty if it has no end"),
         _text("text", "what the wizard remarked"),
-        _plain("boolean", "counted", "its data count: neither aborted nor excluded"),
+        _plain(
+            "boolean",
+            "counted",
+            "its data count: neither aborted nor excluded, no practice (number 0), and the log "
+            "does not break off in it",
+        ),
         _plain("integer", "actions", "actions that were asked for in it"),
     ),
     lambda figures: figures.trials,

@@ -30,7 +30,8 @@ class Interval:
         label: Action, state, trial, driver.
         sort: action, state, trial, phase, break, speech, stop, lost or differing (a robot's
             setting).
-        outcome: Of actions and commands as of their episodes; of trials as in the log; else empty.
+        outcome: Of actions and commands as of their episodes; of trials as in the log, or why
+            they are left out; else empty.
         source: Of actions: key, script ...; of stops where they came from.
         detail: What else there is to say: a reason, a sentence that was understood.
         run: Of actions: their id.
@@ -118,6 +119,8 @@ def drawing_of(timeline: Timeline, curves: SensorCurves | None = None) -> Timeli
         if isinstance(each, e.ActionEpisode):
             lane = ("panel", each.request.panel or f"({each.source})")
             interval = _action(each, of_runs.get(each.request.run, ()))
+        if isinstance(each, e.TrialEpisode):
+            interval = _trial(each, timeline.left_out(each))
         if isinstance(each, e.CommandEpisode) and each.request.driver == BML:
             lane, interval = ("panel", PLANNER), _block(each)
         if interval is not None:
@@ -219,8 +222,8 @@ def in_words(args: Mapping[str, m.Json]) -> str:
 # -- other lanes ----------------------------------------------------------------------------------
 
 
-def _trial(trial: e.TrialEpisode) -> Interval:
-    outcome = trial.ended.outcome if trial.ended is not None else ""
+def _trial(trial: e.TrialEpisode, left_out: str) -> Interval:
+    outcome = left_out or (trial.ended.outcome if trial.ended is not None else "")
     label, detail = f"trial {trial.label}", trial.context.condition
     return _interval(trial, label, "trial", outcome=outcome, detail=detail)
 
@@ -265,9 +268,9 @@ def _differing(setting: e.SettingEpisode) -> Interval | None:
 
 _MARKS: _Key = ("mark", "marks")
 #: What is drawn as an interval, on which lane, and how; actions have a lane for each panel.
-_DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None]]] = {
+_DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None] | None]] = {
     e.CommandEpisode: (("panel", DIRECT), _direct),
-    e.TrialEpisode: (("trial", "trials"), _trial),
+    e.TrialEpisode: (("trial", "trials"), None),
     e.PhaseEpisode: (("phase", "phases"), _phase),
     e.BreakEpisode: (("trial", "trials"), _break),
     e.ModelStateEpisode: (("engagement", "engagement"), _state),

@@ -36,7 +36,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--tier", default="", metavar="NAME", help="only this tier")
     parser.add_argument(
-        "--all-trials", action="store_true", help="also trials that were aborted or excluded"
+        "--all-trials",
+        action="store_true",
+        help="also trials that do not count: aborted, excluded, practice, cut off",
     )
     parser.add_argument("--json", action="store_true", help="one object, for programs")
 

@@ -64,7 +64,7 @@ def add_sessions(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--all-trials",
         action="store_true",
-        help="also what happened in trials that were aborted or excluded",
+        help="also what happened in trials that do not count: aborted, excluded, practice, cut off",
     )
 
 

@@ -79,7 +79,7 @@ def title(page: ReportPage, figures: SessionFigures) -> None:
         page.trouble(f"a re-run of {figures.rerun_of}: its actions come from that log")
     left_out = [trial for trial in figures.trials if not trial.counted]
     if left_out and not figures.all_trials:
-        outcomes = ", ".join(f"{trial.trial} {trial.outcome}" for trial in left_out)
+        outcomes = ", ".join(f"{trial.trial} {trial.left_out}" for trial in left_out)
         page.trouble(f"not counted: {counted(len(left_out), 'trial')} ({outcomes})")
     left = excluded_sentence((part.participant, part.counted) for part in figures.parts)
     if left and figures.of_study:

@@ -93,6 +93,9 @@ OUTCOMES: Mapping[type[m.Message], EpisodeOutcome] = {
 
 #: Outcomes of trials whose data do not count unless somebody wants all of them.
 NOT_COUNTED = (EpisodeOutcome.ABORTED, EpisodeOutcome.EXCLUDED)
+#: Why else a trial does not count: its number is 0; the log breaks off in it.
+PRACTICE, CUT_OFF = "practice", "cut off"
+LEFT_OUT = (*NOT_COUNTED, PRACTICE, CUT_OFF)
 
 
 class Episode(msgspec.Struct, frozen=True, kw_only=True):
@@ -310,11 +313,6 @@ class TrialEpisode(Episode, frozen=True, kw_only=True):
     def label(self) -> str:
         """Its number."""
         return str(self.started.trial)
-
-    @property
-    def counts(self) -> bool:
-        """Whether it is to be analysed."""
-        return self.outcome not in NOT_COUNTED
 
     @property
     def text(self) -> str:

@@ -10,6 +10,9 @@ from msgspec.structs import force_setattr, replace
 
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
+    CUT_OFF,
+    NOT_COUNTED,
+    PRACTICE,
     ActionEpisode,
     CommandEpisode,
     Episode,
@@ -54,6 +57,8 @@ class Timeline:
         self._spoken: dict[tuple[str, int], int] = {}
         self._by_kind: dict[type[Episode], list[Episode]] = {}
         self._trials: dict[int | None, TrialEpisode] = {}
+        #: The trial that ran when the log broke off.
+        self._broken_off: TrialEpisode | None = None
         self._begun = self._has_trials = False
 
     @property
@@ -106,11 +111,21 @@ class Timeline:
         return context.trial is not None or not self._has_trials
 
     def counts(self, context: Context) -> bool:
-        """Whether what happened in this context is to be analysed: not in a trial that was aborted
-        or excluded.
+        """Whether what happened in this context is to be analysed: not in a trial that is left
+        out.
         """
         trial = self._trials.get(context.run)
-        return trial is None or trial.counts
+        return trial is None or not self.left_out(trial)
+
+    def left_out(self, trial: TrialEpisode) -> str:
+        """Why a trial is not to be analysed: aborted, excluded, `PRACTICE` or `CUT_OFF`; empty: it
+        is.
+        """
+        if trial.outcome in NOT_COUNTED:
+            return trial.outcome
+        if trial.started.trial == 0:
+            return PRACTICE
+        return CUT_OFF if trial is self._broken_off else ""
 
     def apply(self, message: m.Message) -> None:
         """Add the next message; `finish` must not have been called."""
@@ -161,6 +176,7 @@ class Timeline:
         self.unanswered += self.state.study.open_at_end()
         if self.state.study.begins_trials:
             self.contexts = self.contexts.without_numbers()
+        running = self.state.study.trial if self.state.end is None else None
         found = [*self._ended, *self.state.finish()]
         found.sort(key=attrgetter("begin", "seq"))
         _add_mistakes(found)
@@ -170,6 +186,7 @@ class Timeline:
             self._by_kind.setdefault(type(episode), []).append(episode)
         self.episodes = tuple(found)
         self._trials = {trial.seq: trial for trial in self.of(TrialEpisode)}
+        self._broken_off = self._trials.get(running.seq) if running is not None else None
         self._has_trials = self.state.study.begins_trials or any(
             span.context.trial is not None for span in self.spans
         )

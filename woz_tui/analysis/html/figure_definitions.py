@@ -56,8 +56,9 @@ def glossary() -> Markup:
         tag("h2", "What the figures mean", id="figures"),
         tag(
             "p",
-            "Figures leave out what happened in trials that were aborted or excluded, unless all "
-            "trials were asked for; timelines and lists of events show everything.",
+            "Figures leave out what happened in trials that do not count (aborted, excluded, "
+            "practice, cut off), unless all trials were asked for; "
+            "timelines and lists of events show everything.",
         ),
         tag("dl", entries, tag("dt", "Median, p95"), tag("dd", _PERCENTILE), class_="glossary"),
         class_="figures",

@@ -17,7 +17,7 @@ from woz_tui.analysis.timeline_lanes import (
     TimelineLane,
 )
 from woz_tui.sensing.state_machine import ENGAGED
-from woz_tui.timeline.episodes import NOT_COUNTED, EpisodeOutcome
+from woz_tui.timeline.episodes import LEFT_OUT, EpisodeOutcome
 
 #: Points of a curve on the page; more could not be told apart, and would only make it large.
 POINTS = 1500
@@ -117,7 +117,7 @@ def _sort(thing: Interval) -> str:
     if thing.sort == "state":
         return "engaged" if thing.label in ENGAGED else "state"
     if thing.sort == "trial":
-        return "left-out" if thing.outcome in NOT_COUNTED else "trial"
+        return "left-out" if thing.outcome in LEFT_OUT else "trial"
     return _known_sort(thing.sort)
 
 

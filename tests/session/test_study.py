@@ -287,6 +287,25 @@ def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
     assert line.why == "P02 continues with their own order: 3 of 4 trials done"
 
 
+@pytest.mark.parametrize("answered", [False, True])
+def test_a_questionnaire_that_an_earlier_session_owes_is_told(
+    tmp_path: Path, answered: bool
+) -> None:
+    lines = had("P01", ["warm", "cold"], "dd", row=0)
+    for name in ("each", "ux") if answered else ("each",):
+        lines.append(m.QuestionnaireEnded(questionnaire=name, reason="done", answered=1))
+    name = "2026-03-01T10-00-00_P01_S01"
+    log(tmp_path / "recordings", name, lines, title="Made by hand")
+
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+
+    stage = on_stage(tmp_path, scenario)
+    notices = [line.text for line in stage.lines if isinstance(line, m.Notice)]
+    owed = [text for text in notices if "has not answered" in text]
+    assert owed == ([] if answered else ["P01 has not answered: How was it?"])
+
+
 def test_participants_of_this_very_session_count(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         rows = []

@@ -20,6 +20,7 @@ class ParticipantHistory:
 
     `finished`: numbers of the trials that were done or excluded under the present order. `begun`
     and `done`: whether any trial was begun, and was done. A practice trial (number 0) is none.
+    `due`: questionnaires behind the last trial that the log of the last session has no end of.
     """
 
     participant: str
@@ -29,6 +30,7 @@ class ParticipantHistory:
     finished: set[int] = field(default_factory=set)
     begun: bool = False
     done: bool = False
+    due: tuple[str, ...] = ()
 
     @property
     def over(self) -> int:
@@ -59,11 +61,12 @@ class ConditionProposal:
     trial: int
     planned: int
     over: tuple[int, ...] = ()
+    due: tuple[str, ...] = ()
 
     def data(self) -> dict[str, Json]:
         """The fields of the reply to a `proposal`."""
         data: dict[str, Json] = msgspec.to_builtins(self)
-        del data["participant"], data["over"]
+        del data["participant"], data["over"], data["due"]
         return data
 
 
@@ -131,6 +134,7 @@ def _proposal(past: ParticipantHistory, design: Design, why: str) -> ConditionPr
         trial=trial,
         planned=count,
         over=tuple(sorted(past.finished)),
+        due=past.due,
     )
 
 

@@ -17,7 +17,7 @@ from woz_tui.log.line_order import seq_of
 from woz_tui.log.log_files import files_of
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import WelcomeSettings
+from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 from woz_tui.session.condition_proposal import ParticipantHistory
 from woz_tui.system.files import open_regular
 from woz_tui.timeline.episodes import EpisodeOutcome
@@ -28,7 +28,7 @@ LONGEST = 4 << 20
 #: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
 _KINDS = (
     *("session.start", "session.plan", "session.changed", "session.end"),
-    *("condition.assigned", "trial.started", "trial.ended"),
+    *("condition.assigned", "trial.started", "trial.ended", "questionnaire.ended"),
 )
 _LISTED = re.compile(f'"(?:{"|".join(map(re.escape, _KINDS))})"'.encode())
 
@@ -57,10 +57,12 @@ class EarlierSessions:
         self._folders = dict.fromkeys(folders)
         self._cache: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = {}
 
-    def read(self, title: str, file: str) -> EarlierParticipants:
+    def read(
+        self, title: str, file: str, settings: StudySettings | None = None
+    ) -> EarlierParticipants:
         """Everything about the experiment of this title; logs that tell no title (of version 1)
         count if the experiment's `file` had this name. Reads files: may be called from any thread,
-        but only from one at a time.
+        but only from one at a time. `settings`: which questionnaires there are.
         """
         people: dict[str, ParticipantHistory] = {}
         unreadable: list[str] = []
@@ -73,7 +75,7 @@ class EarlierSessions:
             lines = sorted({line.seq: line for line in lines}.values(), key=seq_of)
             if _is_of(lines, title, file):
                 logs += 1
-                _attribute(lines, people)
+                _attribute(lines, people, settings or StudySettings())
         return EarlierParticipants(tuple(people.values()), logs, tuple(unreadable))
 
     def _joined(self, paths: Sequence[Path], unreadable: list[str]) -> list[m.AnyMessage]:
@@ -164,15 +166,19 @@ def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:
     return any(isinstance(line, m.SessionStart) and line.experiment == file for line in lines)
 
 
-def _attribute(lines: list[m.AnyMessage], people: dict[str, ParticipantHistory]) -> None:
+def _attribute(
+    lines: list[m.AnyMessage], people: dict[str, ParticipantHistory], settings: StudySettings
+) -> None:
     """Add what the lines of one session say to its participants."""
     state = SessionState()
     for line in lines:
         state.apply(line)
+        state.study.settings = settings  # the plan of a log is kept without its own
         code = state.study.participant
         if not code:
             continue
         past = people.setdefault(code, ParticipantHistory(code))
+        past.due = tuple(each.questionnaire for each in state.study.due)
         match line:
             case m.ConditionsAssigned():
                 order = tuple(line.order)

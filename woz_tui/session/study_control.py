@@ -134,7 +134,7 @@ class StudyController:
         experiment = self._read()
         design = self._design()
         check_participant(participant, experiment.participant_pattern)
-        found = self._earlier.read(experiment.title, experiment.path.name)
+        found = self._earlier.read(experiment.title, experiment.path.name, self.settings)
         proposal = propose(participant, design, experiment.conditions, found.past)
         if found.unreadable:
             left_out = f"; not counted because they cannot be read: {', '.join(found.unreadable)}"
@@ -171,6 +171,21 @@ class StudyController:
                 why=as_proposed.why if as_proposed else "chosen by the wizard",
                 trials=design.trials,
                 over=[*as_proposed.over] if as_proposed else [],
+            )
+        )
+        if as_proposed and as_proposed.due and not self.state.due:
+            self._tell_due(participant, as_proposed.due)
+
+    def _tell_due(self, participant: str, due: Iterable[str]) -> None:
+        """Say what an earlier session owes: nothing is due in a session that begins."""
+        titles = {each.name: each.heading for each in self.settings.questionnaires}
+        named = ", ".join(titles.get(name, name) for name in due)
+        self._hub.publish(
+            m.Notice(
+                level="warning",
+                text=f"{participant} has not answered: {named}",
+                remedy="ask it on paper: the log would have the answers in the condition of the"
+                " next trial",
             )
         )
 

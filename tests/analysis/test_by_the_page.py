@@ -73,6 +73,20 @@ def test_a_practice_trial_does_not_count() -> None:
     assert (every.parts[0].trials, every.parts[0].by_hand) == (2, 2)
 
 
+def test_an_answer_about_a_practice_trial_does_not_count() -> None:
+    it = ExampleSession()
+    for number in (0, 1):
+        trial(it, 10 + 10 * number, 15 + 10 * number, "done", number)
+        asked = m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[], trial=number)
+        answer = m.QuestionnaireAnswered(questionnaire="ux", item="a", question="A?", value=1)
+        it.add(16 + 10 * number, asked, answer)
+        it.add(
+            17 + 10 * number, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)
+        )
+    answers = told(it.end(60)).answers
+    assert [(each.trial, each.counted) for each in answers] == [(0, False), (1, True)]
+
+
 @pytest.mark.parametrize(
     ("ended", "left_out", "counts"), [(False, ["", "cut off"], 1), (True, ["", ""], 2)]
 )

@@ -590,7 +590,7 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
                 answered_us=answer.answered_us if answer.answered_us >= 0 else None,
                 low=_number(item.get("low")),
                 high=_number(item.get("high")),
-                counted=timeline.counts(each.context),
+                counted=each.trial != 0 and timeline.counts(each.context),  # 0: practice
             )
 
 

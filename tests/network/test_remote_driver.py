@@ -61,6 +61,7 @@ STOP_S, LATE_S = remote_side.STOP_S, remote_side.LATE_S
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine nothing is late or lost, unless a test is about that."""
+    monkeypatch.setattr(driver_line, "CONNECT_S", 20.0)
     monkeypatch.setattr(remote_side, "STOP_S", SILENCE_S)
     monkeypatch.setattr(remote_side, "LATE_S", 10.0)
 
@@ -701,7 +702,10 @@ async def test_the_certificate_of_somebody_else_opens_no_driver(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("which", ["of another authority", "of another robot"])
-async def test_a_strange_certificate_is_refused_in_words(tmp_path: Path, which: str) -> None:
+async def test_a_strange_certificate_is_refused_in_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, which: str
+) -> None:
+    monkeypatch.setattr(driver_line, "REFUSAL_S", 10.0)
     made, strange = Authority(tmp_path / "authority"), Authority(tmp_path / "strange")
     mine = _access(made, PLACE, tmp_path)
     (tmp_path / "there").mkdir()

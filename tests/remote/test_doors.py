@@ -24,6 +24,7 @@ from woz_tui.cli.mcp import SessionTools
 from woz_tui.client import WozRefusedError
 from woz_tui.drivers.contract import Health
 from woz_tui.host.request_handlers import WATCHER_MAY
+from woz_tui.network import driver_line
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
 from woz_tui.network.driver_line import DriverRouter, LineError
 from woz_tui.remote.remote_session import RemoteSession, RemoteSessionError
@@ -34,6 +35,12 @@ from woz_tui.testing import PlainJob, RecordingContext, until
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "how-to" / "network.md"
 CERTIFICATE = "-----BEGIN CERTIFICATE-----"
+
+
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whose connection takes long on a busy machine is not refused."""
+    monkeypatch.setattr(driver_line, "CONNECT_S", 20.0)
 
 
 def table() -> list[list[str]]:

@@ -37,6 +37,8 @@ CAPACITY = 2000
 _A_TURN = 50
 #: How long a connection may take, in seconds.
 CONNECT_S = 3.0
+#: So long after the handshake the session may say that it does not want a certificate, in seconds.
+REFUSAL_S = 0.3
 #: A frame waits so long for room in the line, in microseconds; then it is dropped.
 _WAIT_US = 50_000
 #: All of zenoh's, each of which has a queue.
@@ -472,7 +474,7 @@ def _examined(at: ListenAddress, access: AccessFile | None) -> LineError | None:
             with access.context().wrap_socket(plain, server_hostname=SERVER_NAME) as there:
                 # A certificate that is not wanted is refused after the handshake; with one that is,
                 # nobody says anything before we do.
-                there.settimeout(0.3)
+                there.settimeout(REFUSAL_S)
                 there.recv(1)
     except TimeoutError:
         return None

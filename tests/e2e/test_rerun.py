@@ -166,13 +166,20 @@ def test_a_stop_on_the_way_ends_it_and_nothing_moves_after(
     lab: Lab, servos: Servos, original: Log
 ) -> None:
     process, log = _begun(lab, original)
+    begin = len(servos.journal)
+    servos.witness(log)
     log.wait("rerun.sent", 3)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=WAIT_S)
     assert process.returncode == 130, (out, err)
     (ended,) = log.lines("rerun.ended")
     assert ended.fields["reason"] == "stopped"
-    assert log.lines("stop.confirmed")[0].fields["confirmed"] == ["head"]
+    stop = log.lines("stop.confirmed")[0]
+    # On a crowded machine servos take longer to say that they hold than a stop is waited for.
+    assert [*stop.fields["confirmed"], *stop.fields["missing"]] == ["head"]
+    after = [n for n in servos.journal[begin:] if n.goal and n.witness >= log.end_of(stop)]
+    for servo in scenes.JOINTS:  # then the tick under way at most, and where it is held
+        assert len({note.value for note in after if note.id == servo}) <= 2
     assert len(log.lines("command.requested")) == ended.fields["sent_again"]
     assert log.lines("session.end")
 

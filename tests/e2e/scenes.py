@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 #: A simulated robot that speaks for long and drives far. A console on a crowded machine may be
-#: silent for longer than a second.
+#: silent for longer than a second, and a key may wait there before it is read.
 GUIDE = """\
 title: Long way
 robot: {robot}
 conditions: [warm, cold]
 variables: {{room: the hall}}
-session: {{abandon_after: {abandon} s, dead_man: 3 s}}
+session: {{abandon_after: {abandon} s, dead_man: 3 s, stale_after: 30 s}}
 panels:
   - title: Speech
     actions:
@@ -54,7 +54,7 @@ robot:
       moves:
         nod: [{{tilt: 14, seconds: 0.3}}, {{tilt: 0, seconds: 0.3}}]
 {more}
-session: {{abandon_after: {abandon} s}}
+session: {{abandon_after: {abandon} s, stale_after: 30 s}}
 panels:
   - title: Head
     actions:

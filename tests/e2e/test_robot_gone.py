@@ -126,9 +126,9 @@ def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
 
 
 def test_what_waited_while_it_stood_still_is_not_played_and_the_stop_is(lab: Lab) -> None:
-    lab.host(
-        lab.file("guide.yaml", scenes.guide().replace("dead_man", "stale_after: 1 s, dead_man"))
-    )
+    text = scenes.guide()
+    assert "stale_after: 30 s" in text
+    lab.host(lab.file("guide.yaml", text.replace("stale_after: 30 s", "stale_after: 1 s")))
     log = lab.log
     log.wait("driver.connected")
     robot = lab.host_process()

@@ -40,7 +40,7 @@ variables:
 perception: {hide: [identity, transcript, direction], blur: [loudness, distance]}
 questionnaires:
   - {name: ux, when: trial, items: [{name: nice, question: Was it nice?}]}
-session: {dead_man: 60 s, abandon_after: 60 s}
+session: {dead_man: 60 s, stale_after: 60 s, abandon_after: 60 s}
 panels:
   - title: Speech
     actions:

@@ -32,6 +32,7 @@ class Study:
     """All three computers while the study is played."""
 
     network: Network
+    text: str = STUDY
     laptop: Computer = field(init=False)
     robot: Computer = field(init=False)
     second: Computer = field(init=False)
@@ -45,7 +46,7 @@ class Study:
             computers[name] for name in ("laptop", "ada.local", "karel.local")
         )
         # Far enough away for whatever happens on the way.
-        self.robot.file("door.yaml", STUDY.replace("drive: 1", "drive: 5"))
+        self.robot.file("door.yaml", self.text.replace("drive: 1", "drive: 5"))
         self.robot.file("karel.yaml", KAREL)
         bea, karel, scp_bea, scp_karel, serve, run, attach = COMMANDS
         for words in (bea, karel):
@@ -84,6 +85,15 @@ def study() -> Iterator[Study]:
         yield Study(network)
 
 
+@pytest.fixture
+def patient_study() -> Iterator[Study]:
+    """Keys may wait on a crowded machine; for tests in which no network holds them back."""
+    patient = STUDY.replace("session: {", "session: {stale_after: 30 s, ")
+    assert patient != STUDY
+    with Network("laptop", "ada.local", "karel.local") as network:
+        yield Study(network, patient)
+
+
 def under_way(log: Log, verb: str, count: int = 1) -> str:
     """The id of the command of this verb that has begun last."""
     line = log.wait("command.requested", count, verb=verb)
@@ -120,7 +130,8 @@ def test_a_wizards_cable_is_cut_and_mended(study: Study) -> None:
     assert not log.lines("action.requested", action="Karel explains")
 
 
-def test_a_robots_computer_dies_during_a_command(study: Study) -> None:
+def test_a_robots_computer_dies_during_a_command(patient_study: Study) -> None:
+    study = patient_study
     log = study.log
     study.ada.send("a")
     study.karel.send("l")
@@ -149,7 +160,8 @@ def test_a_robots_computer_dies_during_a_command(study: Study) -> None:
     log.wait("action.failed", action="Karel nods")
 
 
-def test_the_sessions_computer_dies_while_all_is_under_way(study: Study) -> None:
+def test_the_sessions_computer_dies_while_all_is_under_way(patient_study: Study) -> None:
+    study = patient_study
     log = study.log
     study.karel.send("l")
     under_way(log, "say")

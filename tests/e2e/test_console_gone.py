@@ -60,7 +60,6 @@ def test_killed_while_driving(lab: Lab, long_story: FakeTerminal) -> None:
     terminal.process.kill()
     log.wait("command.stopped", command=drive)
     assert log.wait("console.lost").seq < log.wait("command.stopped", command=drive).seq
-    assert not log.lines("command.done", command=say), "it should be speaking still"
     again = lab.attach()
     again.wait_for(
         lambda screen: "▶ Long story" in screen or bool(log.lines("command.done", command=say))

@@ -109,8 +109,8 @@ def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
     file = lab.file("bench.yaml", scenes.head(servos.port, abandon=5))
     host = lab.host(file)
     log = lab.log
-    log.wait("driver.connected")
-    with Program(lab.socket()) as program:
+    with Program(lab.socket()) as program:  # first of all: it is alone until then
+        log.wait("driver.connected")
         assert program.ask("action", action="Torque on")["ok"]
         log.wait("command.done")
         assert program.ask("action", action="Left")["ok"]

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import functools
 import random
 import sys
@@ -28,8 +29,9 @@ panels:
       - {name: both, steps: [{eyes: red}, {emotion: happy, volume: 0.3}]}
 """
 ACTIONS = ("say", "nod", "mark", "both")
-#: The longest that a robot process lives after its first request, in seconds.
-LIFE_S = 0.3
+#: The most that is acknowledged before a robot process is killed, and the longest that it lives
+#: after that, in seconds: so it dies in the middle of whatever it does.
+MOST, LIFE_S = 30, 0.05
 
 
 @dataclass
@@ -55,18 +57,20 @@ def run(lab: Lab, rounds: int, seed: int) -> Found:
         path = lab.runtime / "woz" / f"S{number}.sock"
         until(functools.partial(answers, path), "a robot process")
         acknowledged: list[str] = []
-        with Program(path) as program:
-            killer = threading.Timer(dice.uniform(0.0, LIFE_S), process.kill)
-            killer.start()
-            try:
-                while True:
-                    reply = program.ask("action", action=dice.choice(ACTIONS))
-                    if reply["ok"]:
-                        acknowledged.append(str(reply["run"]))
-            except OSError:  # it is dead
-                pass
-            finally:
-                killer.join()
+        enough = dice.randrange(1, MOST)
+        killer = threading.Timer(dice.uniform(0.0, LIFE_S), process.kill)
+        with Program(path) as program, contextlib.suppress(OSError):  # it is dead
+            while True:
+                reply = program.ask("action", action=dice.choice(ACTIONS))
+                if reply["ok"]:
+                    acknowledged.append(str(reply["run"]))
+                if len(acknowledged) == enough and not killer.ident:
+                    killer.start()
+        if killer.ident:
+            killer.join()
+        else:
+            found.complaints.append(f"S{number}: it ended or stood still by itself")
+            process.kill()
         process.wait()
         path.unlink()
         _judge(lab, f"S{number}", acknowledged, found)

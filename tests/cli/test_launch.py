@@ -14,6 +14,7 @@ from queue import Queue
 
 import pytest
 
+from tests.e2e.program import Program
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.cli import main
@@ -70,8 +71,9 @@ def test_it_does_not_belong_to_the_terminal(tmp_path: Path, started: list[Launch
     started.append(launch(tmp_path))
     robot = started[0].wait()
     assert os.getsid(robot.pid) != os.getsid(0)
-    os.kill(robot.pid, signal.SIGHUP)
-    assert session_sockets.answers(robot.socket)
+    with Program(robot.socket) as program:
+        os.kill(robot.pid, signal.SIGHUP)
+        assert program.ask("preflight")["ok"]
 
 
 @pytest.mark.parametrize(

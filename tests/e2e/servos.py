@@ -49,6 +49,8 @@ class Servos:
     def __init__(self, lab: Lab, python: str, *, positions: dict[int, int] | None = None) -> None:
         self.port = lab.folder / "servos"
         self._journal = lab.folder / "journal.jsonl"
+        self._notes: list[Note] = []
+        self._bytes = 0
         words = [python, "-m", "tests.fakes.servos", "--link", str(self.port)]
         words += ["--ids", ",".join(map(str, JOINTS)), "--model", KIND]
         words += ["--journal", str(self._journal)]
@@ -71,9 +73,14 @@ class Servos:
 
     @property
     def journal(self) -> list[Note]:
-        """All that arrived, oldest first."""
-        lines = self._journal.read_bytes().split(b"\n")[:-1]
-        return [_note(json.loads(line)) for line in lines]
+        """All that arrived, oldest first; who looks again and again reads each line once."""
+        with self._journal.open("rb") as file:
+            file.seek(self._bytes)
+            data = file.read()
+        whole = data[: data.rfind(b"\n") + 1]
+        self._bytes += len(whole)
+        self._notes += [_note(json.loads(line)) for line in whole.splitlines()]
+        return self._notes
 
     def goals(self, number: int) -> list[Note]:
         """The goals of one servo."""

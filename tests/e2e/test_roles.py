@@ -73,7 +73,9 @@ class Ear:
     """A client that reads all bytes that it is sent."""
 
     def __init__(self, path: Path, **hello: object) -> None:
-        self.bytes = b""
+        self.bytes = bytearray()
+        self._lines: list[dict[str, object]] = []
+        self._decoded = 0
         self._socket = socket.socket(socket.AF_UNIX)
         self._socket.connect(str(path))
         self._ref = 0
@@ -96,9 +98,7 @@ class Ear:
         ref = self.send(kind, **fields)
 
         def reply() -> dict[str, object] | None:
-            lines = (json.loads(line) for line in self.bytes.split(b"\n")[:-1])
-            replies = (line for line in lines if line["kind"] == "reply" and line["ref"] == ref)
-            return next(replies, None)
+            return next((line for line in self.lines("reply") if line["ref"] == ref), None)
 
         found: dict[str, object] = until(reply, f"an answer to {kind}")
         return found
@@ -109,9 +109,12 @@ class Ear:
         return self.bytes.decode().casefold()
 
     def lines(self, kind: str) -> list[dict[str, object]]:
-        """Messages of a kind."""
-        lines = [json.loads(line) for line in self.bytes.split(b"\n")[:-1]]
-        return [line for line in lines if line["kind"] == kind]
+        """Messages of a kind; who asks again and again decodes each line once."""
+        end = self.bytes.rfind(b"\n") + 1
+        new = bytes(self.bytes[self._decoded : end])
+        self._decoded = end
+        self._lines += map(json.loads, new.splitlines())
+        return [line for line in self._lines if line["kind"] == kind]
 
 
 def found(text: str, words: tuple[str, ...]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from woz_tui.cli.new import TEMPLATES
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
+
+ROOT = Path(__file__).parents[2]
 
 
 def made(path: Path, *options: str, ask: Callable[[str], str] | None = None) -> int:
@@ -45,6 +48,16 @@ def test_every_template_is_right_without_a_warning(
     study = "--free" not in options
     assert bool(experiment.study.questionnaires) is study
     assert bool(experiment.study.training.cues) is study
+
+
+def test_the_tutorial_tells_what_the_template_has(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (ROOT / "docs" / "tutorials" / "interview.md").read_text(encoding="utf-8")
+    assert "woz new talk.yaml --yes --conditions neutral,empathic\n" in page
+    assert made(tmp_path / "talk.yaml", "--yes", "--conditions", "neutral,empathic") == 0
+    told = re.findall(r"\d+ actions on .*", capsys.readouterr().out)[0].rstrip(".")
+    assert f"# {told}\n" in page
 
 
 def test_what_is_asked_for_stands_in_it(tmp_path: Path) -> None:

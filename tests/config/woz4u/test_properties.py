@@ -11,6 +11,7 @@ import yaml
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from tests.amounts import many
 from tests.config.woz4u.reading import CATALOGUE, converted, essence
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.experiment_file import TOP_LEVEL
@@ -24,7 +25,7 @@ from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 EXAMPLE = Path(__file__).parents[3] / "experiments" / "woz4u" / "config.yaml"
 _ONE_FOLDER = settings(
     deadline=None,
-    max_examples=40,
+    max_examples=many(40),
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 

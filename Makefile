@@ -24,7 +24,7 @@ peers: $(DEV)  ## install robots' own programs and run the tests against them; A
 	@.ci/peers $(ARGS)
 
 fuzz: $(DEV)  ## run the property tests with many new random examples
-	@HYPOTHESIS_PROFILE=fuzz .ci/test -m hypothesis $(ARGS)
+	@HYPOTHESIS_PROFILE=fuzz .ci/test -m hypothesis --timeout 3600 $(ARGS)
 
 check: $(DEV)  ## lint, format, types, import rules
 	@$(BIN)/ruff check .

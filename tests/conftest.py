@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.amounts import EXAMPLES
 from woz_tui.testing import contract_checks
 
 # Machines are shared and slow: how long an example took says nothing about the code.
@@ -20,7 +21,7 @@ settings.register_profile(
     "repeatable", settings.get_profile("shared"), derandomize=True, max_examples=30
 )
 # `make fuzz`: other examples each time, and many more.
-settings.register_profile("fuzz", settings.get_profile("shared"), max_examples=1000)
+settings.register_profile("fuzz", settings.get_profile("shared"), max_examples=EXAMPLES)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 

@@ -157,6 +157,16 @@ def test_our_own_classes_are_never_mocked() -> None:
     assert mocking == []
 
 
+def test_make_fuzz_tries_more_of_every_property() -> None:
+    """A number that a test writes itself goes before the profile's; `many` knows both."""
+    fixed = [
+        str(path.relative_to(ROOT))
+        for path in SOURCES
+        if path.name.startswith("test_") and re.search(r"max_examples=\d", path.read_text())
+    ]
+    assert fixed == []
+
+
 def test_no_modules_import_each_other_in_a_circle() -> None:
     """Also not for types alone: who reads one of them would have to read all."""
     files = {_module(path): path for path in SOURCES if path.parts[len(ROOT.parts)] in PACKAGES}

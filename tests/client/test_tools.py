@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.amounts import many
 from tests.client.test_client import PATIENCE_S
 from tests.host.rig import Served, served
 from woz_tui.client import WozClient, WozError, WozRefusedError, connect
@@ -95,7 +96,7 @@ _CALLS = st.lists(
 )
 
 
-@settings(max_examples=settings().max_examples if settings().max_examples >= 1000 else 5)
+@settings(max_examples=many(5, 100))
 @given(calls=_CALLS)
 def test_hostile_calls_are_refused_and_the_session_plays_on(
     calls: list[tuple[str, dict[str, Any]]],

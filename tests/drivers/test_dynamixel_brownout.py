@@ -22,6 +22,7 @@ from woz_drivers.dynamixel.port import ServoPort
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
 from woz_drivers.dynamixel.wire import ServoWire
 
+from tests.amounts import many
 from tests.drivers.heard import PATIENCE_S, Heard, until
 from tests.drivers.servo_stand import SILENT_MS, head, stand
 from tests.fakes.servo_motor import OVERLOAD
@@ -167,7 +168,7 @@ async def moving(folder: Path, protocol: int) -> AsyncIterator[Moving]:
 
 @pytest.mark.toolkit("R4")
 @pytest.mark.parametrize("protocol", [1, 2])
-@settings(max_examples=15)
+@settings(max_examples=many(15, 300))
 @given(brownouts=st.lists(BROWNOUT, min_size=1, max_size=3))
 @example(brownouts=[UNSEEN])
 @example(brownouts=[AT_ONCE])

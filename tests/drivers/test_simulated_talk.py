@@ -23,6 +23,7 @@ from woz_drivers.simulated.simulated_microphone import (
 from woz_drivers.simulated.verbs import offered, sensors
 from woz_drivers.simulated.visitor import PEOPLE, STRANGERS, SimulatedVisitor, VisitPhase
 
+from tests.amounts import many
 from tests.fakes.simulated_rig import Rig, rig
 from woz_tui.drivers.contract import SPEECH, DriverError, RejectedError
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
@@ -153,7 +154,7 @@ def talked(seed: int, lateness: random.Random | None) -> list[tuple[str, int, st
     return course
 
 
-@settings(max_examples=5)
+@settings(max_examples=many(5, 200))
 @given(st.integers(0, 2**31 - 1))
 def test_a_clock_that_is_not_quite_on_time_changes_nothing(seed: int) -> None:
     exact = talked(seed, None)

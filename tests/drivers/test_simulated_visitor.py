@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from woz_drivers.simulated.senses import DOOR, SENSORS, WALL, Sample
 from woz_drivers.simulated.visitor import SimulatedVisitor, VisitPhase
 
+from tests.amounts import many
+
 HOUR = 3600.0
 
 
@@ -18,7 +20,7 @@ def by_sensor(samples: list[Sample], sensor: str) -> list[Sample]:
     return [sample for sample in samples if sample.sensor == sensor]
 
 
-@settings(max_examples=20)
+@settings(max_examples=many(20))
 @given(st.integers(0, 2**31 - 1), st.lists(st.floats(0, 20), min_size=1, max_size=8))
 def test_same_seed_same_samples_whatever_the_steps(seed: int, pauses: list[float]) -> None:
     end = sum(pauses)

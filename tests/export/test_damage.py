@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from tests.amounts import many
 from tests.export.logs import SHA, STEM, Timed, start, visit, write
 from tests.export.out import exported
 from tests.export.test_bids import validated
@@ -113,7 +114,7 @@ def test_times_far_off_harm_nobody(tmp_path: Path, to: str) -> None:
         check_cover(read_grid(tmp_path / "out" / f"{STEM}.TextGrid"))
 
 
-@settings(max_examples=15, suppress_health_check=list(HealthCheck))
+@settings(max_examples=many(15), suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_whatever_happens_to_its_bytes_a_log_is_exported(
     tmp_path: Path, data: st.DataObject

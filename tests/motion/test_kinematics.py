@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.amounts import many
 from tests.motion.chains import bodies, by_matrices, eyepi, missed_deg
 from woz_tui.motion.body_shape import BodyShape, FaceShape
 from woz_tui.motion.kinematics import KinematicChain, body_outline
@@ -169,7 +170,7 @@ def test_a_start_out_of_range_or_without_numbers_is_put_in_range() -> None:
 
 
 @given(bodies(4), fractions(4))
-@settings(max_examples=20)
+@settings(max_examples=many(20))
 def test_an_outline_carries_the_whole_chain(shape: BodyShape, shares: list[float]) -> None:
     angles = inside(shape, shares)
     copy = KinematicChain.of_outline(msgspec.json.decode(msgspec.json.encode(body_outline(shape))))

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.amounts import many
 from tests.network.hostile_frames import HostileFrames
 from tests.network.other_computer import PLACE, Pair, pair
 from woz_tui.drivers.contract import DeviceLostError
@@ -50,7 +51,7 @@ async def attack(two: Pair, seed: int) -> None:
     await plays_on(two)
 
 
-@settings(max_examples=settings().max_examples if settings().max_examples >= 1000 else 5)
+@settings(max_examples=many(5, 200))
 @given(seed=st.integers(0, 2**32))
 def test_hostile_frames_move_nothing_and_the_session_plays_on(seed: int) -> None:
     async def run() -> None:

@@ -39,7 +39,7 @@ _AT_ONCE = struct.pack("ii", 1, 0)
 log = logging.getLogger(__name__)
 
 
-class UnansweredError(DriverError):
+class LateAnswerError(DriverError):
     """The robot has not answered a request in time: whether it does as asked, nobody knows."""
 
 
@@ -189,7 +189,7 @@ class WebSocketLine:
         Raises:
             DeviceLostError: The robot is not connected, or was lost meanwhile.
             AnswerError: It answered with an error.
-            UnansweredError: It did not answer within `within` seconds.
+            LateAnswerError: It did not answer within `within` seconds.
             DriverError: It broke this request off, or answered with what is no JSON.
         """
         self._open_socket()
@@ -205,7 +205,7 @@ class WebSocketLine:
             ) as answer:
                 body = await answer.read()
         except TimeoutError:
-            raise UnansweredError(
+            raise LateAnswerError(
                 f"{self._shown} did not answer {path} within {within:g} s", "try again"
             ) from None
         except (aiohttp.ClientError, ConnectionError, RuntimeError) as error:

@@ -20,7 +20,7 @@ from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_moves import PoseFrame
 from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, Pose, reachable
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
-from woz_drivers.web_socket_line import AnswerError, UnansweredError
+from woz_drivers.web_socket_line import AnswerError, LateAnswerError
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.motion.safety import LimitedJoint, Limits
@@ -248,7 +248,7 @@ class ReachyBody:
                 if uuid not in await self._link.running():
                     return
                 answered = loop.time()
-            except UnansweredError:  # one that a network held up ends no move
+            except LateAnswerError:  # one that a network held up ends no move
                 if loop.time() > answered + _LATE_S:
                     raise
             if loop.time() > latest:

@@ -45,14 +45,14 @@ class HostileFrames:
             self._number(), "c9", self._word("lift", "roll"), {"kg": self._value()}, "key", _LARGE
         )
         bodies: list[Any] = [
-            dm.Pong(*(self._number() for _ in range(4))),
+            dm.Pong(self._number(), self._number(), self._number(), self._number(), True),
             dm.Cancel(self._number()),
             dm.Invoke(self._number(), self._word("predict", "reread", "fly"), [self._value()]),
             dm.AskEnded(self._number(), True, "x" * 100),
             dm.Left("gone"),
             dm.CameraWanted(self._number(), self._number(), 1e300),
             dm.SoundSent("voice.sound", self._number(), self._number(), b"abc"),
-            dm.DriverHello(LINK, "1", "s", "arm", "arm", {}, "", "../../m", stopped=False),
+            dm.DriverHello(LINK, "1", "s", "arm", "arm", {}, "", "../../m"),
         ]
         body = self._dice.choice([*bodies, command])
         epoch = self._epoch

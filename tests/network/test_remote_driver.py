@@ -396,6 +396,54 @@ async def test_our_own_conversation_that_the_other_side_still_has_is_nobody_else
         assert Health.FAULTED not in [health for health, *_ in two.context.healths]
 
 
+@pytest.mark.parametrize("released", [True, False], ids=["released", "pressed"])
+async def test_what_the_wizard_does_while_the_line_comes_back_is_not_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, released: bool
+) -> None:
+    """Between the session's greeting and the first ping, which says that it has the driver."""
+    lost: list[bytes] = []
+    unheard = asyncio.Event()
+    receive = RemoteDriver._receive
+
+    def pings_get_lost(remote: RemoteDriver, data: bytes) -> None:
+        ping = isinstance(driver_messages.from_driver.decode(data).body, driver_messages.Ping)
+        if ping and unheard.is_set():
+            lost.append(data)
+        else:
+            receive(remote, data)
+
+    monkeypatch.setattr(RemoteDriver, "_receive", pings_get_lost)
+    async with pair(tmp_path) as two:
+        if released:
+            await two.remote.stop(Scope.ALL)
+        unheard.set()
+        await two.cable.cut()
+        await two.healthy(Health.LOST)
+        lost.clear()
+        await two.cable.lay()
+        await until(lambda: bool(lost), 20)
+        if released:
+            await two.remote.resume()
+        else:
+            await two.remote.stop(Scope.ALL)
+        two.arm.others.clear()
+        unheard.clear()
+        await two.healthy(Health.CONNECTED)
+        await two.remote.perform(PlainJob("wave"))
+        assert two.arm.others == ["resume"] * released
+
+
+async def test_a_release_that_a_stop_has_overtaken_is_none(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        send = two.remote._send
+        send(driver_messages.Stop(1002, Scope.ALL.value), urgent=True)
+        await until(lambda: "stop all" in two.arm.others)
+        for number, what in ((1000, "resume"), (1001, "rest"), (1003, "resume")):
+            send(driver_messages.Invoke(number, what))
+        await until(lambda: "resume" in two.arm.others)
+        assert two.arm.others == ["stop all", "resume"]
+
+
 # -- letting go ------------------------------------------------------------------------------------
 
 
@@ -527,7 +575,6 @@ async def test_two_greetings_at_once_do_not_wait_for_each_other(tmp_path: Path) 
             settings=remote_side.setting_hashes(ArmSettings()),
             offer=remote_side.offer_hash(SlowArm, ArmSettings()),
             media="",
-            stopped=False,
         )
         for epoch in (1, 2):
             frame = driver_messages.FrameToDriver(served._instance, epoch, 0, hello)
@@ -637,6 +684,29 @@ async def test_the_other_program_is_restarted_during_a_command(tmp_path: Path) -
         await two.healthy(Health.CONNECTED)
         assert two.arm is not first
         assert not two.arm.calls
+
+
+class OpeningArm(Arm):
+    """Remembers when it was opened, too."""
+
+    async def open(self) -> None:
+        self.others.append("open")
+        await super().open()
+
+
+async def test_the_other_program_is_restarted_while_the_stop_is_pressed(tmp_path: Path) -> None:
+    """Whatever moves by itself waits for the release; some drivers take no stop before `open`."""
+    async with pair(tmp_path, OpeningArm) as two:
+        assert two.arm.others == ["open"]
+        await two.remote.stop(Scope.ALL)
+        await two.other.end()
+        await two.healthy(Health.LOST)
+        await two.other.start(f"tcp://127.0.0.1:{two.cable.own_port}")
+        await two.healthy(Health.CONNECTED)
+        await until(lambda: len(two.arm.others) > 2)
+        assert two.arm.others == ["stop all", "open", "stop all"]
+        await two.remote.resume()
+        assert two.arm.others[3:] == ["resume"]
 
 
 async def test_nonsense_on_the_line_moves_nothing(tmp_path: Path) -> None:

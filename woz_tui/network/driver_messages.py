@@ -26,7 +26,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.protocol.messages import Json
 
 #: Which form of these messages; two sides of different forms do not talk.
-LINK = 2
+LINK = 3
 
 
 class _Body(msgspec.Struct, frozen=True, tag_field="is"):
@@ -46,7 +46,7 @@ class CallFailure(msgspec.Struct, frozen=True):
 
 class DriverHello(_Body, frozen=True, tag="hello"):
     """A session wants to use the driver. What it decoded must be what is served: hashes of each of
-    its `settings`, and of its verbs and sensors (`offer`). `stopped`: the stop is pressed.
+    its `settings`, and of its verbs and sensors (`offer`).
     """
 
     link: int
@@ -57,16 +57,18 @@ class DriverHello(_Body, frozen=True, tag="hello"):
     settings: dict[str, str]
     offer: str
     media: str
-    stopped: bool
 
 
 class Pong(_Body, frozen=True, tag="pong"):
-    """The answer to a ping, at once: this computer's time, and the last number it has sent."""
+    """The answer to a ping, at once: this computer's time, the last number it has sent, and whether
+    the stop is pressed. With the first one the driver begins.
+    """
 
     sent_us: int
     boot_us: int
     t_us: int
     last: int
+    stopped: bool
 
 
 class Perform(_Body, frozen=True, tag="perform"):
@@ -87,11 +89,12 @@ class Cancel(_Body, frozen=True, tag="cancel"):
 
 
 class Stop(_Body, frozen=True, tag="stop"):
-    """Stop; commands up to number `up_to` that have not begun must not begin any more."""
+    """Stop; it overtakes what was sent before. Commands of a smaller number that have not begun
+    must not begin any more.
+    """
 
     id: int
     scope: str
-    up_to: int
 
 
 class Invoke(_Body, frozen=True, tag="invoke"):

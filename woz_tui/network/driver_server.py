@@ -51,6 +51,8 @@ from woz_tui.system.thread_calls import ThreadCalls
 #: How often the session's clock is asked, and how often it is said that the driver is here, in
 #: seconds.
 PING_S, HERE_S = 0.15, 0.5
+#: A driver is opened at the latest so long after its stop was called, in seconds.
+_FIRST_STOP_S = 0.5
 
 log = logging.getLogger(__name__)
 
@@ -110,6 +112,7 @@ class ServedDriver:
         self._context: ServedContext | None = None
         #: Which session made the driver, and the driver's name there.
         self._session = self._user = self._media = ""
+        #: The stop is pressed.
         self._stopped = False
         self._epoch = 0
         self._ready = False
@@ -227,11 +230,14 @@ class ServedDriver:
                 log.exception("%s did not close", self.name)
                 self._tell(f"{self.name}: it did not close: {error}")
 
-    def _spawn(self, coroutine: Any, among: set[asyncio.Task[Any]] | None = None) -> None:
+    def _spawn(
+        self, coroutine: Any, among: set[asyncio.Task[Any]] | None = None
+    ) -> asyncio.Task[Any]:
         tasks = self._tasks if among is None else among
         task = self._loop.create_task(coroutine)
         tasks.add(task)
         task.add_done_callback(tasks.discard)
+        return task
 
     def in_loop(self, call: Callable[[], None]) -> None:
         """Soon, from any thread."""
@@ -309,7 +315,7 @@ class ServedDriver:
         self._stopped_up_to = dict.fromkeys(Scope, 0)
         self._clocks.forget()
         self._alive_us = self.clock.boot_us()
-        self._epoch, self._media, self._stopped = epoch, hello.media, hello.stopped
+        self._epoch, self._media, self._stopped = epoch, hello.media, False
         self._ping()
 
     def _refusal(self, hello: dm.DriverHello) -> dm.NotTaken | None:
@@ -373,6 +379,7 @@ class ServedDriver:
         self._alive_us = max(self._alive_us, pong.sent_us)
         if not self._ready:
             self._ready = True
+            self._stopped |= pong.stopped  # a stop pressed since then may have overtaken this
             self._begin()
 
     def _begin(self) -> None:
@@ -391,7 +398,18 @@ class ServedDriver:
             context.health(Health.FAULTED, f"it cannot be created: {type(error).__name__}: {error}")
             return
         self._driver, self._context = driver, context
-        self._spawn(self._aside("open", driver.open))
+        self._spawn(self._open(driver))
+
+    async def _open(self, driver: Driver) -> None:
+        """One that is made while the stop is pressed begins stopped. It hears that twice: before it
+        can find its hardware, and for drivers that take no stop before `open`.
+        """
+        if self._stopped:
+            stop = self._spawn(self._stop_alone(driver))
+            await asyncio.wait([stop], timeout=_FIRST_STOP_S)
+        await self._aside("open", driver.open)
+        if self._stopped:
+            await self._stop_alone(driver)
 
     async def _aside(self, what: str, call: Callable[[], Awaitable[None]]) -> None:
         try:
@@ -492,10 +510,12 @@ class ServedDriver:
         driver = self._driver
         if driver is None:
             return None
+        overtaken = call.id <= self._stopped_up_to[Scope.ALL]
         match call.what, call.args:
-            case "resume", []:
+            case "resume", [] if not overtaken:
+                self._stopped = False
                 await driver.resume()
-            case "rest", []:
+            case "rest", [] if not overtaken:
                 await driver.rest()
             case "prepare_say", [list() as utterances]:
                 await driver.prepare_say(utterances)
@@ -513,7 +533,8 @@ class ServedDriver:
     def _on_stop(self, stop: dm.Stop) -> None:
         self._send_raw(self._epoch, dm.StopTaken(stop.id), urgent=True)
         scope = Scope.DRIVE if stop.scope == Scope.DRIVE.value else Scope.ALL
-        self._stopped_up_to[scope] = max(self._stopped_up_to[scope], stop.up_to)
+        self._stopped_up_to[scope] = max(self._stopped_up_to[scope], stop.id)
+        self._stopped |= scope is Scope.ALL
         driver = self._driver
         if driver is None:
             self._send_raw(self._epoch, dm.StopEnded(stop.id), urgent=True)

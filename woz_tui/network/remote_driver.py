@@ -140,7 +140,6 @@ class RemoteDriver(Driver):
         self._sent = self._received = 0
         self._heard_us = 0
         self._round_trip_s = 0.0
-        self._last_perform = 0
         self._twice = ""
         #: Why the other computer may not come in any more.
         self._barred = ""
@@ -170,7 +169,7 @@ class RemoteDriver(Driver):
         """Have it carried out there."""
         if job.verb not in self._verbs:
             raise RejectedError(f"{self.name} cannot {job.verb}")
-        number = self._last_perform = next(self._ids)
+        number = next(self._ids)
         deadline = self.context.clock.boot_us() + round(LATE_S * 1e6)
         self._jobs[number] = job
         try:
@@ -192,7 +191,7 @@ class RemoteDriver(Driver):
         taken, ended = loop.create_future(), loop.create_future()
         self._stops[number] = taken, ended
         try:
-            self._send(dm.Stop(number, scope.value, self._last_perform), urgent=True)
+            self._send(dm.Stop(number, scope.value), urgent=True)
             try:
                 await asyncio.wait_for(asyncio.shield(taken), STOP_S)
             except TimeoutError:
@@ -409,7 +408,6 @@ class RemoteDriver(Driver):
                 settings=setting_hashes(self.settings),
                 offer=self._offer,
                 media=self.context.media.name,
-                stopped=self._stopped,
             ),
             instance=instance,
         )
@@ -427,7 +425,7 @@ class RemoteDriver(Driver):
                 clock = self.context.clock
                 boot_us, t_us = clock.boot_us(), self.context.t(clock.now_us())
                 new, self._bound, self._greeted = not self._bound, instance, ""
-                self._send(dm.Pong(sent_us, boot_us, t_us, self._sent))
+                self._send(dm.Pong(sent_us, boot_us, t_us, self._sent, self._stopped))
                 if new and self._utterances:
                     self._spawn(self._prepare())
             case dm.NotTaken(why=why, remedy=remedy):

@@ -167,14 +167,18 @@ class Body(RenderedDriver):
         return Forecast(foreseen.seconds, () if at is None else ((at, "stroke", ""),))
 
     async def stop(self, scope: Scope) -> None:
-        """Stand still, breathing and blinking too, until `resume`.
+        """Stand still, breathing and blinking too, until `resume`; before `open`, from the first
+        tick on.
 
         Raises:
             DriverError: No tick confirmed it.
         """
-        if scope is Scope.DRIVE or self._events is None or self._closed:
+        if scope is Scope.DRIVE or self._closed:
             return
-        still = asyncio.wrap_future(self.loop.freeze())
+        frozen = self.loop.freeze()
+        if self._events is None:
+            return
+        still = asyncio.wrap_future(frozen)
         try:
             async with asyncio.timeout(STOP_S):
                 await still

@@ -10,7 +10,7 @@ import pytest
 from woz_drivers.body import Body, BodySettings
 from woz_drivers.body.tick_loop import BodyLoop, Lateness
 
-from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
+from tests.drivers.body.rig import CALM, Stage, SteppedBody, played, robot, small, within
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.drivers.contract import DeviceLostError, Probe, RejectedError, Scope
@@ -248,6 +248,25 @@ def test_a_stop_stands_still_until_it_is_released(tmp_path: Path) -> None:
         it = await Stage.of(small(breathing={"tilt": 1.0}), tmp_path)
         await story(it)
         await it.body.close()
+
+    run_virtual(whole())
+
+
+def test_a_stop_before_it_is_opened_holds_from_the_first_tick_on(tmp_path: Path) -> None:
+    async def whole() -> None:
+        heard = Heard(tmp_path, LoopClock(asyncio.get_running_loop()))
+        body = SteppedBody("it", small(breathing={"tilt": 1.0}), heard.context)
+        await body.stop(Scope.ALL)
+        await body.open()
+        it = Stage(body, heard)
+        await it.ticks(1)
+        held = it.setpoints
+        await it.ticks(200)
+        assert it.setpoints == held
+        await body.resume()
+        await it.ticks(200)
+        assert it.setpoints != held
+        await body.close()
 
     run_virtual(whole())
 

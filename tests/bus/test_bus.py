@@ -363,6 +363,85 @@ def test_a_driver_that_is_found_is_stopped_as_long_as_the_stop_holds(after: floa
     assert rig.head.calls == [("stop", "all")] * 2
 
 
+def _known_since(rig: Rig) -> list[m.StopConfirmed]:
+    """Who confirmed each stop; the head was stopped again once, and only once."""
+    told = [line for line in rig.of(m.StopConfirmed) if isinstance(line, m.StopConfirmed)]
+    assert rig.head.calls == [("stop", "all")] * 2
+    assert [press.source for press in rig.lines if isinstance(press, m.StopPressed)] == [
+        "key",
+        "return of head",
+    ]
+    return told
+
+
+def test_a_driver_that_is_lost_and_back_while_others_confirm_is_stopped_again() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.base.stop_takes = 0.4
+        rig.head.stop_raises = DeviceLostError("port gone")
+        rig.bus.stop("key")
+        await asyncio.sleep(0.05)
+        rig.hub.publish(m.DriverLost(driver="head"))
+        await asyncio.sleep(0.15)
+        rig.head.stop_raises = None
+        rig.hub.publish(m.DriverConnected(driver="head"))
+        await asyncio.sleep(2)
+
+    first, second = _known_since(in_rig(scenario))
+    assert (first.confirmed, first.unreached) == (["base"], ["head"])
+    assert (second.confirmed, second.missing) == (["head", "base"], [])
+
+
+def test_a_driver_whose_fault_is_over_while_others_confirm_is_stopped_again() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.hub.publish(m.DriverLost(driver="head"))
+        rig.hub.publish(m.DriverFaulted(driver="head", detail="one joint is silent"))
+        rig.base.stop_takes = 0.4
+        rig.head.stop_raises = DriverError("nobody knows")
+        rig.bus.stop("key")
+        await asyncio.sleep(0.2)
+        rig.head.stop_raises = None
+        rig.hub.publish(m.DriverConnected(driver="head"))
+        await asyncio.sleep(2)
+
+    first, second = _known_since(in_rig(scenario))
+    assert first.missing == ["head"]
+    assert (second.confirmed, second.missing) == (["head", "base"], [])
+
+
+def test_a_driver_that_is_back_with_a_fault_is_stopped_again_and_confirms_by_its_parts() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.hub.publish(m.DriverLost(driver="head"))
+        rig.head.stop_tells = StopReport(("pan",))
+        rig.bus.stop("key")
+        await asyncio.sleep(1)
+        for alarm in ("too hot", "tilt is silent"):  # the second is no return
+            rig.hub.publish(m.DriverFaulted(driver="head", detail=alarm))
+            await asyncio.sleep(1)
+
+    first, second = _known_since(in_rig(scenario))
+    assert first.unreached == ["head"]
+    assert (second.confirmed, second.missing) == (["head", "base"], [])
+
+
+@pytest.mark.parametrize("after", [0.2, 5.0], ids=["while others confirm", "later"])
+def test_a_driver_that_had_confirmed_and_is_lost_since_is_stopped_again(after: float) -> None:
+    """What is switched off and on again knows of no stop."""
+
+    async def scenario(rig: Rig) -> None:
+        rig.base.stop_takes = 0.4
+        rig.bus.stop("key")
+        await asyncio.sleep(after)
+        rig.hub.publish(m.DriverLost(driver="head"))
+        await asyncio.sleep(0.1)
+        rig.hub.publish(m.DriverConnected(driver="head"))
+        await asyncio.sleep(2)
+        rig.hub.publish(m.DriverConnected(driver="head", detail="in other words"))
+        await asyncio.sleep(2)
+
+    _, second = _known_since(in_rig(scenario))
+    assert (second.confirmed, second.missing) == (["head", "base"], [])
+
+
 def test_a_driver_that_is_found_after_the_release_is_left_alone() -> None:
     async def scenario(rig: Rig) -> None:
         rig.hub.publish(m.DriverLost(driver="head"))

@@ -87,6 +87,9 @@ class Bus:
         self._connected: set[str] = set()
         #: Those of which a part may be connected: they say which.
         self._faulted: set[str] = set()
+        #: Since the last stop of everything: who was lost, and who is back or there at last.
+        self._lost: set[str] = set()
+        self._back: set[str] = set()
         hub.listen(self._on_message)
         self.latched = False
         #: Why the robot may not drive at this moment; empty while a wizard watches.
@@ -197,26 +200,36 @@ class Bus:
         """A driver with a fault is as connected as it was before."""
         match message:
             case DriverConnected(driver=driver):
+                if driver not in self._connected or driver in self._faulted:
+                    self._on_return(driver)
                 self._connected.add(driver)
                 self._faulted.discard(driver)
-                if driver in self._unconfirmed:
-                    asyncio.get_running_loop().call_soon(self._stop_again, driver)
             case DriverFaulted(driver=driver):
+                if driver not in self._connected | self._faulted:
+                    self._on_return(driver)
                 self._faulted.add(driver)
             case DriverLost(driver=driver) | DriverConnecting(driver=driver):
                 self.disconnected(driver)
 
-    def _stop_again(self, driver: str) -> None:
-        """A driver is back that had not confirmed the stop: it is stopped now, if it still has to
-        be.
+    def _on_return(self, driver: str) -> None:
+        if self.latched:
+            self._back.add(driver)
+            asyncio.get_running_loop().call_soon(self._stop_again)
+
+    def _stop_again(self) -> None:
+        """Stop drivers that are back and have not confirmed the stop, or were lost since: what is
+        switched on anew may know of no stop. Not before it is known who confirmed.
         """
-        if self.latched and driver in self._unconfirmed:
-            self.stop(f"return of {driver}")
+        again = sorted(self._back & (self._unconfirmed | self._lost))
+        if again and self.latched and not self._confirms:
+            self.stop(f"return of {again[0]}")
 
     def disconnected(self, driver: str) -> None:
         """From here on no stop reaches it, whatever its `stop` returns."""
         self._connected.discard(driver)
         self._faulted.discard(driver)
+        self._lost.add(driver)
+        self._back.discard(driver)
         for (name, _), lane in list(self._lanes.items()):
             if name == driver:
                 lane.end_motions(f"{driver} is not connected")
@@ -234,10 +247,12 @@ class Bus:
         while one is under way joins it: drivers are not called twice for a held-down key. Unless
         it was released in the meantime: then commands may have begun, and it is a new stop.
         """
-        joins = self.latched and self._stopping is not None and not self._stopping.done()
+        joins = self.latched and self._confirms
         self.latched = True
         if joins and self._stopping is not None:
             return self._stopping
+        self._lost.clear()
+        self._back.clear()
         began_us = self._hub.now()
         stops = self._call_stops(Scope.ALL, self._moving)
         self._hub.publish(StopPressed(source=source))
@@ -251,8 +266,12 @@ class Bus:
         """Drivers that may still move although the stop is pressed: all, until it is known."""
         if not self.latched:
             return []
-        confirming = self._stopping is not None and not self._stopping.done()
-        return self._moving if confirming else sorted(self._unconfirmed)
+        return self._moving if self._confirms else sorted(self._unconfirmed)
+
+    @property
+    def _confirms(self) -> bool:
+        """It is not known yet who confirmed the stop."""
+        return self._stopping is not None and not self._stopping.done()
 
     @property
     def _moving(self) -> list[str]:
@@ -327,9 +346,8 @@ class Bus:
                 scope=scope.value,
             )
         )
-        found_meanwhile = [name for name in absent if name in self._connected]
-        if jobs and found_meanwhile:
-            loop.call_soon(self._stop_again, found_meanwhile[0])  # when this one is over
+        if jobs:
+            loop.call_soon(self._stop_again)  # when this one is over
 
     async def _still(self, name: str, stop: StopTask, jobs: bool) -> bool:
         await asyncio.wait([stop])

@@ -495,6 +495,20 @@ async def test_a_line_that_is_cut_meanwhile_cuts_nothing_short(tmp_path: Path) -
         assert arm.lives == ["made", "closing", "closed"]
 
 
+async def test_a_conversation_that_was_lost_at_the_same_moment_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody there hears any more that the session closes; its hardware is stopped and held."""
+    monkeypatch.setattr(remote_side, "CLOSE_S", 2.0)
+    async with pair(tmp_path) as two:
+        assert isinstance(two.arm.context, ServedContext)
+        served = two.arm.context._line
+        assert isinstance(served, ServedDriver)
+        served.lose("something that the session sent was lost")
+        await two.remote.close()
+        assert two.arm.others == ["stop all"]
+
+
 async def test_who_takes_too_long_is_told_and_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

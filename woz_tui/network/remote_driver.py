@@ -361,6 +361,8 @@ class RemoteDriver(Driver):
         """It waits for a session."""
         now = self.context.clock.boot_us()
         if self._closed.is_set():
+            if instance == self._bound and here.epoch != self._epoch:
+                self._unbind(f"{self._place} had lost the line")  # nobody hears the end of it
             return
         if self._bound and instance != self._bound:
             if self._twice != instance:

@@ -18,10 +18,10 @@ from typing import Annotated, Any, ClassVar
 
 from woz_tui.drivers.contract import (
     Argument,
+    Driver,
     DriverContext,
     Health,
     Job,
-    PassiveDriver,
     Scope,
     Verb,
 )
@@ -42,7 +42,7 @@ class ProbeSettings:
     load: Annotated[bool, Doc("publish as much as the busiest sensors")] = False
 
 
-class Probe(PassiveDriver):
+class Probe(Driver):
     """See the module's text."""
 
     Settings: ClassVar[type] = ProbeSettings

@@ -5,14 +5,16 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from tests.session.rig import Puppet, Stage
-from woz_tui.drivers.contract import Ask, Health
+from tests.session.rig import HERE, Nothing, Puppet, Stage, experiment
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.drivers.contract import Ask, Health, PassiveDriver, Scope
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import FaceShown
@@ -274,6 +276,48 @@ def test_who_does_not_know_who_may_still_move_does_not_release_the_stop(tmp_path
     assert "by robot, broken, which may still move" in early[1]
     assert "by broken, which may still move" in alone[1]
     assert all_confirmed == (True, "")
+
+
+class Sonar(PassiveDriver):
+    """Is unplugged, and cannot take a stop."""
+
+    Settings = Nothing
+    summary = "for tests"
+    heard: ClassVar[list[str]] = []
+
+    async def open(self) -> None:
+        self.context.health(Health.LOST, "unplugged")
+
+    async def stop(self, scope: Scope) -> None:
+        self.heard.append(scope.value)
+        raise OSError("no such device")
+
+
+def test_what_neither_moves_nor_sounds_need_not_confirm_a_stop(tmp_path: Path) -> None:
+    Sonar.heard.clear()
+    ear = Ear()
+
+    async def go() -> Stage:
+        made = experiment(tmp_path)
+        sonar = DriverSpec("sonar", "sonar", Nothing(), (), (), HERE)
+        stage = Stage(
+            tmp_path,
+            catalogue={"puppet": Puppet, "sonar": Sonar},
+            made=replace(made, drivers=(*made.drivers, sonar)),
+        )
+        await stage.session.open()
+        stage.session.stop("key")
+        await asyncio.sleep(2)
+        from_a_thread(stage, Ask("release", source="midi"), ear)
+        await asyncio.sleep(1)
+        await stage.session.close("test")
+        return stage
+
+    stage = run_virtual(go())
+    (told,) = [line for line in stage.lines if isinstance(line, m.StopConfirmed)]
+    assert (told.confirmed, told.missing, told.unreached) == (["robot"], [], [])
+    assert Sonar.heard == ["all"]
+    assert ear.told == [(True, "")]
 
 
 def test_a_driver_that_does_not_move_by_itself_needs_no_resume(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tests.session.rig import Nothing, Puppet
-from woz_tui.drivers.contract import Argument, Driver, Verb
+from woz_tui.drivers.contract import Argument, Driver, PassiveDriver, Verb
 from woz_tui.drivers.plugins import installed
 from woz_tui.training.rehearsal_driver import rehearsal_of, rehearsed, seconds_of
 
@@ -31,6 +31,14 @@ def test_every_bundled_driver_can_be_rehearsed() -> None:
     for made in found.values():
         driver: type[Driver] = made
         assert "rehearsed" in driver.summary
+
+
+def test_a_stop_is_confirmed_as_it_will_be() -> None:
+    found = rehearsed(installed())
+    assert {each for each, made in found.items() if issubclass(made, PassiveDriver)} == {
+        each for each, real in installed().items() if issubclass(real, PassiveDriver)
+    }
+    assert not issubclass(found["simulated"], PassiveDriver)
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,8 @@ class Bus:
         drivers: By name.
         verbs: What each driver offers, by the driver's name.
         capacity: Commands that may wait in one lane.
-        motionless: Names of those that have nothing to stop, and so need not confirm one.
+        motionless: Names of those of which nothing moves or sounds: they hear of a stop, and need
+            not confirm it.
         unstopped: Names of those that nothing can come of while the stop is pressed, so that they
             take commands then too.
     """
@@ -84,6 +85,7 @@ class Bus:
         #: Drivers that did not confirm the last stop of everything.
         self._unconfirmed: set[str] = set()
         self._confirming = TaskSet("confirming a stop")
+        self._telling = TaskSet("telling of a stop")
         self._connected: set[str] = set()
         #: Those of which a part may be connected: they say which.
         self._faulted: set[str] = set()
@@ -255,6 +257,8 @@ class Bus:
         self._back.clear()
         began_us = self._hub.now()
         stops = self._call_stops(Scope.ALL, self._moving)
+        for name in self._motionless & self._drivers.keys():
+            self._telling.start(self._stop_of(name, Scope.ALL))
         self._hub.publish(StopPressed(source=source))
         for lane in list(self._lanes.values()):
             lane.stop("stop pressed")
@@ -304,11 +308,12 @@ class Bus:
     def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, StopTask]:
         loop = asyncio.get_running_loop()
         return {
-            name: loop.create_task(
-                guarded(functools.partial(self._drivers[name].stop, scope)), name=f"stop {name}"
-            )
+            name: loop.create_task(self._stop_of(name, scope), name=f"stop {name}")
             for name in names
         }
+
+    async def _stop_of(self, name: str, scope: Scope) -> StopReport | None:
+        return await guarded(functools.partial(self._drivers[name].stop, scope))
 
     async def _confirm(self, stops: Mapping[str, StopTask], began_us: int, scope: Scope) -> None:
         """Wait until each driver's `stop` has returned, and of a stop of everything its jobs have

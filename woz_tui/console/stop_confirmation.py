@@ -109,6 +109,8 @@ def confirmed_words(stop: StopEpisode, short: Mapping[str, str], *, parts: bool 
     if parts and (names := (*stop.confirmed, *partly)):
         return ", ".join(_with_parts(name, short, told) for name in names)
     names = tuple(short.get(name, name) for name in stop.confirmed)
+    if not names and not stop.missing:
+        return "nothing here moves"
     return ", ".join(names) or ("only parts" if partly else "nobody")
 
 

@@ -617,7 +617,9 @@ class Driver(Performer):
 
 
 class PassiveDriver(Driver):
-    """A driver that only senses or shows: nothing moves or sounds, so a stop has nothing to do."""
+    """A driver that only senses or shows: nothing moves or sounds, so a stop has nothing to do, and
+    nobody waits for its confirmation.
+    """
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """It offers no verbs. Raises `RejectedError`."""

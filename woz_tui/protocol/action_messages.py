@@ -266,7 +266,8 @@ class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
 
 
 class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
-    """Which drivers confirmed within 0.5 s and which did not, by name.
+    """Which drivers confirmed within 0.5 s and which did not, by name. Those of which nothing moves
+    or sounds are in neither (older logs have them).
 
     `scope`: of the stop that they confirm, as there; empty in older logs.
     `unreached`: those of `missing` whose hardware was not connected, so that no stop came to it.

@@ -12,7 +12,8 @@ from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import guarded
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.sensor_names import published_names
-from woz_tui.drivers.contract import REST_WAIT_S, Driver, DriverError
+from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.drivers.contract import REST_WAIT_S, Driver, DriverError, PassiveDriver
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.plugins import PluginError
 from woz_tui.network.driver_line import DriverRouter
@@ -69,6 +70,14 @@ def make_drivers(
                 f"the driver {spec.name!r} cannot be created: {type(error).__name__}: {error}"
             ) from error
     return drivers
+
+
+def motionless(experiment: Experiment, catalogue: Mapping[str, type[Driver]]) -> frozenset[str]:
+    """Names of those of which nothing moves or sounds, wherever they are: a lost sensor raises no
+    alarm that a robot may still move.
+    """
+    passive = (s.name for s in experiment.drivers if issubclass(catalogue[s.type], PassiveDriver))
+    return frozenset((*PERFORMERS, *passive))
 
 
 def _routers(experiment: Experiment) -> dict[str, DriverRouter]:

@@ -41,7 +41,7 @@ from woz_tui.session.action_runner import (
 from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
 from woz_tui.session.bml_player import BmlPlayer
 from woz_tui.session.driver_context import OnCompletion
-from woz_tui.session.driver_manager import DriverManager, make_drivers
+from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.part_limits import PartLimits
@@ -188,7 +188,7 @@ class Session:
                 BML: (BML_VERB,),
                 ENGAGEMENT: self.engagement.offered,
             },
-            motionless=frozenset(PERFORMERS),
+            motionless=motionless(self.experiment, self.catalogue),
             unstopped=frozenset({ENGAGEMENT}),
         )
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)

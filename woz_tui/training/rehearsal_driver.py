@@ -10,7 +10,7 @@ import asyncio
 from collections.abc import Mapping
 from typing import Any
 
-from woz_tui.drivers.contract import Driver, DriverContext, Health, Job, PassiveDriver, Verb
+from woz_tui.drivers.contract import Driver, DriverContext, Health, Job, PassiveDriver, Scope, Verb
 from woz_tui.protocol.messages import Json
 
 #: Calm speech: about 150 words a minute.
@@ -33,7 +33,7 @@ def seconds_of(verb: Verb | None, args: Mapping[str, Json]) -> float:
     return min(max(wanted, 0.0), verb.limit_s * 0.9)
 
 
-class Rehearsal(PassiveDriver):
+class Rehearsal(Driver):
     """A driver that only pretends; `rehearsal_of` makes one for each class. It has no sensors: in a
     training the visitor gives all signs.
     """
@@ -56,12 +56,16 @@ class Rehearsal(PassiveDriver):
             await asyncio.sleep(seconds)
         return dict(job.args)
 
+    async def stop(self, scope: Scope) -> None:
+        """Confirm at once: the wizard is to see what a stop looks like."""
+
 
 def rehearsal_of(real: type[Driver]) -> type[Driver]:
     """A class that offers what `real` does, without its hardware."""
+    passive = (PassiveDriver,) if issubclass(real, PassiveDriver) else ()
     return type(
         f"Rehearsed{real.__name__}",
-        (Rehearsal,),
+        (Rehearsal, *passive),
         {
             "Settings": real.Settings,
             "summary": f"{real.summary} (rehearsed)",

@@ -118,6 +118,10 @@ def test_only_parts_of_the_only_driver_confirmed() -> None:
     assert bar(stopped(confirmation([], ["pepper"], {}, {}))).endswith("confirmed: nobody")
 
 
+def test_where_nothing_moves_nobody_is_missing() -> None:
+    assert "nobody" not in bar(stopped(confirmation([], [], {}, {})))
+
+
 def test_who_was_missing_stays_missing_with_its_parts() -> None:
     first = confirmation([], ["pepper"], {"pepper": ["speech"]}, {"pepper": ["motion"]})
     second = confirmation(["pepper"], [], {"pepper": ["speech", "motion"]}, {})

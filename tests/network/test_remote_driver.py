@@ -24,7 +24,6 @@ from tests.network.other_computer import (
     OtherComputer,
     Pair,
     free_port,
-    listens,
     pair,
     remote_driver,
 )
@@ -43,8 +42,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.network import driver_line, driver_messages, driver_server
 from woz_tui.network import remote_driver as remote_side
-from woz_tui.network.certificates import AccessFile, Authority
-from woz_tui.network.driver_line import DriverRouter, LineError, to_key
+from woz_tui.network.driver_line import DriverRouter, to_key
 from woz_tui.network.driver_server import OfferedDriver, ServedDriver
 from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.network.served_context import ServedContext
@@ -57,13 +55,7 @@ LIFT = PlainJob("lift", {"kg": 2.0})
 #: Of the product. The contract gives a stop 4 s: see `patient_contract`.
 STOP_S, LATE_S = remote_side.STOP_S, remote_side.LATE_S
 
-
-@pytest.fixture(autouse=True)
-def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a busy machine nothing is late or lost, unless a test is about that."""
-    monkeypatch.setattr(driver_line, "CONNECT_S", 20.0)
-    monkeypatch.setattr(remote_side, "STOP_S", SILENCE_S)
-    monkeypatch.setattr(remote_side, "LATE_S", 10.0)
+pytestmark = pytest.mark.usefixtures("patient_network")
 
 
 # -- the contract ----------------------------------------------------------------------------------
@@ -739,134 +731,6 @@ async def test_nonsense_on_the_line_moves_nothing(tmp_path: Path) -> None:
                 await asyncio.sleep(0)
         assert await two.remote.perform(PlainJob("wave")) == {"waved": 1}
         await two.router.leave()
-
-
-# -- certificates ----------------------------------------------------------------------------------
-
-
-async def _entered(tmp_path: Path, made: Authority, *accesses: AccessFile) -> list[bool]:
-    """Which of the computers that come with these files, one after the other, the session uses."""
-    port = await free_port()
-    context = RecordingContext()
-    router = DriverRouter(f"127.0.0.1:{port}", [PLACE], made, SILENCE_S)
-    remote = remote_driver(context, router)
-    others = [OtherComputer(Arm, ArmSettings(), tmp_path) for _ in accesses]
-    await remote.open()
-    try:
-        for other, access in zip(others, accesses, strict=True):
-            await other.start(f"127.0.0.1:{port}", access)
-        await until(lambda: context.healths[-1][0] is Health.CONNECTED)
-        assert await remote.perform(PlainJob("wave")) == {"waved": 1}
-        assert not context.notices
-        return [bool(other.lines) for other in others]
-    finally:
-        await remote.close()
-        for other in others:
-            await other.end()
-
-
-def _access(authority: Authority, name: str, folder: Path) -> AccessFile:
-    file = folder / f"{name}.access"
-    authority.new(name, 30, "", file)
-    return AccessFile.read(file)
-
-
-async def test_a_computer_with_its_certificate_is_let_in(tmp_path: Path) -> None:
-    made = Authority(tmp_path / "authority")
-    access = _access(made, PLACE, tmp_path)
-    assert await _entered(tmp_path, made, access) == [True]
-
-
-async def test_the_certificate_of_somebody_else_opens_no_driver(tmp_path: Path) -> None:
-    """A watcher's, for example, who calls itself as the computer of the arm."""
-    made = Authority(tmp_path / "authority")
-    own = _access(made, PLACE, tmp_path)
-    eve = replace(_access(made, "eve", tmp_path), name=PLACE)
-    assert await _entered(tmp_path, made, eve, own) == [False, True]
-
-
-@pytest.mark.parametrize("which", ["of another authority", "of another robot"])
-async def test_a_strange_certificate_is_refused_in_words(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, which: str
-) -> None:
-    monkeypatch.setattr(driver_line, "REFUSAL_S", 10.0)
-    made, strange = Authority(tmp_path / "authority"), Authority(tmp_path / "strange")
-    mine = _access(made, PLACE, tmp_path)
-    (tmp_path / "there").mkdir()
-    other = _access(strange, PLACE, tmp_path / "there")
-    access = replace(other, authority=mine.authority) if which == "of another authority" else other
-    with pytest.raises(LineError, match=r"let this access file in|is not the robot"):
-        await _entered(tmp_path, made, access)
-
-
-async def test_a_revoked_name_is_not_let_in(tmp_path: Path) -> None:
-    made = Authority(tmp_path / "authority")
-    _access(made, PLACE, tmp_path)
-    made.revoke(PLACE)
-    port = await free_port()
-    context = RecordingContext()
-    remote = remote_driver(context, DriverRouter(f"127.0.0.1:{port}", [PLACE], made))
-    await remote.open()
-    try:
-        await until(lambda: context.healths[-1][0] is Health.FAULTED)
-        assert "revoked" in context.healths[-1][1]
-    finally:
-        await remote.close()
-
-
-def test_an_address_without_certificates_knows_no_revoked_ones(tmp_path: Path) -> None:
-    made = Authority(tmp_path / "authority")
-    _access(made, PLACE, tmp_path)
-    made.revoke(PLACE)
-    router = DriverRouter("tcp://127.0.0.1:1", [PLACE], made)
-    assert router.revoked(PLACE) == router.barred(PLACE) == ""
-
-
-async def test_a_name_that_is_revoked_while_it_is_connected_is_cut_and_stopped(
-    tmp_path: Path,
-) -> None:
-    """The line of the last one is closed; where others use it, nobody hears the revoked one."""
-    made, places = Authority(tmp_path / "authority"), (PLACE, "leg-pi")
-    port = await free_port()
-    router = DriverRouter(f"127.0.0.1:{port}", places, made, SILENCE_S)
-    others, sides = {}, {}
-    for place in places:
-        others[place] = _access(made, place, tmp_path)
-    for place in places:
-        context = RecordingContext()
-        remote = remote_driver(context, router, place=place)
-        await remote.open()
-        other = OtherComputer(Arm, ArmSettings(), tmp_path)
-        await other.start(f"127.0.0.1:{port}", others[place])
-        await until(lambda: context.healths[-1][0] is Health.CONNECTED, 20)  # noqa: B023
-        sides[place] = remote, context, other, Arm.newest
-    try:
-        for place in places:
-            remote, context, other, arm = sides[place]
-            lifting = asyncio.create_task(remote.perform(LIFT))
-            await until(lambda: bool(arm.under_way))  # noqa: B023
-            made.revoke(place)
-            with pytest.raises(DeviceLostError, match="revoked"):
-                await lifting
-            await until(lambda: context.healths[-1][0] is Health.FAULTED)  # noqa: B023
-            await until(lambda: arm.others == ["stop all"])  # noqa: B023
-            assert any("revoked" in line for line in other.lines)
-            here = driver_messages.Here(driver_messages.LINK, "1", 7, "somebody")
-            remote._receive(  # it was on its way
-                driver_messages.encode(driver_messages.FrameFromDriver("x", 0, 0, here))
-            )
-            assert "revoked" in context.healths[-1][1]
-            arm.context.notice("info", "still here")
-            with pytest.raises(DeviceLostError, match="revoked"):
-                await remote.perform(LIFT)
-            assert not context.notices
-            if place == PLACE:  # the other one goes on meanwhile
-                assert await sides["leg-pi"][0].perform(PlainJob("wave")) == {"waved": 1}
-        await until(lambda: not listens(port))
-    finally:
-        for remote, _, other, _ in sides.values():
-            await remote.close()
-            await other.end()
 
 
 async def test_without_the_extra_the_driver_says_what_to_install(

@@ -147,6 +147,17 @@ class Stubborn(Right):
         await asyncio.Event().wait()
 
 
+class Opened(Right):
+    """Makes in `open` what its stop needs."""
+
+    async def open(self) -> None:
+        await super().open()
+        self.still = asyncio.Event()
+
+    async def stop(self, scope: Scope) -> None:
+        self.still.set()
+
+
 class OnlyOnce(Right):
     async def close(self) -> None:
         if self.closed:
@@ -238,6 +249,11 @@ async def test_remarks_about_arguments_are_right() -> None:
         (Obliging, "perform of an unknown verb: raised nothing"),
         (Clumsy, "perform of an unknown verb: raised KeyError('no-such-verb')"),
         (Stubborn, "stop(ALL) with nothing running: took more than 0.5 s"),
+        (
+            Opened,
+            "stop(ALL) before open: raised"
+            """ AttributeError("'Opened' object has no attribute 'still'")""",
+        ),
         (OnlyOnce, "close for the second time: raised RuntimeError('closed already')"),
         (Careless, "close: left 'forgotten' running"),
         (Careful, "close: raised CancelledError()"),

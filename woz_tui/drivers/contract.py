@@ -450,7 +450,8 @@ class Performer(Protocol):
 
         Called at once, whatever else is under way; jobs are being cancelled at the same time. With
         `Scope.DRIVE` only what moves through the room ends. A driver of one part returns nothing;
-        one of several may report each.
+        one of several may report each. It may come before `open`: then nothing moves by itself,
+        and no torque goes on, before `resume`.
 
         Raises:
             DriverError: It did not stop, or nobody knows.

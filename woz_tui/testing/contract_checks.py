@@ -345,8 +345,10 @@ class _Life:
         await self.quiet("close", self.driver.close(), limit=CLOSE_S)
 
     async def lived(self, found: bool = False) -> list[Finding]:
-        """Open, refuse, stop, close twice."""
+        """Stop and release, open, refuse, stop, close twice."""
         context, driver = self._context, self.driver
+        await self.quiet("stop(ALL) before open", driver.stop(Scope.ALL))
+        await self.quiet("resume before open", driver.resume())
         await self.quiet("open", driver.open())
         await asyncio.sleep(0)
         if not context.healths:

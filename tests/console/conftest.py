@@ -6,9 +6,13 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from rich.console import RenderableType
+from textual._compositor import Compositor
+from textual._context import active_app, visible_screen_stack
 from textual._styles_cache import StylesCache
 from textual.css.model import RuleSet
 from textual.css.stylesheet import Stylesheet
+from textual.screen import Screen
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -24,6 +28,31 @@ def style_sheets_are_parsed_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Stylesheet, "_parse_rules", parsed)
+        yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def nothing_is_drawn_unseen() -> Iterator[None]:
+    """Textual draws every change for apps without a terminal, too, and throws it away, which is a
+    third of the time: here only what a test looks at is drawn, or hands on (`_display`).
+    """
+    draw = Compositor.render_update
+
+    def render_update(
+        compositor: Compositor,
+        full: bool = False,
+        screen_stack: list[Screen[Any]] | None = None,
+        simplify: bool = False,
+    ) -> RenderableType | None:
+        app = active_app.get()
+        if full or not app.is_headless or "_display" in vars(app):
+            return draw(compositor, full, screen_stack, simplify)
+        compositor._dirty_regions.clear()
+        visible_screen_stack.set(screen_stack or [])
+        return None
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Compositor, "render_update", render_update)
         yield
 
 

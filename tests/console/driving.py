@@ -11,6 +11,7 @@ from typing import Any
 from textual.events import Key
 from textual.keys import _character_to_key, key_to_character
 from textual.pilot import Pilot
+from textual.screen import Screen
 
 from tests.console import scenes
 from tests.console.scripted import ScriptedFeed
@@ -57,6 +58,10 @@ class Sitting:
         """
         for _ in range(3):
             await self.pilot.pause(0)
+        for _ in range(20):  # a beat of Textual, after which what waits for it happens
+            if not any(map(_waits, self.console.screen_stack)):
+                break
+            await self.pilot.pause(0.005)
 
     async def tell(self, *messages: Incoming) -> None:
         """Let the feed deliver from another thread; painted when this returns."""
@@ -121,3 +126,8 @@ async def sitting(
         console.paint()
         await seat.settle()
         yield seat
+
+
+def _waits(screen: Screen[object]) -> bool:
+    """Whether something is to be laid out, painted or called at Textual's next beat."""
+    return bool(screen._layout_required or screen._dirty_widgets or screen._callbacks)

@@ -219,6 +219,7 @@ async def test_the_reading_thread_leaves_the_hands_keys_to_the_screen() -> None:
         await seat.press(*HAND)
         assert not keyboard.arrive("g")
         assert keyboard.arrive("1")
+        assert not keyboard.arrive("f")
         handled = keyboard.leave_to_screen("f")
         assert not keyboard.arrive("1"), "it may belong into the dialog that f opens"
         handled()

@@ -187,7 +187,9 @@ class Keyboard:
             return True
         if not self._free or self._behind:
             return self._arrive_elsewhere(chord, stale)
-        if chord not in self.kept and self._press(chord, age_us, stale):
+        if chord in self.kept:
+            self._note(chord, free=True)
+        elif self._press(chord, age_us, stale):
             return True
         if stale:  # nor may it open a dialog that the rest of the burst would fill
             self.on_stale(chord, "", 0)
@@ -197,11 +199,10 @@ class Keyboard:
         """A key for a dialog: it may be the rest of the held key that opened this dialog, or closed
         the last one.
         """
-        now = self._clock.now_us()
         with self._lock:
-            again = chord == self._last and now - self.came_us < HELD_US
-            rest = again and self._last_free
-            self._last, self.came_us, self._last_free = chord, now, rest
+            was_free = self._last_free
+            rest = self._note(chord, free=False) and was_free
+            self._last_free = rest
         if stale and not self._free and not self.takes_late(chord):
             self.on_stale(chord, "", 0)
             return True
@@ -251,12 +252,19 @@ class Keyboard:
             return True
         return self._send(chord, age_us, stale)
 
-    def _is_held(self, chord: str) -> bool:
-        """Whether it may be the rest of a held key that counts once."""
-        now, own = self._clock.now_us(), self._own.get(chord)
+    def _note(self, chord: str, *, free: bool) -> bool:
+        """A key came; whether it may be the one before, held."""
+        now = self._clock.now_us()
         with self._lock:
             again = chord == self._last and now - self.came_us < HELD_US
-            self._last, self.came_us, self._last_free = chord, now, True
+            self._last, self.came_us, self._last_free = chord, now, free
+        return again
+
+    def _is_held(self, chord: str) -> bool:
+        """Whether it may be the rest of a held key that counts once."""
+        own = self._own.get(chord)
+        with self._lock:
+            again = self._note(chord, free=True)
             held = again and own is not None and own.once and chord not in self._table
             tells, self._told_held = held and not self._told_held, held
         if tells and own is not None:

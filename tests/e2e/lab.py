@@ -155,13 +155,27 @@ class Lab:
                     found.append(process)
         return found
 
+    def running(self, command: str) -> psutil.Process:
+        """The only process of `woz` with this command, as soon as it is there. A child of it that
+        is about to run something else has its words, too.
+        """
+
+        def alone() -> psutil.Process | None:
+            found: dict[int, tuple[int, psutil.Process]] = {}
+            for process in self.processes():
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    if command in process.cmdline()[:5]:
+                        found[process.pid] = process.ppid(), process
+            first = [process for parent, process in found.values() if parent not in found]
+            return first[0] if len(first) == 1 else None
+
+        process = until(alone, f"a single `woz {command}`")
+        assert isinstance(process, psutil.Process)
+        return process
+
     def host_process(self) -> psutil.Process:
         """The robot process."""
-        found = until(
-            lambda: [p for p in self.processes() if "host" in p.cmdline()[:5]], "a robot process"
-        )
-        assert len(found) == 1
-        return psutil.Process(found[0].pid)
+        return self.running("host")
 
     def sockets(self) -> list[Path]:
         """The sockets of robot processes that live or have died."""

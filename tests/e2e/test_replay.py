@@ -39,7 +39,7 @@ def test_a_session_is_seen_again(lab: Lab) -> None:
             and all(words in screen.split("\n")[23] for words in ("┃┃", "■", "UTC"))
         )
     )
-    (process,) = (each for each in lab.processes() if "replay" in each.cmdline())
+    process = lab.running("replay")
     assert not lab.sockets()  # no robot process, and nobody who could be one
     assert not [each for each in process.net_connections() if each.status == psutil.CONN_LISTEN]
 

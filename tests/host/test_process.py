@@ -27,13 +27,16 @@ from woz_tui.system.session_sockets import answers
 pytestmark = pytest.mark.real_clock
 
 WAIT_S = 60.0
-#: `woz`, with less patience at the end of a session.
+#: `woz`, with other patience at the end of a session: a busy machine takes its time.
 WOZ = """
 from woz_tui.cli import main
 from woz_tui.host import robot_process
-robot_process.CLOSE_LIMIT_S, robot_process.EXIT_LIMIT_S = 3.0, 1.0
+robot_process.CLOSE_LIMIT_S, robot_process.EXIT_LIMIT_S = {}, {}
 raise SystemExit(main())
 """
+PATIENT, IMPATIENT = WOZ.format(30.0, 30.0), WOZ.format(3.0, 1.0)
+#: Who does not end by itself.
+ENDLESS = ("blocks", "deaf", "talks on", "leaves a thread")
 #: Starts a program without standard input, output and error.
 CLOSED = ("sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh")
 
@@ -56,8 +59,9 @@ class RobotProcess:
         self.socket = folder / "s"
         words = ["host", str(experiment), "--recordings", str(folder / "rec"), *more]
         words += [] if closed else ["--announce"]
+        woz = IMPATIENT if rudeness in ENDLESS else PATIENT
         self.process = subprocess.Popen(
-            [*(CLOSED if closed else ()), sys.executable, "-c", WOZ, *words],
+            [*(CLOSED if closed else ()), sys.executable, "-c", woz, *words],
             env={
                 **os.environ,
                 "PYTHONPATH": f"{folder}:{ROOT}",

@@ -276,6 +276,15 @@ def test_late_keys_are_typed_into_a_dialog_as_far_as_it_says(rig: Rig) -> None:
     assert not rig.keyboard.arrive("enter")
 
 
+def test_a_key_that_counts_once_counts_when_the_screen_has_it(rig: Rig) -> None:
+    keyboard = rig.keyboard
+    assert not keyboard.arrive("enter")
+    handled = keyboard.leave_to_screen("enter")
+    assert not keyboard.press("enter"), "it is the same press, and not held"
+    handled()
+    assert keyboard.press("enter"), "it is pressed again at once"
+
+
 def test_the_rest_of_a_held_key_does_nothing_in_the_dialog_that_it_opened(rig: Rig) -> None:
     assert not rig.keyboard.arrive("enter")
     rig.keyboard.leave_to_screen("enter")

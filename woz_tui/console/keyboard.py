@@ -238,10 +238,11 @@ class Keyboard:
         """
         if self._void:
             return True
-        return self._free and self._press(chord, age_us, stale)
+        return self._free and self._press(chord, age_us, stale, offered=True)
 
-    def _press(self, chord: str, age_us: int, stale: bool) -> bool:
-        if self._is_held(chord):
+    def _press(self, chord: str, age_us: int, stale: bool, *, offered: bool = False) -> bool:
+        # A key that was left to the screen has been judged when it arrived.
+        if not (offered and self._left) and self._is_held(chord):
             return True
         for keys in (f"{self._take_prefix()} {chord}".lstrip(), chord):
             if (action := self._table.get(keys)) is not None:

@@ -31,12 +31,12 @@ def test_with_every_key_behind_it(stopping: Stopping) -> None:
     stopping.press("\x1b\x1a")
 
 
-def test_with_keys_behind_it_in_every_dialog(stopping: Stopping) -> None:
-    for dialog in DIALOGS:
-        for key in stops.share(dialog):
-            stopping.back()
-            stopping.open(dialog)
-            stopping.press("\x1b" + key)
+@pytest.mark.parametrize("dialog", DIALOGS, ids=[head.strip("─ ") for head in DIALOGS.values()])
+def test_with_keys_behind_it_in_a_dialog(stopping: Stopping, dialog: str) -> None:
+    for key in stops.share(dialog):
+        stopping.back()
+        stopping.open(dialog)
+        stopping.press("\x1b" + key)
     stopping.back()
     stopping.release()
 

@@ -44,6 +44,7 @@ def patient_contract() -> Iterator[None]:
     waits for something that does not come.
     """
     with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("WOZ_CONTRACT_PATIENCE", "8")  # also for whoever examines in another process
         patch.setattr(contract_checks, "PROMPT_S", 8 * contract_checks.PROMPT_S)
         patch.setattr(contract_checks, "NOTICE_S", 4 * contract_checks.NOTICE_S)
         yield

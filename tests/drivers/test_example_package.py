@@ -83,6 +83,15 @@ def test_its_own_tests_pass_over_a_pseudo_terminal(site: Path, tmp_path: Path) -
     assert re.search(r"\b10 passed", told), told
 
 
+def test_on_a_slow_machine_the_contract_has_more_patience(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    limit = "from woz_tui.testing.contract_checks import PROMPT_S; print(PROMPT_S)"
+    assert float(run("-c", limit, cwd=tmp_path)) == 4.0, "as in all tests of this repository"
+    monkeypatch.delenv("WOZ_CONTRACT_PATIENCE")
+    assert float(run("-c", limit, cwd=tmp_path)) == 0.5
+
+
 def blocks() -> list[tuple[str, str]]:
     """(language, text) of every code block of the README that is not a shell session."""
     found = re.findall(r"^```(\w+)\n(.*?)^```$", README.read_text(), re.MULTILINE | re.DOTALL)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import dataclasses
+import os
 import re
 import threading
 import time
@@ -62,8 +63,8 @@ _LEVELS = ("ok", "info", "warning", "error")
 _UNKNOWN_VERB = PlainJob("no-such-verb", source="program")
 
 #: `open`, `stop`, a refusal and the end of a cancelled command may take so long, in seconds: the
-#: session waits no longer for a stop.
-PROMPT_S = 0.5
+#: session waits no longer for a stop. A slow machine may have more patience.
+PROMPT_S = 0.5 * float(os.environ.get("WOZ_CONTRACT_PATIENCE") or 1)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

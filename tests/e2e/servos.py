@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from tests.e2e.lab import Lab, Log, until
@@ -125,8 +124,3 @@ class Servos:
 def _note(line: dict[str, Any]) -> Note:
     known = {name: line[name] for name in Note.__dataclass_fields__ if name in line}
     return Note(**known)
-
-
-def journal_of(path: Path) -> list[Note]:
-    """The notes in a journal."""
-    return [_note(json.loads(line)) for line in path.read_bytes().split(b"\n")[:-1]]

@@ -104,6 +104,8 @@ def test_missing_files_and_parts_that_nobody_plays_are_warnings(everything: Expe
     said = [f"{problem.path}: {problem.message}" for problem in everything.warnings]
     deaf = said.pop(0)
     assert deaf.startswith("engagement.handshake.by: no driver recognises the answer")
+    stiff = said.pop(0)
+    assert stiff.startswith("engagement.attention.look: the robot does not look to sounds")
     assert said == [
         "panels[1].actions[0].steps[6].sound: there is no file 'none.wav'",
     ]

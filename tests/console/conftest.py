@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from rich.console import RenderableType
-from textual._compositor import Compositor
+from textual._compositor import ChopsUpdate, Compositor
 from textual._context import active_app, visible_screen_stack
 from textual._styles_cache import StylesCache
 from textual.css.model import RuleSet
@@ -31,8 +31,8 @@ def style_sheets_are_parsed_once() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(autouse=True, scope="session")
-def nothing_is_drawn_unseen() -> Iterator[None]:
+@pytest.fixture(autouse=True)
+def nothing_is_drawn_unseen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Textual draws every change for apps without a terminal, too, and throws it away, which is a
     third of the time: here only what a test looks at is drawn, or hands on (`_display`).
     """
@@ -47,13 +47,12 @@ def nothing_is_drawn_unseen() -> Iterator[None]:
         app = active_app.get()
         if full or not app.is_headless or "_display" in vars(app):
             return draw(compositor, full, screen_stack, simplify)
-        compositor._dirty_regions.clear()
         visible_screen_stack.set(screen_stack or [])
-        return None
+        changed = bool(compositor._dirty_regions)
+        compositor._dirty_regions.clear()
+        return ChopsUpdate([], [], []) if changed else None
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Compositor, "render_update", render_update)
-        yield
+    monkeypatch.setattr(Compositor, "render_update", render_update)
 
 
 @pytest.fixture(autouse=True)

@@ -58,7 +58,7 @@ class Sitting:
         """
         for _ in range(3):
             await self.pilot.pause(0)
-        for _ in range(20):  # a beat of Textual, after which what waits for it happens
+        for _ in range(5):  # a beat of Textual, after which what waits for it happens
             if not any(map(_waits, self.console.screen_stack)):
                 break
             await self.pilot.pause(0.005)

@@ -88,11 +88,22 @@ def test_a_peer_is_installed_once_and_again_when_its_function_changes(checkout: 
     ):
         code, shown = checkout.run(text, "-k", "goto")
         assert code == 0
-        assert "python -m pytest -m peers -v tests/peers -k goto" in shown
+        assert "python -m pytest -m peers " in shown
+        assert " tests/peers -k goto" in shown
         assert "red-lamp: a lamp's daemon" in shown
         assert (checkout.folder / "ran").read_text().split() == ["ran"] * installations
     assert (checkout.places / "red-lamp" / "other").exists()
     assert not (checkout.places / "red-lamp" / "daemon").exists()
+
+
+def test_all_are_installed_without_a_test(checkout: Checkout) -> None:
+    code, shown = checkout.run(LAMP + MISSING, "--install")
+    assert code == 0
+    assert "pytest" not in shown
+    assert (checkout.places / "red-lamp" / "daemon").exists()
+    code, shown = checkout.run(LAMP + MISSING)
+    assert "Installing red-lamp" not in shown, "it is there"
+    assert "python -m pytest" in shown
 
 
 def test_what_cannot_be_had_is_named_with_the_reason(checkout: Checkout) -> None:

@@ -144,25 +144,18 @@ async def test_headless_it_is_stopped_when_whoever_watched_is_gone(tmp_path: Pat
         assert [line for line in it.lines if isinstance(line, m.StopConfirmed)]
 
 
-async def test_headless_it_goes_on_while_somebody_watches(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("role", "leaves"), [("watcher", "program"), ("wizard", "wizard")])
+async def test_headless_it_goes_on_while_one_of_two_is_there(
+    tmp_path: Path, role: str, leaves: str
+) -> None:
+    """Somebody watches when its program has gone, or a wizard looks in and goes."""
     async with served(tmp_path) as it:
-        program, watcher = await it.connect(), await it.connect()
-        await program.hello("program")
-        await watcher.hello("watcher")
+        peers = {"program": await it.connect(), role: await it.connect()}
+        for name, peer in peers.items():
+            await peer.hello(name)
         begun(it, log_of(tmp_path, *["play"] * 4), headless=True)
-        await program.kind("rerun.sent")
-        program.leave()
-        assert (await ended(it)).reason == "done"
-
-
-async def test_headless_a_wizard_who_looks_in_and_goes_changes_nothing(tmp_path: Path) -> None:
-    async with served(tmp_path) as it:
-        program, wizard = await it.connect(), await it.connect()
-        await program.hello("program")
-        await wizard.hello("wizard")
-        begun(it, log_of(tmp_path, *["play"] * 4), headless=True)
-        await program.kind("rerun.sent")
-        wizard.leave()
+        await peers["program"].kind("rerun.sent")
+        peers[leaves].leave()
         assert (await ended(it)).reason == "done"
 
 

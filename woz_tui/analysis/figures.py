@@ -324,12 +324,11 @@ class SessionFigures:
     """All figures of one session.
 
     `parts` are by participant and condition, in the order in which they came; `whole` has all of
-    them together. Both leave out what happened in trials that do not count
-    unless `all_trials`. Everything else is of the session as it was. `robot`: the one that played
-    instead of the file's own. `participants` are those who
-    took part, nobody in a training or a re-run; `participant` names them, or all codes if nobody
-    did. `unanswered` are
-    titles of questionnaires that were due and neither answered nor declined, and after which trial.
+    them together. Both leave out what happened in trials that do not count, unless `all_trials`.
+    Everything else is of the session as it was. `robot`: the one that played instead of the file's
+    own. `participants` are those who took part, nobody in a training or a re-run; `participant`
+    names them, or all codes if nobody did. `unanswered` are titles of questionnaires that were due
+    and neither answered nor declined, and after which trial.
     `people` and `addressed` are empty unless samples were read.
     """
 

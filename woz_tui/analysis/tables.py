@@ -587,8 +587,7 @@ _ROUND: tuple[Column[Any], ...] = (
 )
 _COUNTED_ANSWER = _plain(
     *("boolean", "counted"),
-    "means include it: it has a participant, and it was not asked in a trial that was aborted or "
-    "excluded",
+    "means include it: it has a participant, and it was not asked in a trial that does not count",
 )
 #: Of a round in the wide table.
 _WIDE = (*_ROUND, _COUNTED_ANSWER)

@@ -120,7 +120,7 @@ def drawing_of(timeline: Timeline, curves: SensorCurves | None = None) -> Timeli
             lane = ("panel", each.request.panel or f"({each.source})")
             interval = _action(each, of_runs.get(each.request.run, ()))
         if isinstance(each, e.TrialEpisode):
-            interval = _trial(each, timeline.left_out(each))
+            lane, interval = ("trial", "trials"), _trial(each, timeline.left_out(each))
         if isinstance(each, e.CommandEpisode) and each.request.driver == BML:
             lane, interval = ("panel", PLANNER), _block(each)
         if interval is not None:
@@ -268,9 +268,8 @@ def _differing(setting: e.SettingEpisode) -> Interval | None:
 
 _MARKS: _Key = ("mark", "marks")
 #: What is drawn as an interval, on which lane, and how; actions have a lane for each panel.
-_DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None] | None]] = {
+_DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None]]] = {
     e.CommandEpisode: (("panel", DIRECT), _direct),
-    e.TrialEpisode: (("trial", "trials"), None),
     e.PhaseEpisode: (("phase", "phases"), _phase),
     e.BreakEpisode: (("trial", "trials"), _break),
     e.ModelStateEpisode: (("engagement", "engagement"), _state),

@@ -563,15 +563,11 @@ class Console(ScreenApp):
 
     def _give_keys(self, top: Dialog | None) -> None:
         self.keyboard.kept = frozenset() if top is None else top.own_keys
-        self.keyboard.takes_late = _everything if top is None else top.takes_late
+        if top is not None:
+            self.keyboard.takes_late = top.takes_late
         self.keyboard.free = top is None or top.plays
 
 
 def _age_us(event: events.Event) -> int:
     """How long an event has waited for the screen, in microseconds."""
     return max(0, round((time.monotonic() - event.time) * 1_000_000))
-
-
-def _everything(chord: str) -> bool:
-    """No dialog is open: the keyboard itself knows which keys are late."""
-    return True

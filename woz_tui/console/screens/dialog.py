@@ -187,6 +187,8 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
     #: the normal form of keys. Whoever changes them calls the app's `give_keys`.
     plays: ClassVar[bool] = False
     own_keys: frozenset[str] = frozenset()
+    #: Whether a field in it has the keyboard.
+    typed_into = False
     #: The command that opened it, which closes it where the robot is played meanwhile.
     opened_by = ""
 
@@ -246,10 +248,10 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
         raise NotImplementedError
 
     def takes_late(self, chord: str) -> bool:
-        """Whether a key still counts that came late, in a burst: nothing is done by it. Called from
-        the thread that reads keys.
+        """Whether a key still counts that came late, in a burst: what is typed is not lost, but
+        nothing is done by it. Called from the thread that reads keys.
         """
-        return False
+        return self.typed_into and chord != "enter"
 
     def leave(self) -> None:
         """Close this dialog."""
@@ -343,6 +345,7 @@ class EntryDialog(Dialog):
     placeholder: ClassVar[str] = ""
     #: What enter sends where nothing is typed; empty: it only closes.
     default: ClassVar[str] = ""
+    typed_into = True
     _back = 0
 
     @property
@@ -404,10 +407,6 @@ class EntryDialog(Dialog):
 
     def changed(self, typed: str) -> None:
         """What stands in the field is new."""
-
-    def takes_late(self, chord: str) -> bool:
-        """What is typed is not lost, but nothing is sent by it."""
-        return chord != "enter"
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Enter was pressed; a second one behind it has nothing to send."""
@@ -489,9 +488,7 @@ def refusal_text(reply: Reply) -> str:
 class FormDialog(Dialog):
     """A dialog of several fields that stays open until what stands in them is accepted."""
 
-    def takes_late(self, chord: str) -> bool:
-        """What is typed is not lost, but nothing is sent by it."""
-        return chord != "enter"
+    typed_into = True
 
     def answered(self, reply: Reply) -> None:
         """Close, or say why not."""

@@ -79,10 +79,6 @@ class TrialDialog(Dialog):
 
     # -- keys ---------------------------------------------------------------------------------
 
-    def takes_late(self, chord: str) -> bool:
-        """What is typed as the reason is not lost."""
-        return self._asking is not None and chord != "enter"
-
     def on_key(self, event: events.Key) -> None:
         """A letter does it at once."""
         if self._asking is not None:
@@ -107,7 +103,7 @@ class TrialDialog(Dialog):
             self.leave()
             step.do(self.console_app, "")
             return
-        self._asking = step
+        self._asking, self.typed_into = step, True
         for choices in self.query("#choices").results(OptionList):
             choices.display = False
         for field in self.query("#why").results(Input):

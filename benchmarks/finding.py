@@ -137,7 +137,8 @@ def _first(dialog: FindDialog, typed: str) -> str:
     """The action that enter would play; empty if it is none."""
     hits = dialog.matching(typed)
     play = hits[0].do if hits else None
-    return str(play.args[0]) if isinstance(play, partial) and hits[0].acts else ""
+    request = play.args[0] if isinstance(play, partial) else None
+    return request.action if isinstance(request, AskAction) else ""
 
 
 def beginnings(text: str) -> Iterator[str]:
@@ -192,14 +193,14 @@ def main() -> None:
         "experiment", nargs="?", type=Path, default=ROOT / "experiments/interview.yaml"
     )
     parser.add_argument("--size", default="80x24", help="columns x rows of the screen")
-    parser.add_argument("--quick", action="store_true", help="six actions only")
+    parser.add_argument("--quick", action="store_true", help="three actions only")
     arguments = parser.parse_args()
     width, height = (int(part) for part in arguments.size.split("x"))
     found = asyncio.run(
         measure(
             attached(arguments.experiment.resolve()),
             (width, height),
-            6 if arguments.quick else 10_000,
+            3 if arguments.quick else 10_000,
         )
     )
     rows = []

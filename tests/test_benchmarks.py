@@ -35,7 +35,9 @@ TABLES: dict[str, tuple[str, ...]] = {
     "pepper_faults.py": ("killed", "frozen", "cut", "late unforeseen"),
     "pepper_latency.py": ("idle: woz", "polling: woz"),
     "log_reading.py": ("LogIndex.open", "random seeks (ms)", "messages, without samples"),
-    "finding.py": ("letter", "phase", "finder", "words"),
+    "finding.py": tuple(
+        f"{way:<6}   3 of 3" for way in ("letter", "page", "phase", "finder", "words")
+    ),
     "robot_latency.py": (
         "pepper: bare client",
         "nao: key to call",

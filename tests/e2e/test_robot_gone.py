@@ -154,7 +154,7 @@ def test_what_waited_while_it_stood_still_is_not_played_and_the_stop_is(lab: Lab
     assert kinds.isdisjoint({"command.dispatched", "stop.released"})
 
 
-@pytest.mark.timeout(300)  # twelve robot processes one after the other
+@pytest.mark.timeout(300)  # six robot processes one after the other
 def test_crashes_lose_nothing_that_was_acknowledged(lab: Lab) -> None:
-    found = crashes.run(lab, rounds=12, seed=1)
-    assert (found.rounds, found.complaints) == (12, [])
+    found = crashes.run(lab, rounds=6, seed=1)
+    assert (found.rounds, found.complaints) == (6, [])

@@ -194,9 +194,13 @@ class ServoBus:
 
     def goals(self, number: int) -> list[int]:
         """Every goal position that arrived for a servo and was taken, oldest first."""
+        return [goal for goal, _ in self.goals_and_places(number)]
+
+    def goals_and_places(self, number: int) -> list[tuple[int, float]]:
+        """Every goal that was taken, oldest first, and where the motor stood then, in counts."""
         address, size = (116, 4) if self.protocol == 2 else (30, 2)
         return [
-            int.from_bytes(write.data[:size], "little", signed=size == 4)
+            (int.from_bytes(write.data[:size], "little", signed=size == 4), write.position)
             for write in self.written(number)
             if write.address == address and not write.error
         ]

@@ -81,17 +81,17 @@ def test_all_moves_and_modes_run_on_any_body(tmp_path: Path, which: int) -> None
         for name in settings.playable:
             if name != "demo":
                 running = it.begin("play", move=name, speed=1.0, amplitude=1.0)
-                path += await it.path(60)
+                path += await it.path(30)
                 running.cancel()
         for mode in (*Mode, *reversed(Mode)):
             await it.do("mode", mode="normal")
             await it.do("mode", mode=mode.value)
-            for frame in range(1, 40):
+            for frame in range(1, 20):
                 see(it, frame)
                 path += await it.path(2)
             assert it.state.mode == mode.value
         await it.do("mode", mode="normal")
-        path += await it.path(150)
+        path += await it.path(100)
         assert within(settings, path)
         await it.do("home", seconds=0.5)
         await it.body.stop(Scope.ALL)
@@ -127,7 +127,7 @@ def test_no_input_makes_any_body_unsafe(tmp_path: Path, which: int) -> None:
         path = [it.setpoints]
         taken = 0
         running: list[asyncio.Task[object]] = []
-        for round_ in range(400):
+        for round_ in range(200):
             verb = dice.choice(verbs)
             args = {
                 argument.name: value(argument.kind, argument.choices)

@@ -137,7 +137,7 @@ def _range_and_press(path: str, mapped: ControlFunction, kind: str) -> Problems:
             yield f"{path}.press", f"a {kind} is not pressed"
     elif mapped.press != START and doing and doing[0] in _ONCE:
         yield f"{path}.press", f"{doing[0]} cannot be taken back: leave press out"
-    elif mapped.press == MOMENTARY and mapped.verb and not (mapped.back or mapped.argument):
+    elif mapped.press != START and mapped.verb and not (mapped.back or mapped.argument):
         yield f"{path}.press", "say in `back` with which arguments it is taken back"
 
 

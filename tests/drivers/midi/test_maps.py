@@ -117,7 +117,9 @@ def test_every_mistake_of_a_map_file_has_its_place(tmp_path: Path) -> None:
         "  buton-5: {play: nod}\n"
         "  a: {cc: 16, control: tempo}\n"
         "  b: {cc: 16, control: speed}\n"
-        "  button-6: {args: {move: nod}}\n",
+        "  button-6: {args: {move: nod}}\n"
+        "  button-7: {verb: breathing, args: {on: true}, press: toggle}\n"
+        "  button-8: {verb: breathing, args: {on: true}, press: momentary}\n",
         encoding="utf-8",
     )
     assert problems(tmp_path, "    type: midi\n    map: m.yaml\n") == [
@@ -131,6 +133,11 @@ def test_every_mistake_of_a_map_file_has_its_place(tmp_path: Path) -> None:
         " bend; did you mean 'button-5'?",
         "m.yaml:12:3: controls.b: sends cc 16, and so does 'a'",
         "m.yaml:13:14: controls.button-6.args: needs verb",
+        *(
+            f"m.yaml:{line}:49: controls.button-{line - 7}.press: say in `back` with which"
+            " arguments it is taken back"
+            for line in (14, 15)
+        ),
     ]
 
 

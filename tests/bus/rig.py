@@ -145,6 +145,7 @@ class Rig:
         when_busy: str = "queue",
         deadline: float = 0.0,
         run: str = "",
+        tells: tuple[str, ...] = (),
     ) -> str:
         """Submit a command; its id."""
         self._count += 1
@@ -158,6 +159,7 @@ class Rig:
                 driver=driver,
                 source="key",
                 limit_s=5.0,
+                tells=tells,
                 when_busy=when_busy,
                 deadline_us=self.hub.now() + round(deadline * 1e6) if deadline else 0,
             )

@@ -55,6 +55,20 @@ def test_a_motion_that_will_not_arrive_says_why() -> None:
     assert motions(rig) == [("c1", "MotionInterrupted", "the dance needs the head")]
 
 
+def test_a_drivers_words_for_a_motion_tell_what_its_command_tells() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("aim", "goes on", tells=("condition",))
+        rig.send("aim", "goes on", driver="base", tells=("condition",))
+        await asyncio.sleep(1)
+        rig.head.arrivals["c1"]("no arm for `wave warmly`")
+        await asyncio.sleep(1)
+        rig.bus.stop("key")
+
+    rig = in_rig(scenario)
+    told = [line.tells for line in rig.lines if isinstance(line, m.MotionInterrupted)]
+    assert told == [("condition",), ()]
+
+
 def test_a_newer_motion_takes_the_place_of_one_under_way() -> None:
     async def scenario(rig: Rig) -> None:
         rig.send("aim", "goes on")

@@ -24,8 +24,9 @@ PATIENT_MS = 20_000.0
 SILENT_MS = 500.0
 #: Where late answers are measured, the measuring takes as long.
 MEASURED_MS = 1000.0
-#: And a tick may come so late that servos would stop by themselves.
-PATIENT_WATCHDOG_MS = 2540
+#: And a tick may come so late that servos would stop by themselves: what their watchdogs are told,
+#: and how many times as long they wait.
+PATIENT_WATCHDOG_MS, WATCHDOG_PATIENCE = 2540, 10.0
 HEAD = {
     "pan": ServoJointSettings(id=11, min=-90, max=90, speed=300, rest=0.0),
     "tilt": ServoJointSettings(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),
@@ -101,7 +102,8 @@ async def stand(
     **changes: Any,
 ) -> AsyncIterator[Stand]:
     """Servos, and an open driver that has found them (or, not `ready`, is still looking)."""
-    with ServoBus(ids, folder / "servos", model=model) as bus:
+    patience = 1.0 if "watchdog" in changes else WATCHDOG_PATIENCE
+    with ServoBus(ids, folder / "servos", model=model, patience=patience) as bus:
         prepare(bus)
         heard = Heard(folder)
         driver = DynamixelServos("head", head(bus.link, **changes), heard.context)

@@ -54,6 +54,8 @@ class Motor:
     bites: int = 0
     #: The fastest it has turned by its own force, in degrees a second.
     driven: float = 0.0
+    #: Its bus watchdog waits so many times as long as it is told to.
+    patience: float = 1.0
 
     def __post_init__(self) -> None:
         if self.position < 0:
@@ -174,7 +176,7 @@ class Motor:
     def _watch(self, now: float) -> bool:
         if self.protocol == 1 or self.watchdog <= 0 or not self.torque or self.heard is None:
             return False
-        if now - self.heard <= self.watchdog * 0.020:
+        if now - self.heard <= self.watchdog * 0.020 * self.patience:
             return False
         # It stops where it is; from now on goals cannot be written until 98 is set to 0.
         self.put(98, 1, 255)

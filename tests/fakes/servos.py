@@ -99,12 +99,18 @@ class ServoBus:
         model: str = "XL330-M288",
         journal: Path | None = None,
         baud: int | None = None,
+        patience: float = 1.0,
     ) -> None:
+        """`patience`: bus watchdogs wait so many times as long as they are told to; for tests of
+        something else, on machines that stand still for seconds.
+        """
         kinds = dict(ids) if isinstance(ids, Mapping) else dict.fromkeys(ids, model)
         self.link = link
         #: The speed the servos are set to; at any other they hear nothing. None: every speed.
         self.baud = baud
-        self.servos = {number: Motor(number, kind) for number, kind in kinds.items()}
+        self.servos = {
+            number: Motor(number, kind, patience=patience) for number, kind in kinds.items()
+        }
         self.protocol = KINDS[next(iter(kinds.values()), model)][0]
         self.faults = Faults()
         self._witness: Path | None = None

@@ -380,17 +380,24 @@ class Lane:
         if not job.outlasts:
             self._motion_ended(pending, "")
         elif job.motion_end is not None:
-            self._motion_ended(pending, job.motion_end)
+            self._motion_ended(pending, job.motion_end, tells=job.tells)
         else:
-            job.on_motion_end = lambda job: self._motion_ended(pending, job.motion_end or "")
+            job.on_motion_end = lambda job: self._motion_ended(
+                pending, job.motion_end or "", tells=job.tells
+            )
 
-    def _motion_ended(self, pending: PendingCommand, why: str, by: str = "") -> None:
+    def _motion_ended(
+        self, pending: PendingCommand, why: str, by: str = "", tells: tuple[str, ...] = ()
+    ) -> None:
+        """It has arrived, or not: `tells` is what a driver's words for `why` may quote."""
         command = pending.command.command
         if self._moving.pop(command, None) is None:
             return
         if why:
             self._hub.publish(
-                MotionInterrupted(command=command, driver=self.driver_name, reason=why, by=by)
+                MotionInterrupted(
+                    command=command, driver=self.driver_name, reason=why, by=by, tells=tells
+                )
             )
         else:
             self._hub.publish(MotionArrived(command=command, driver=self.driver_name))

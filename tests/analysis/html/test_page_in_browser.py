@@ -233,7 +233,7 @@ def test_text_on_bars_can_be_read(page: Page, single: Path, scheme: str) -> None
         page.open(single, "#t=0-60")
         found = page.run(CONTRAST)
         page.run("location.hash = '#t=60-120'")
-        page.view()
+        page.until(lambda: page.view() == (60, 120))
         found += page.run(CONTRAST)
         paper = page.run("return getComputedStyle(document.body).backgroundColor")
     assert (paper == "rgb(255, 255, 255)") == (scheme == "light")

@@ -17,7 +17,7 @@ from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, ServoSett
 
 from tests.drivers.body.rig import robot
 from tests.drivers.heard import Ordered, until
-from tests.drivers.servo_stand import PATIENT_MS, PATIENT_WATCHDOG_MS
+from tests.drivers.servo_stand import PATIENT_MS, PATIENT_WATCHDOG_MS, WATCHDOG_PATIENCE
 from tests.fakes.servos import ServoBus
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Driver, Scope
@@ -82,7 +82,7 @@ async def assembled(tmp_path: Path, settings: BodySettings) -> AsyncIterator[Rob
     clock, feeds = RealClock(), Feeds()
     hub = Hub(clock, lambda message, line: None)
     hub.listen(said.append)
-    with ServoBus(IDS, tmp_path / "servos") as bus:
+    with ServoBus(IDS, tmp_path / "servos", patience=WATCHDOG_PATIENCE) as bus:
         joints = {
             name: ServoJointSettings(id=number, min=joint.min, max=joint.max, speed=SPEED)
             for number, (name, joint) in zip(IDS, settings.joints.items(), strict=True)

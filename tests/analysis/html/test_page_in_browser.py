@@ -242,6 +242,12 @@ def test_text_on_bars_can_be_read(page: Page, single: Path, scheme: str) -> None
     assert [(kind, ratio) for kind, ratio in found if ratio < 4.5] == []
 
 
+def test_a_link_counts_while_the_view_before_is_being_remembered(page: Page, single: Path) -> None:
+    page.open(single, "#t=0-60")
+    page.run("location.hash = '#t=60-120'; history.replaceState(null, '', '#t=0-60')")
+    page.until(lambda: page.view() == (60, 120))
+
+
 @pytest.mark.parametrize("width", [1400, 800, 360])
 def test_nothing_is_wider_than_the_window(page: Page, several: Path, width: int) -> None:
     page.size(width, 600)

@@ -49,6 +49,7 @@ for (const section of sections) {
   if (details.open) timelineOf(section);
 }
 for (const table of document.querySelectorAll("table.sortable")) sortable(table);
-addEventListener("hashchange", () => goTo(location.hash));
+// Not `location.hash`: what is remembered of the view before may stand there again meanwhile.
+addEventListener("hashchange", (event) => goTo(new URL(event.newURL).hash));
 goTo(location.hash);
 document.documentElement.dataset.ready = "yes";

@@ -126,6 +126,8 @@ async def test_sounds_are_sent_anew_to_a_robot_that_was_away(it: PlayedReachy) -
 async def test_what_it_perceived_is_stale_while_it_is_away(it: PlayedReachy) -> None:
     it.robot.doa = (1.0, True)
     await until(lambda: it.context.told != [])
+    perceived = {"presence", "direction", "speech"}
+    await until(lambda: perceived <= {sensor for sensor, _, _ in it.context.states})
     it.robot.freeze()
     await it.lost()
     states = {sensor: state for sensor, state, _ in it.context.states}

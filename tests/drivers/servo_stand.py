@@ -25,8 +25,10 @@ SILENT_MS = 500.0
 #: Where late answers are measured, the measuring takes as long.
 MEASURED_MS = 1000.0
 #: And a tick may come so late that servos would stop by themselves: what their watchdogs are told,
-#: and how many times as long they wait.
+#: and how many times as long they wait. Where a test is about a watchdog, it
+#: has to bite in the end.
 PATIENT_WATCHDOG_MS, WATCHDOG_PATIENCE = 2540, 10.0
+BITING_PATIENCE = 4.0
 HEAD = {
     "pan": ServoJointSettings(id=11, min=-90, max=90, speed=300, rest=0.0),
     "tilt": ServoJointSettings(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),
@@ -102,7 +104,7 @@ async def stand(
     **changes: Any,
 ) -> AsyncIterator[Stand]:
     """Servos, and an open driver that has found them (or, not `ready`, is still looking)."""
-    patience = 1.0 if "watchdog" in changes else WATCHDOG_PATIENCE
+    patience = BITING_PATIENCE if "watchdog" in changes else WATCHDOG_PATIENCE
     with ServoBus(ids, folder / "servos", model=model, patience=patience) as bus:
         prepare(bus)
         heard = Heard(folder)

@@ -379,6 +379,7 @@ def test_closing_hangs_up_and_leaves_no_thread(
 ) -> None:
     server = FileServer(HOST, 0, pytest.fail, patience=3600.0)
     ask(server.list_file(film))
+    until(lambda: "robot files client" not in threads())  # the one above has been served
     with socket.create_connection((HOST, server.port), timeout=PATIENCE_S) as idle:
         until(lambda: "robot files client" in threads())
         server.close()

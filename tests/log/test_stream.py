@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+import os
 import subprocess
 import sys
 import tracemalloc
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -47,6 +50,56 @@ def told(damage: Damage) -> dict[str, Any]:
     lists = {"places": sorted(damage.places), "kinds": sorted(damage.kinds)}
     full = len(damage.places) == 20
     return asdict(damage) | lists | ({"places": "many"} if full else {})
+
+
+def by_lines(path: Path) -> Damage:
+    return slow(path)[2]
+
+
+def by_messages(path: Path) -> Damage:
+    damage = Damage()
+    assert list(messages(path, damage, places=[], samples=True))
+    return damage
+
+
+def by_index(path: Path) -> Damage:
+    with LogIndex.open(path, places=[]) as log:
+        return log.damage
+
+
+@pytest.mark.parametrize(
+    "reader", [by_lines, by_messages, by_index, lambda path: verify(path).damage]
+)
+def test_a_line_that_is_written_while_the_log_is_read_is_not_missing(
+    reader: Callable[[Path], Damage], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = written(tmp_path, ACTIONS)
+    samples = written(tmp_path, SAMPLES, f"{STEM}.samples.jsonl")
+    numbers = itertools.count(LINES)
+
+    def session_goes_on() -> None:
+        for file, line in ((samples, sample), (path, note)) * 3:
+            with file.open("ab") as log:
+                log.write(line(next(numbers)))
+
+    real_stat, real_pread = os.stat, os.pread
+    looks, ends = itertools.count(), itertools.count()
+
+    def stat(*args: Any, **options: Any) -> os.stat_result:
+        if args[0] in (path, samples) and next(looks) < 9:
+            session_goes_on()
+        return real_stat(*args, **options)
+
+    def pread(fd: int, size: int, offset: int) -> bytes:
+        data = real_pread(fd, size, offset)
+        if not data and next(ends) < 4:  # so no reader goes after the session for ever
+            session_goes_on()
+        return data
+
+    monkeypatch.setattr(os, "stat", stat)
+    monkeypatch.setattr(os, "pread", pread)
+    assert reader(path).sentences() == []
+    assert next(numbers) > LINES + 60
 
 
 def belongs_to_samples(line: LogLine) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, get_args
@@ -157,18 +157,31 @@ def _message(raw: bytes) -> AnyMessage | None:
         return None
 
 
-def chunks_of(path: Path, damage: Damage, block: int = BLOCK) -> Iterator[LineChunk]:
-    """A file in pieces of whole lines, each about `block` bytes long."""
+def chunks_of(
+    path: Path, damage: Damage, block: int = BLOCK, until: int | None = None
+) -> Iterator[LineChunk]:
+    """A file in pieces of whole lines, each about `block` bytes long; no further than `until`, in
+    bytes from its beginning.
+    """
     try:
         with open_regular(path) as file:
-            yield from _cut(path, file.fileno(), damage, block)
+            fd = file.fileno()
+
+            def read(size: int, start: int) -> bytes:
+                return os.pread(fd, size if until is None else min(size, until - start), start)
+
+            yield from _cut(path, read, damage, block)
     except OSError as error:
         damage.unreadable.append(f"{path}: {error.strerror}")
 
 
-def _cut(path: Path, fd: int, damage: Damage, block: int) -> Iterator[LineChunk]:
+#: Reads at most so many bytes of a file from a place on; none at its end.
+_Read = Callable[[int, int], bytes]
+
+
+def _cut(path: Path, read: _Read, damage: Damage, block: int) -> Iterator[LineChunk]:
     start, size = 0, min(block, _BEGINNING)
-    while data := os.pread(fd, size, start):
+    while data := read(size, start):
         end = data.rfind(b"\n") + 1
         if end:
             yield LineChunk(path, start, data[:end])
@@ -177,19 +190,19 @@ def _cut(path: Path, fd: int, damage: Damage, block: int) -> Iterator[LineChunk]
             damage.nul_bytes += len(data)
             start += len(data)
         elif len(data) >= LONGEST:
-            end, whole = _end_of_line(fd, start + len(data), block)
+            end, whole = _end_of_line(read, start + len(data), block)
             yield LineChunk(path, start, None, whole)
             start, size = end, block
-        elif not os.pread(fd, 1, start + len(data)):
+        elif not read(1, start + len(data)):
             yield LineChunk(path, start, data, whole=False)
             return
         else:
             size *= 2
 
 
-def _end_of_line(fd: int, start: int, block: int) -> tuple[int, bool]:
+def _end_of_line(read: _Read, start: int, block: int) -> tuple[int, bool]:
     """Where the line that goes on at `start` ends, and whether with a newline."""
-    while data := os.pread(fd, block, start):
+    while data := read(block, start):
         end = data.find(b"\n") + 1
         if end:
             return start + end, True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from woz_tui.system.files import open_regular
 
 #: The last line of a file is looked for in so many bytes.
 _TAIL = 1 << 14
+#: How often files that grow are looked at until they have stood still for one look.
+_LOOKS = 100
 #: So many folders are believed of one line.
 _PLACES = 16
 #: What stands in a log that was cut off, or whose session still runs.
@@ -57,6 +60,30 @@ def holds_samples(path: Path) -> bool:
     """Whether a log file of this name is for samples."""
     name = FileName.parse(path.name)
     return name is not None and name.samples
+
+
+def sizes_of(paths: Iterable[Path]) -> dict[Path, int]:
+    """How many bytes each of a session's files has at one moment; a file that cannot be asked is
+    left out.
+
+    Lines are written to the files in order of `seq`: of a session that still runs, these bytes have
+    every line up to the last of them.
+    """
+    paths = list(paths)
+    found = _sizes(paths)
+    for _ in range(_LOOKS):
+        before, found = found, _sizes(paths)
+        if found == before:  # so nothing was written between the first look and the second
+            break
+    return found
+
+
+def _sizes(paths: Iterable[Path]) -> dict[Path, int]:
+    found = {}
+    for path in paths:
+        with suppress(OSError):
+            found[path] = path.stat().st_size
+    return found
 
 
 def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool = True) -> LogFiles:

@@ -30,7 +30,7 @@ import msgspec
 from woz_tui.log.damage import Damage
 from woz_tui.log.line_order import SequenceChecker, count_falls, is_rising, seq_of, t_of
 from woz_tui.log.line_reader import KINDS, LineChunk, LogLine, chunks_of
-from woz_tui.log.log_files import LogFiles, files_of
+from woz_tui.log.log_files import LogFiles, files_of, sizes_of
 from woz_tui.log.log_reader import LogItem, batches, items_in
 from woz_tui.log.sample_blocks import (
     QuickReading,
@@ -97,7 +97,8 @@ def is_sample(item: SampleEntry) -> bool:
 def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> LogScan:
     """Blocks are pieces of the files of samples themselves."""
     found = LogScan()
-    for batch in batches(files.actions, found.damage, gaps=False, block=block):
+    sizes = sizes_of(files.paths)
+    for batch in batches(files.actions, found.damage, gaps=False, block=block, sizes=sizes):
         if any(map(is_sample, batch)):
             raise _OutOfOrderError
         found.actions += batch
@@ -111,7 +112,7 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
             _headed(path, source, index[0].offset, found.damage)
             found.blocks += map(partial(_indexed, source), index)
             continue
-        for chunk in chunks_of(path, found.damage, block):
+        for chunk in chunks_of(path, found.damage, block, sizes.get(path)):
             quick = entries_in(chunk)
             entries = list[SampleEntry](quick) or _looked_at(chunk, found.damage)
             if entries and source is not None:

@@ -8,7 +8,7 @@ counted and reported. `read` gives lines; `messages` gives messages, several tim
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from typing import Any
 from woz_tui.log.damage import Damage
 from woz_tui.log.line_order import N, SequenceChecker, in_order, merged, seq_of, t_of
 from woz_tui.log.line_reader import BLOCK, LineChunk, LogLine, chunks_of, lines_in, lines_of
-from woz_tui.log.log_files import LogFiles, files_of
+from woz_tui.log.log_files import LogFiles, files_of, sizes_of
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import AnyMessage, Segment, SessionStart
 
@@ -50,13 +50,19 @@ def messages(
 
 
 def batches(
-    paths: Sequence[Path], damage: Damage, *, gaps: bool, block: int = BLOCK
+    paths: Sequence[Path],
+    damage: Damage,
+    *,
+    gaps: bool,
+    block: int = BLOCK,
+    sizes: Mapping[Path, int] | None = None,
 ) -> Iterator[list[LogItem]]:
     """The messages of these files as one stream, many at a time; see `messages`.
 
-    `gaps`: count the numbers that no message has.
+    `gaps`: count the numbers that no message has. `sizes`: how many bytes of each are read; by
+    default as many as there are now.
     """
-    return _merged(paths, damage, items_in, gaps, block)
+    return _merged(paths, damage, items_in, gaps, block=block, sizes=sizes)
 
 
 def _merged(
@@ -64,12 +70,16 @@ def _merged(
     damage: Damage,
     decode: Callable[[LineChunk, Damage], list[N]],
     gaps: bool,
+    *,
     block: int = BLOCK,
+    sizes: Mapping[Path, int] | None = None,
 ) -> Iterator[list[N]]:
     """What `decode` finds in the pieces of these files, in order, each number once."""
+    ends = sizes_of(paths) if sizes is None else sizes
 
     def decoded(path: Path) -> Iterator[list[N]]:
-        return (decode(chunk, damage) for chunk in chunks_of(path, damage, block))
+        chunks = chunks_of(path, damage, block, ends.get(path))
+        return (decode(chunk, damage) for chunk in chunks)
 
     checker = SequenceChecker[N](damage, same, gaps=gaps)
     for batch in merged([in_order(decoded(path), damage) for path in paths]):
@@ -120,7 +130,8 @@ def read(
 
     `path` is any file of the session; `damage` is filled in on the way. Without `samples` no file
     of samples is opened, and missing numbers are not counted. Memory stays flat however long the
-    log is. Raises at once what `files_of` raises; nothing damaged raises.
+    log is. Of a session that still runs comes what is written when the first line is asked for.
+    Raises at once what `files_of` raises; nothing damaged raises.
     """
     files = files_of(path, places, samples=samples)
     found = Damage() if damage is None else damage

@@ -12,7 +12,8 @@ import contextlib
 import os
 import shutil
 import signal
-from collections.abc import Callable, Sequence
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import cast
 
@@ -253,12 +254,13 @@ async def start(
     keeps_reading: bool = False,
     stdin: int | None = None,
     humble: bool = False,
+    environment: Mapping[str, str] | None = None,
 ) -> Child:
     """Run a command in `folder`; `text` goes to its stdin. The caller must await `end()`.
 
     One that `keeps_reading` gets its input with `write`, or from the caller's descriptor `stdin`. A
     `humble` one gets the processor only
-    when the robot does not need it.
+    when the robot does not need it. `environment` is added to ours.
 
     Raises `ProgramMissing`, or `DriverError` if the system refuses to start it.
     """
@@ -277,6 +279,7 @@ async def start(
             stdout=nothing if on_output is None else asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
             cwd=folder,
+            env={**os.environ, **(environment or {})},
             start_new_session=True,
         )
     except (OSError, ValueError) as error:
@@ -285,6 +288,17 @@ async def start(
     if text is not None:
         child.send_text(text)
     return child
+
+
+def temporary_folder() -> tempfile.TemporaryDirectory[str]:
+    """A new folder for files of a child, as a context that deletes it. Raises `DriverError`."""
+    try:
+        return tempfile.TemporaryDirectory(prefix="woz-program-", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise DriverError(
+            f"there is no place for temporary files: {error}",
+            "free some space there, or set TMPDIR to another folder",
+        ) from error
 
 
 def _bound_to_us() -> tuple[str, ...]:

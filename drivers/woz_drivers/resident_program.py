@@ -5,7 +5,8 @@ It writes `{"ready": true}` once it has loaded. Each line that it then reads is 
 with `"error"` why there is none. Other lines are passed over: libraries print what they like.
 
 One request is under way at a time. A program that dies is started again, with longer and longer
-pauses; so is one that does not answer in time, or never ends a line.
+pauses; so is one that does not answer in time, or never ends a line. Its temporary files lie in a
+folder of its own (`TMPDIR`), which is deleted when it has ended, however that happened.
 """
 
 from __future__ import annotations
@@ -193,13 +194,15 @@ class ResidentProgram:
             loaded_at = None
             self._on_state("loading", f"{self.program} is loading", "")
             try:
-                child = await self._load()
-                loaded_at = loop.time()
-                trouble = await self._until_end(child)
+                with child_process.temporary_folder() as temporary:
+                    try:
+                        child = await self._load(temporary)
+                        loaded_at = loop.time()
+                        trouble = await self._until_end(child)
+                    finally:
+                        await self._end()
             except DriverError as error:
                 trouble = error
-            finally:
-                await self._end()
             if loaded_at is None:
                 self._trouble = trouble
                 self._hopeless.set()
@@ -210,8 +213,8 @@ class ResidentProgram:
                 pauses.after_run(0 if loaded_at is None else loop.time() - loaded_at)
             )
 
-    async def _load(self) -> Child:
-        """It runs and is ready. Raises `DriverError`."""
+    async def _load(self, temporary: str) -> Child:
+        """It runs, with its temporary files in that folder, and is ready. Raises `DriverError`."""
         self._given_up = asyncio.get_running_loop().create_future()
         self._line.clear()
         self._passed_over = ""
@@ -221,6 +224,7 @@ class ResidentProgram:
             on_output=self._received,
             keeps_reading=True,
             humble=self._humble,
+            environment={"TMPDIR": temporary},
         )
         await _first(
             self._ready.wait(), child.wait(), asyncio.shield(self._given_up), within=LOADS_WITHIN_S

@@ -111,6 +111,33 @@ async def test_one_that_hangs_is_started_again(
     assert len(processes(journal)) == 1
 
 
+async def test_its_temporary_files_go_with_it(desk: Desk, journal: Path) -> None:
+    driver = await opened(desk, journal, "die", "ok")
+    with pytest.raises(DriverError, match="out of memory"):
+        await driver.perform(say("One"))
+    await driver.perform(say("Two"))
+    dead, running = (Path(str(line["temporary"])) for line in told(journal, "start"))
+    assert not dead.exists()
+    assert running.exists()
+    await driver.close()
+    assert not running.exists()
+    assert not running.parent.exists()
+
+
+async def test_without_a_place_for_temporary_files_it_says_so_and_comes_when_there_is_one(
+    desk: Desk, journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = tmp_path / "temporary"
+    monkeypatch.setattr("tempfile.tempdir", str(place))
+    driver = await opened(desk, journal, "ok")
+    with pytest.raises(DriverError, match=str(place)) as refused:
+        await driver.perform(say("One"))
+    assert "TMPDIR" in refused.value.remedy
+    place.mkdir()
+    await desk.heard.state("synthesiser", "ready")
+    assert (await driver.perform(say("Two")))["seconds"] == 0.1
+
+
 async def test_its_death_is_the_drivers_health_until_it_is_back(desk: Desk, journal: Path) -> None:
     driver = await opened(desk, journal, "ok")
     await driver.perform(say("One"))

@@ -1,7 +1,8 @@
 """A transcriber or a voice that stays loaded, as a script that behaves well or badly.
 
 `resident.py JOURNAL BEHAVIOUR...`: the n-th request, counted over all runs, gets the n-th
-behaviour, the last one for ever. Each start and each request is a line of the file JOURNAL.
+behaviour, the last one for ever. Each start, with a temporary file that it leaves, and each request
+is a line of the file JOURNAL.
 
     ok          a transcript, or a WAV file for a request with a text
     die         ends without an answer
@@ -23,7 +24,9 @@ behaviour, the last one for ever. Each start and each request is a line of the f
 from __future__ import annotations
 
 import json
+import os
 import sys
+import tempfile
 import time
 import wave
 from pathlib import Path
@@ -101,7 +104,9 @@ def _sound(behaviour: str, request: dict[str, object]) -> dict[str, object]:
 
 def main() -> None:
     journal, behaviours = Path(sys.argv[1]), sys.argv[2:]
-    _tell(journal, do="start")
+    handle, temporary = tempfile.mkstemp()
+    os.close(handle)
+    _tell(journal, do="start", temporary=temporary)
     if "unloadable" in behaviours:
         sys.exit("no model")
     while "slow" in behaviours and not journal.with_name("loaded").exists():

@@ -408,7 +408,7 @@ def file_names(text: str) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _new_file() -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix="woz-speech-") as folder:
+    with child_process.temporary_folder() as folder:
         path = Path(folder) / "speech.wav"
         path.touch()
         yield path

@@ -120,6 +120,8 @@ class SimulatedRosRobot(WebRobot):
         refuse_goals: Goals are not accepted.
         accepts_goals: While it is not set, goals wait to be accepted (ROS 2).
         tells_results: Whether it says how goals ended (ROS 1).
+        goal_s: How long a goal takes, in its seconds.
+        ended: The goals that have ended, the oldest first.
     """
 
     def __init__(
@@ -138,7 +140,9 @@ class SimulatedRosRobot(WebRobot):
         self.accepts_goals.set()
         self.tells_results = True
         self.interface = interface
+        self.goal_s = GOAL_S
         self.goals: dict[str, SimulatedGoal] = {}
+        self.ended: list[SimulatedGoal] = []
         self.accepted: dict[str, list[str]] = {}
         self.types = SimulatedTypes(interface["types"], ros)
         self.topics: dict[str, str] = {
@@ -303,13 +307,14 @@ class SimulatedRosRobot(WebRobot):
         feedback()
         ending = asyncio.ensure_future(goal.cancelled.wait())
         try:
-            sleeping = asyncio.ensure_future(self.sleep(GOAL_S))
+            sleeping = asyncio.ensure_future(self.sleep(self.goal_s))
             await asyncio.wait({ending, sleeping}, return_when=asyncio.FIRST_COMPLETED)
             sleeping.cancel()
         finally:
             ending.cancel()
             del self.goals[goal.ident]
         goal.status = "canceled" if goal.cancelled.is_set() else "done"
+        self.ended.append(goal)
         return goal.status
 
     def tell_accepted(self, action: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tests.bus.rig import VERBS, Rig, Scripted
-from tests.fakes.virtual_time import run_virtual
+from tests.fakes.virtual_time import VirtualLoop, run_virtual
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.drivers.contract import Argument, DeviceLostError, DriverError, Job, StopReport, Verb
@@ -118,6 +118,19 @@ def test_a_job_that_ignores_its_end_faults_its_lane_and_only_that_until_it_is_go
     assert isinstance(rig.end("c4"), m.Done)
     assert isinstance(rig.end("c5"), m.Done)
     assert len(rig.of(m.LaneFaulted)) == len(rig.of(m.LaneRecovered)) == 1
+
+
+@pytest.mark.parametrize(("seconds", "faults"), [(5.2, 0), (6.5, 1)])
+def test_a_process_that_stood_still_looks_once_more_before_a_job_counts_as_stuck(
+    seconds: float, faults: int
+) -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", "deaf", seconds)  # cancelled after 5 s
+        loop = asyncio.get_running_loop()
+        assert isinstance(loop, VirtualLoop)
+        loop.call_later(5.1, loop.jump, 0.4)
+
+    assert len(in_rig(scenario).of(m.LaneFaulted)) == faults
 
 
 def test_announced_durations_extend_the_limit() -> None:

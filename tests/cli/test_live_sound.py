@@ -55,11 +55,13 @@ async def until(holds: Any) -> None:
 async def line_with(running: Process, words: str) -> str:
     """The first line on standard error that has these words."""
     assert running.stderr is not None
+    told = []
     async with asyncio.timeout(WAIT_S):
         while line := (await running.stderr.readline()).decode():
+            told.append(line)
             if words in line:
                 return line
-    raise AssertionError(f"it ended without {words!r}")
+    raise AssertionError(f"it ended without {words!r}: {told}")
 
 
 @pytest.fixture(autouse=True)

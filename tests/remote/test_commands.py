@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import subprocess
 import sys
+import threading
 from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -19,6 +21,7 @@ from tests.host.test_live_sound import WORD, loudspeaker, microphone, now
 from tests.remote.network import Machines, machines
 from woz_tui.cli import listen
 from woz_tui.cli.mcp import SessionTools
+from woz_tui.cli.remote_start import RemoteLine
 from woz_tui.client.woz_errors import WozConnectionError
 from woz_tui.config.experiment import AccessRole
 from woz_tui.drivers.sound_feeds import LISTENED, SoundListened
@@ -173,6 +176,24 @@ async def test_who_is_revoked_is_told_and_the_command_ends(bench: Bench) -> None
     bench.two.authority.revoke("talk-program")
     await line_with(running, "revoked")
     assert await asyncio.wait_for(running.wait(), 30) == 1
+
+
+#: It has ended, and what it has said last is still on its way: until its input ends.
+LINE_PROCESS = """
+exec 3<&0
+(cat <&3; echo '{"trouble": "revoked", "final": true}') &
+echo '{"socket": "/nowhere", "name": "talk", "role": "program"}'
+"""
+
+
+def test_the_reason_of_a_line_that_has_ended_is_the_last_one() -> None:
+    with subprocess.Popen(["sh", "-c", LINE_PROCESS], stdin=PIPE, stdout=PIPE) as process:
+        assert process.stdin is not None
+        line = RemoteLine(process, "robot:7000")
+        assert line.open() is not None
+        assert process.wait(30) == 0
+        threading.Timer(0.1, process.stdin.close).start()
+        assert (line.final, line.reason) == (True, "revoked")
 
 
 async def test_blocks_are_played_there(bench: Bench, tmp_path: Path) -> None:

@@ -57,6 +57,8 @@ async def guarded(call: Callable[[], Awaitable[T]]) -> T:
 
 #: How long a cancelled job may take to end before its lane counts as faulted, in seconds.
 GRACE_S = 0.25
+#: A timer that is so late says that the whole process had no turn, in seconds.
+STOOD_STILL_S = 0.02
 #: A job that announced its duration may take this much longer than announced.
 EXPECTED_FACTOR = 1.5
 EXPECTED_MARGIN_S = 2.0
@@ -336,10 +338,19 @@ class Lane:
             return
         self._cancelled = True
         task.cancel()
-        asyncio.get_running_loop().call_later(GRACE_S, self._check_ended, task)
+        self._later_check_ended(task, again=True)
 
-    def _check_ended(self, task: asyncio.Task[Mapping[str, Json]]) -> None:
+    def _later_check_ended(self, task: asyncio.Task[Mapping[str, Json]], *, again: bool) -> None:
+        loop = asyncio.get_running_loop()
+        due = loop.time() + GRACE_S
+        loop.call_at(due, self._check_ended, task, due, again)
+
+    def _check_ended(self, task: asyncio.Task[Mapping[str, Json]], due: float, again: bool) -> None:
         if self._task is not task or self.faulted or self._current is None:
+            return
+        # A process that stood still has not seen yet what ended meanwhile: it looks once more.
+        if again and asyncio.get_running_loop().time() - due > STOOD_STILL_S:
+            self._later_check_ended(task, again=False)
             return
         self.faulted = True
         self._hub.publish(

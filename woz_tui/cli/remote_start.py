@@ -31,6 +31,7 @@ class RemoteLine:
         self._process = process
         self._address = address
         self._last: dict[str, Any] = {}
+        self._follower = threading.Thread(target=self._follow, name="remote line", daemon=True)
         self.socket: Path | None = None
 
     def open(self) -> Path | None:
@@ -42,7 +43,7 @@ class RemoteLine:
             if "socket" in announced:
                 self.socket = Path(announced["socket"])
                 # Somebody has to read on: a full pipe would hold up the line.
-                threading.Thread(target=self._follow, name="remote line", daemon=True).start()
+                self._follower.start()
                 return self.socket
             if announced["trouble"] != shown:
                 shown = announced["trouble"]
@@ -75,7 +76,10 @@ class RemoteLine:
     @property
     def final(self) -> bool:
         """Whether it will not come back: we are not let in any more, or nobody carries it."""
-        return bool(self._last.get("final")) or self._process.poll() is not None
+        ended = self._process.poll() is not None
+        if ended and self._follower.is_alive():
+            self._follower.join(_END_S)  # the reason is the last that it has said
+        return ended or bool(self._last.get("final"))
 
     def explained(self, loss: Loss) -> Loss:
         """How its loss is to be understood: whether the line or the robot process is gone."""

@@ -51,7 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
                 free = [pid for pid in candidates if pid not in stopped]
                 if free and chance.random() < _TICK_S / EVERY_S:
                     pid = chance.choice(free)
-                    if _runs(pid) and _send(pid, signal.SIGSTOP):
+                    if _may_stop(pid) and _send(pid, signal.SIGSTOP):
                         stopped[pid] = now + chance.uniform(SHORTEST_S, LONGEST_S)
                 time.sleep(_TICK_S)
         finally:
@@ -61,28 +61,22 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _python_processes(top: int) -> Iterator[int]:
-    """The processes below `top` that can be stopped without noticing it."""
     with contextlib.suppress(psutil.Error):
         for process in psutil.Process(top).children(recursive=True):
             with contextlib.suppress(psutil.Error):
-                if process.name().startswith("python") and not _handles_continue(process.pid):
+                if process.name().startswith("python"):
                     yield process.pid
 
 
-def _handles_continue(pid: int) -> bool:
+def _may_stop(pid: int) -> bool:
+    """Whether it runs, and does not notice at the moment that it goes on."""
     try:
-        status = Path(f"/proc/{pid}/status").read_text()
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     except OSError:
-        return True
-    caught = next(line.split()[1] for line in status.splitlines() if line.startswith("SigCgt:"))
-    return bool(int(caught, 16) >> (signal.SIGCONT - 1) & 1)
-
-
-def _runs(pid: int) -> bool:
-    try:
-        return psutil.Process(pid).status() != psutil.STATUS_STOPPED
-    except psutil.Error:
         return False
+    status = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
+    handles_continue = int(status["SigCgt"], 16) >> (signal.SIGCONT - 1) & 1
+    return not status["State"].startswith(("T", "Z")) and not handles_continue
 
 
 def _send(pid: int, number: signal.Signals) -> bool:

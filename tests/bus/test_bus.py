@@ -133,6 +133,22 @@ def test_a_process_that_stood_still_looks_once_more_before_a_job_counts_as_stuck
     assert len(in_rig(scenario).of(m.LaneFaulted)) == faults
 
 
+@pytest.mark.parametrize(("stop_takes", "confirmed"), [(0.4, ["head"]), (1.2, [])])
+def test_a_process_that_stood_still_reads_once_more_before_a_stop_is_missing(
+    stop_takes: float, confirmed: list[str]
+) -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.head.stop_takes = stop_takes
+        loop = asyncio.get_running_loop()
+        assert isinstance(loop, VirtualLoop)
+        loop.call_later(0.3, loop.jump, 0.4)
+        rig.bus.stop("key")
+
+    (first, *_) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(first, m.StopConfirmed)
+    assert [name for name in first.confirmed if name == "head"] == confirmed
+
+
 def test_announced_durations_extend_the_limit() -> None:
     async def scenario(rig: Rig) -> None:
         rig.send("say", "expects", 30)

@@ -13,6 +13,7 @@ import itertools
 import logging
 import secrets
 import uuid
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -55,11 +56,13 @@ LATE_S = 0.5
 STOP_S = 0.4
 #: How long `rest`, `close` and `reread` may take there, in seconds.
 REST_S, CLOSE_S, REREAD_S = 9.0, 7.0, 3.0
-#: A cancelled command is waited for so long; longer only if the other computer is heard and the
+#: A cancelled command is waited for so long; longer only if the other computer speaks and the
 #: round trip is shorter than `SLOW_S`: else its lane would count as faulted, and it is the network.
 #: The other computer keeps the order. In seconds.
 SLOW_S = 0.1
 _CANCEL_S = 0.2
+#: Pings of about a minute, in which two clocks drift apart by no more than some milliseconds.
+_LEADS = 400
 #: How often it is seen whether the other side is silent, and a line tried that cannot be opened, in
 #: seconds.
 _WATCH_S, _RETRY_S = 0.1, 2.0
@@ -139,6 +142,10 @@ class RemoteDriver(Driver):
         self._greeted, self._greeted_us = "", 0
         self._sent = self._received = 0
         self._heard_us = 0
+        #: When the last ping was sent, by the other clock; and how much later by that clock than
+        #: they were heard by ours pings were sent: at most, so much is that clock ahead.
+        self._pinged_us = 0
+        self._leads_us: deque[int] = deque(maxlen=_LEADS)
         self._round_trip_s = 0.0
         self._twice = ""
         #: Why the other computer may not come in any more.
@@ -424,6 +431,10 @@ class RemoteDriver(Driver):
                     self._lose(f"something that {self._place} sent was lost")
                     return
                 self._round_trip_s = round_trip_us / 1e6
+                if not self._bound:
+                    self._leads_us.clear()  # the other clock may have begun anew
+                self._pinged_us = sent_us
+                self._leads_us.append(sent_us - self._heard_us)
                 clock = self.context.clock
                 boot_us, t_us = clock.boot_us(), self.context.t(clock.now_us())
                 new, self._bound, self._greeted = not self._bound, instance, ""
@@ -551,7 +562,9 @@ class RemoteDriver(Driver):
                 self._send(dm.Cancel(number))
                 cancelled_us = self.context.clock.boot_us()
                 await asyncio.wait([future], timeout=_CANCEL_S)
-                if self._round_trip_s < SLOW_S and self._heard_us > cancelled_us:
+                # Not when it was heard: what a process that stood still reads now may be old.
+                spoke_us = self._pinged_us - max(self._leads_us, default=0)
+                if self._round_trip_s < SLOW_S and spoke_us > cancelled_us:
                     await asyncio.wait([future])  # it answers, and its job does not end
             raise
         finally:

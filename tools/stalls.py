@@ -25,6 +25,8 @@ import psutil
 SHORTEST_S, LONGEST_S, EVERY_S = 0.2, 0.7, 0.25
 #: How often something is done, and new processes are looked for, in seconds.
 _TICK_S, _LOOK_S = 0.02, 1.0
+#: Programs that stop with their child, and would have to be sent on as well.
+_STOP_TOO = ("nsenter", "unshare")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -64,7 +66,12 @@ def _python_processes(top: int) -> Iterator[int]:
     with contextlib.suppress(psutil.Error):
         for process in psutil.Process(top).children(recursive=True):
             with contextlib.suppress(psutil.Error):
-                if process.name().startswith("python"):
+                parent = process.parent()
+                if (
+                    process.name().startswith("python")
+                    and parent
+                    and parent.name() not in _STOP_TOO
+                ):
                     yield process.pid
 
 

@@ -3,7 +3,8 @@
 `python -m tools.stalls make test` shows which tests take a machine for one that is never busy.
 Python processes below the command are stopped for 0.2 to 0.7 s at random moments; `--seed` chooses
 other ones. Left out are those that notice it by themselves (they handle SIGCONT, as the console
-does) and those that somebody else has stopped.
+does) and those that somebody else has stopped. A test that stops a process in the same moment sees
+it go on too early: look whether a red one does.
 """
 
 from __future__ import annotations

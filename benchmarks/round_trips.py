@@ -36,8 +36,8 @@ from woz_tui.network.certificates import SERVER_NAME, AccessFile, Authority
 WARM = 20
 #: Between the rounds, in seconds: more than 200 requests a second are refused over a network.
 PAUSE_S = 0.02
-#: A way that is late more often fails; so long a line may be lost meanwhile, in seconds.
-MOST_LATE, LOST_S = 10, 1.0
+#: A way of which more trips fail is given up; so long a line may be lost meanwhile, in seconds.
+MOST_FAILED, LOST_S = 10, 1.0
 HELLO = b'{"kind":"hello","role":"program","protocol":2,"stream":"actions"}\n'
 VERB = b'{"kind":"verb","verb":"say","on":"near","args":{"text":"a"}}\n'
 MARKER = b'{"kind":"marker"}\n'
@@ -65,18 +65,18 @@ class Way:
     trip: Trip
     before: Trip | None = None
     took: list[float] = field(default_factory=list)
-    late: int = 0
+    failed: int = 0
 
     async def go(self) -> None:
-        """Once, in milliseconds. What came too late to be carried out is counted and made again."""
+        """Once, in milliseconds. What failed, as it came too late, is counted and made again."""
         if self.before is not None:
             await self.before()
         began = time.perf_counter_ns()
         try:
             await self.trip()
         except WozFailedError:
-            self.late += 1
-            if self.late > MOST_LATE:
+            self.failed += 1
+            if self.failed > MOST_FAILED:
                 raise
             await asyncio.sleep(LOST_S)
             await self.go()
@@ -248,8 +248,10 @@ def main() -> None:
         took = {way.name: way.took for way in ways}
         trips(f"A verb's round trip, {transport}", took, "bare echo")
         for way in ways:
-            if way.late:
-                print(f"  {way.name}: {way.late} came too late and were made again")
+            if way.failed:
+                print(
+                    f"  {way.name}: {way.failed} failed, as they came too late, and were made again"
+                )
     print(f"\n{machine()}")
 
 

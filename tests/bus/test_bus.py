@@ -26,6 +26,13 @@ def in_rig(scenario: Callable[[Rig], Awaitable[None]], capacity: int = 16) -> Ri
     return run_virtual(go())
 
 
+def stand_still(after: float, seconds: float) -> None:
+    """The process gets no turn for so long, and then sees at once what was due meanwhile."""
+    loop = asyncio.get_running_loop()
+    assert isinstance(loop, VirtualLoop)
+    loop.call_later(after, loop.jump, seconds)
+
+
 def test_a_command_is_recorded_then_dispatched_then_done() -> None:
     async def scenario(rig: Rig) -> None:
         rig.send("say", seconds=1.5)
@@ -126,9 +133,7 @@ def test_a_process_that_stood_still_looks_once_more_before_a_job_counts_as_stuck
 ) -> None:
     async def scenario(rig: Rig) -> None:
         rig.send("say", "deaf", seconds)  # cancelled after 5 s
-        loop = asyncio.get_running_loop()
-        assert isinstance(loop, VirtualLoop)
-        loop.call_later(5.1, loop.jump, 0.4)
+        stand_still(after=5.1, seconds=0.4)
 
     assert len(in_rig(scenario).of(m.LaneFaulted)) == faults
 
@@ -139,9 +144,7 @@ def test_a_process_that_stood_still_reads_once_more_before_a_stop_is_missing(
 ) -> None:
     async def scenario(rig: Rig) -> None:
         rig.head.stop_takes = stop_takes
-        loop = asyncio.get_running_loop()
-        assert isinstance(loop, VirtualLoop)
-        loop.call_later(0.3, loop.jump, 0.4)
+        stand_still(after=0.3, seconds=0.4)
         rig.bus.stop("key")
 
     (first, *_) = in_rig(scenario).of(m.StopConfirmed)

@@ -338,19 +338,16 @@ class Lane:
             return
         self._cancelled = True
         task.cancel()
-        self._later_check_ended(task, again=True)
-
-    def _later_check_ended(self, task: asyncio.Task[Mapping[str, Json]], *, again: bool) -> None:
         loop = asyncio.get_running_loop()
-        due = loop.time() + GRACE_S
-        loop.call_at(due, self._check_ended, task, due, again)
+        loop.call_later(GRACE_S, self._check_ended, task, loop.time() + GRACE_S)
 
-    def _check_ended(self, task: asyncio.Task[Mapping[str, Json]], due: float, again: bool) -> None:
+    def _check_ended(self, task: asyncio.Task[Mapping[str, Json]], due: float) -> None:
         if self._task is not task or self.faulted or self._current is None:
             return
-        # A process that stood still has not seen yet what ended meanwhile: it looks once more.
-        if again and asyncio.get_running_loop().time() - due > STOOD_STILL_S:
-            self._later_check_ended(task, again=False)
+        loop = asyncio.get_running_loop()
+        if loop.time() - due > STOOD_STILL_S:
+            # What ended meanwhile has not been seen yet: once more, which is never too late.
+            loop.call_later(GRACE_S, self._check_ended, task, math.inf)
             return
         self.faulted = True
         self._hub.publish(

@@ -431,13 +431,13 @@ class RemoteDriver(Driver):
                     self._lose(f"something that {self._place} sent was lost")
                     return
                 self._round_trip_s = round_trip_us / 1e6
-                if not self._bound:
-                    self._leads_us.clear()  # the other clock may have begun anew
-                self._pinged_us = sent_us
-                self._leads_us.append(sent_us - self._heard_us)
                 clock = self.context.clock
                 boot_us, t_us = clock.boot_us(), self.context.t(clock.now_us())
                 new, self._bound, self._greeted = not self._bound, instance, ""
+                if new:
+                    self._leads_us.clear()  # the other clock may have begun anew
+                self._pinged_us = sent_us
+                self._leads_us.append(sent_us - self._heard_us)
                 self._send(dm.Pong(sent_us, boot_us, t_us, self._sent, self._stopped))
                 if new and self._utterances:
                     self._spawn(self._prepare())

@@ -122,8 +122,13 @@ class StandIn(Robot):
         self._signal(signal.SIGKILL)
 
     def freeze(self) -> None:
-        """It goes on existing and does nothing."""
+        """It goes on existing and does nothing. Returns when all its threads stand still.
+
+        On a busy machine that takes a while: its library would still let somebody in.
+        """
         self._signal(signal.SIGSTOP)
+        with suppress(ChildProcessError):  # it has ended
+            os.waitid(os.P_PID, self.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
 
     def thaw(self) -> None:
         """It goes on."""

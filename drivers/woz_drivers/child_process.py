@@ -13,7 +13,7 @@ import os
 import shutil
 import signal
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import cast
 
@@ -292,8 +292,26 @@ async def start(
 
 def temporary_folder() -> tempfile.TemporaryDirectory[str]:
     """A new folder for files of a child, as a context that deletes it. Raises `DriverError`."""
-    try:
+    with _there_is_place():
         return tempfile.TemporaryDirectory(prefix="woz-program-", ignore_cleanup_errors=True)
+
+
+@contextlib.contextmanager
+def temporary_file(name: str, content: bytes = b"") -> Iterator[Path]:
+    """A new file for a child, in a folder of its own; both are deleted afterwards. Raises
+    `DriverError`.
+    """
+    with temporary_folder() as folder:
+        path = Path(folder) / name
+        with _there_is_place():
+            path.write_bytes(content)
+        yield path
+
+
+@contextlib.contextmanager
+def _there_is_place() -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise DriverError(
             f"there is no place for temporary files: {error}",

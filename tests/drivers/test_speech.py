@@ -20,6 +20,7 @@ from woz_drivers.wav import parse
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.speech_desk import Desk, desk_in, said, say
+from tests.fakes.disk import full_disk
 from woz_tui.drivers.contract import DriverError, RejectedError, Written
 from woz_tui.protocol.messages import Json, Notice, Reading
 
@@ -235,6 +236,16 @@ async def test_volume_softens_what_comes_next(desk: Desk) -> None:
     await driver.perform(Ordered("volume", {"level": 1}))
     await driver.perform(say("Hello"))
     assert desk.told("play")[1]["peak"] == 16384
+
+
+async def test_without_room_for_the_softer_sound_it_says_so(desk: Desk) -> None:
+    driver = await desk.open()
+    await driver.perform(say("Hello"))
+    await driver.perform(Ordered("volume", {"level": 0.5}))
+    with full_disk(), pytest.raises(DriverError, match="no place for temporary files") as refused:
+        await driver.perform(say("Hello"))
+    assert "TMPDIR" in refused.value.remedy
+    assert (await driver.perform(say("Hello")))["volume"] == 0.5
 
 
 async def test_a_player_may_set_the_volume_itself(desk: Desk) -> None:

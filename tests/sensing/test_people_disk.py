@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import os
-import resource
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
 from datetime import date
 from pathlib import Path
 
 import pytest
 
+from tests.fakes.disk import full_disk
 from woz_tui.sensing.visitor_store import (
     UnsavedError,
     VisitorFileError,
@@ -34,17 +32,6 @@ def path(tmp_path: Path) -> Path:
 
 def names(store: VisitorStore) -> list[str]:
     return [visitor.name for visitor in store.everybody()]
-
-
-@contextlib.contextmanager
-def full_disk(limit: int = 64) -> Iterator[None]:
-    """No file of this process may grow beyond `limit` bytes: writing fails as on a full disk."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 # -- files that are not as they should be -------------------------------------------------------

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import functools
-import tempfile
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -479,8 +478,6 @@ async def _at_volume(path: Path | None, content: Wav, volume: float) -> AsyncIte
     if path is not None and volume == 1.0:
         yield path
         return
-    with tempfile.NamedTemporaryFile(prefix="woz-speech-", suffix=".wav") as file:
-        softer = await asyncio.to_thread(lambda: content.at(volume).to_bytes())
-        file.write(softer)
-        file.flush()
-        yield Path(file.name)
+    softer = await asyncio.to_thread(lambda: content.at(volume).to_bytes())
+    with child_process.temporary_file("softer.wav", softer) as file:
+        yield file

@@ -310,7 +310,7 @@ class SpeechSynthesis:
         self, program: ResidentProgram, text: str, choice: VoiceChoice
     ) -> tuple[Wav, tuple[UtteranceWord, ...]]:
         """Have the program that stays loaded make it. Cancelled, it goes on and is passed over."""
-        with _new_file() as path:
+        with child_process.temporary_file("speech.wav") as path:
             request: dict[str, Any] = {
                 **{"text": text, "wav": str(path), "voice": choice.voice},
                 **{"language": choice.language, "speed": choice.speed, "pitch": choice.pitch},
@@ -352,7 +352,7 @@ class SpeechSynthesis:
 
     async def _synthesise(self, text: str, choice: VoiceChoice) -> Wav:
         words = self._settings.synthesise_words()
-        with _new_file() as path:
+        with child_process.temporary_file("speech.wav") as path:
             values = {**choice.values(), "text": text, "wav": str(path)}
             used = command_lines.placeholders(words, values, "synthesise")
             output = bytearray()
@@ -404,11 +404,3 @@ def file_names(text: str) -> Iterator[str]:
     plain = "-".join(re.findall(r"\w+", text.lower()))
     if plain and len(plain.encode()) <= 250:
         yield f"{plain}.wav"
-
-
-@contextlib.contextmanager
-def _new_file() -> Iterator[Path]:
-    with child_process.temporary_folder() as folder:
-        path = Path(folder) / "speech.wav"
-        path.touch()
-        yield path

@@ -171,6 +171,52 @@ def test_nobody_watches_while_suspended(rig: Rig) -> None:
     assert not rig.line.arrived(["a"])
 
 
+def test_a_terminal_that_is_frozen_when_the_console_goes_on_is_dead_again(rig: Rig) -> None:
+    rig.round_trip()
+    rig.line.leave()
+    rig.clock.advance(100)
+    rig.line.reset()
+    rig.line.question_sent()
+    rig.wait(DEAD_S + 0.1)
+
+    assert not rig.feed.line_ok
+
+
+def test_a_terminal_that_takes_no_question_is_dead_and_its_keys_are_stale(rig: Rig) -> None:
+    rig.round_trip()
+    rig.wait(EVERY_S)
+    while rig.line.question_in_s <= 0 and rig.line.ok:
+        rig.line.put_off()
+        rig.wait(rig.line.question_in_s)
+
+    assert not rig.feed.line_ok
+    assert rig.line.arrived(["a"])
+
+
+def test_asking_once_more_makes_a_line_neither_alive_nor_its_keys_fresh(rig: Rig) -> None:
+    rig.round_trip()
+    rig.line.question_sent()
+    rig.wait(rig.line.question_in_s)
+    rig.line.question_sent()
+    rig.wait(0.5)
+
+    assert not rig.feed.line_ok
+    assert rig.line.arrived(["a"])
+    rig.line.answered()
+    assert rig.feed.line_ok
+
+
+def test_output_that_waits_for_a_moment_makes_no_key_stale(rig: Rig) -> None:
+    rig.round_trip()
+    rig.wait(EVERY_S)
+    rig.line.put_off()
+    rig.wait(rig.line.question_in_s)
+    rig.round_trip()
+    rig.wait(STALE_S)
+
+    assert not rig.line.arrived(["a"])
+
+
 def test_no_question_while_the_terminal_takes_nothing(rig: Rig) -> None:
     rig.round_trip()
     rig.line.question_sent()

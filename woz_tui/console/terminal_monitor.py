@@ -7,8 +7,9 @@ measure then ends at them, and not at the wizard's desk.
 
 A key is stale if it may have waited somewhere for longer than the wizard would want it played:
 
-* the question has been out for `stale_s`, and nothing at all came in that time: the line stood
-  still, so what comes now was pressed before, up to the answer or a pause of 0.3 s;
+* the question has been out for `stale_s`, or could not be asked for so long because the terminal
+  took no output, and nothing at all came in that time: the line stood still, so what comes now was
+  pressed before, up to the answer or a pause of 0.3 s;
 * three keys or more in one read after a silence of `stale_s`: nobody types that, a line that was
   frozen for less than a question's interval sends it;
 * this process itself stood still (stopped, or the computer slept) while keys came;
@@ -30,6 +31,8 @@ QUESTION = "\x1b[5n"
 EVERY_S = 2.0
 #: An unanswered question is asked again after so long: it may have got lost.
 AGAIN_S = 10.0
+#: The same while the terminal takes no output, so that nothing could be asked.
+PUT_OFF_S = 0.25
 #: After so long without an answer or anything else the line counts as dead; driving then stops.
 DEAD_S = 3.0
 #: A press that may be older is not played.
@@ -51,6 +54,8 @@ class TerminalMonitor:
     def __init__(self, feed: MessageFeed, clock: Clock) -> None:
         self._feed = feed
         self._clock = clock
+        #: Whether this terminal has ever answered: one that does not is not dead for that.
+        self._answers = False
         self.reset()
 
     def reset(self) -> None:
@@ -58,8 +63,9 @@ class TerminalMonitor:
         now = self._clock.now_us()
         self.rtt_ms: float | None = None
         self.ok = True
-        self._answers = False
         self._asked_us: int | None = None
+        #: Since when an answer is due, or would be if the terminal took the question.
+        self._unanswered_us: int | None = None
         #: When the question was asked that was answered last, and when its answer came: what had
         #: been written before the one has reached the terminal at the other. None: never.
         self.confirmed_us: tuple[int, int] | None = None
@@ -102,19 +108,27 @@ class TerminalMonitor:
         """The question went out just now."""
         now = self._clock.now_us()
         self._asked_us = now
+        self._wait_for_answer(now)
         self._first_us = self._first_us or now
         self._hurried = False
         self._due_us = now + round(AGAIN_S * 1_000_000)
 
     def put_off(self) -> None:
         """The terminal takes no output at the moment: ask later."""
+        now = self._clock.now_us()
         self._hurried = False
-        self._due_us = self._clock.now_us() + round(EVERY_S * 1_000_000)
+        self._wait_for_answer(now)
+        self._due_us = now + round(PUT_OFF_S * 1_000_000)
+
+    def _wait_for_answer(self, since_us: int) -> None:
+        if self._unanswered_us is None:
+            self._unanswered_us = since_us
 
     def answered(self) -> None:
         """The terminal answered: the line is fine, and keys from here on are fresh."""
         now = self._clock.now_us()
         self._answers = True
+        self._unanswered_us = None
         self._burst = False
         if self._asked_us is not None:
             self.rtt_ms = (now - self._asked_us) / 1000
@@ -153,18 +167,14 @@ class TerminalMonitor:
         return self._burst
 
     def _stalled(self, now: int) -> bool:
-        return (
-            self._answers
-            and self._asked_us is not None
-            and now - self._asked_us > STALE_S * 1_000_000
-        )
+        return self._answers and self._unanswered_for_us(now) > STALE_S * 1_000_000
+
+    def _unanswered_for_us(self, now: int) -> int:
+        return 0 if self._unanswered_us is None else now - self._unanswered_us
 
     def _judge(self, now: int) -> None:
         """A terminal that never answered a question counts as well, with unknown round trip."""
-        waited_us = min(
-            now - self._asked_us if self._asked_us is not None else 0,
-            self._clock.boot_us() - self._heard_us,
-        )
+        waited_us = min(self._unanswered_for_us(now), self._clock.boot_us() - self._heard_us)
         alive = not self._answers or waited_us <= DEAD_S * 1_000_000
         self.ok = alive and not self._away
         self._publish()

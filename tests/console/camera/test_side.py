@@ -10,7 +10,13 @@ import pytest
 
 from tests.console.scripted import ScriptedFeed
 from woz_tui.console.camera.picture_terminal import PictureTerminal
-from woz_tui.console.terminal_monitor import AGAIN_S, DEAD_S, EVERY_S, TerminalMonitor
+from woz_tui.console.terminal_monitor import (
+    AGAIN_S,
+    DEAD_S,
+    EVERY_S,
+    PUT_OFF_S,
+    TerminalMonitor,
+)
 from woz_tui.console.terminal_output import Output
 from woz_tui.system.clock import ManualClock
 
@@ -69,7 +75,7 @@ def test_hurry_asks_at_once_or_right_behind_the_question_that_is_out(seat: Seat)
     seat.line.answered()
     assert seat.line.question_in_s == 0
     seat.line.put_off()
-    assert seat.line.question_in_s == EVERY_S, "it takes nothing: no hurry"
+    assert seat.line.question_in_s == PUT_OFF_S, "it takes nothing: no hurry"
 
 
 def test_a_terminal_that_never_answers_has_what_it_has_taken(seat: Seat) -> None:

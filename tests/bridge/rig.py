@@ -23,6 +23,7 @@ from woz_tui.config.loading import load
 from woz_tui.config.topic_table import TopicTable, load_table
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol import messages as m
+from woz_tui.system.tasks import until_first_ends
 from woz_tui.testing import until
 
 PATIENCE_S = 40.0
@@ -60,7 +61,7 @@ class Planner:
         self.broker.publish(PREFIX + topic, text)
 
     def ask(
-        self, ident: str, sequence: int, *, kind: int = 1, seconds: float = 0.1, count: int = 1
+        self, ident: str, sequence: int, *, kind: int = 1, seconds: float = 0.3, count: int = 1
     ) -> None:
         """Ask for a sequence."""
         request = {"requestType": kind, "request": seconds, "requestCount": count}
@@ -97,13 +98,36 @@ class Planner:
 
 
 @contextlib.asynccontextmanager
-async def bridged(tmp_path: Path) -> AsyncIterator[Planner]:
-    """The robot and its planner, until the block ends."""
+async def late_line(session: Path, folder: Path, seconds: float) -> AsyncIterator[Path]:
+    """A socket that leads to the session: what is asked there arrives so much later."""
+
+    async def carry(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, by: float) -> None:
+        while data := await reader.read(1 << 16):
+            await asyncio.sleep(by)
+            writer.write(data)
+
+    async def join(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        answers, asks = await asyncio.open_unix_connection(session)
+        await until_first_ends(carry(reader, asks, seconds), carry(answers, writer, 0.0))
+        asks.close()
+        writer.close()
+
+    path = folder / "late.sock"
+    async with await asyncio.start_unix_server(join, path):
+        yield path
+
+
+@contextlib.asynccontextmanager
+async def bridged(tmp_path: Path, *, late_s: float = 0.0) -> AsyncIterator[Planner]:
+    """The robot and its planner, until the block ends; `late_s`: so long the session hears nothing
+    of what the bridge asks.
+    """
     made, table = eyepi()
     async with (
         StompBroker() as broker,
         served(tmp_path, made=made, catalogue=CATALOGUE) as host,
-        connect(host.path, name="bridge", samples=True) as client,
+        late_line(host.path, tmp_path, late_s) as line,
+        connect(line, name="bridge", samples=True) as client,
     ):
         planner = Planner(broker, host)
         place = StompPlace("127.0.0.1", broker.port)

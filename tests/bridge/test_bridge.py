@@ -71,6 +71,14 @@ async def test_a_stroke_is_where_it_was_asked_for_and_foretold(tmp_path: Path) -
         assert planned[1].at - planned[0].at >= (lasts + stroke) * 1e6 - 1000
 
 
+async def test_a_sequence_whose_moment_passes_on_the_way_begins_at_once(tmp_path: Path) -> None:
+    # The moment is asked for after one way to the session and over before the second.
+    async with bridged(tmp_path, late_s=0.2) as it:
+        it.ask("nod", NOD, seconds=0.25)
+        await it.over("nod")
+        assert it.general("nod") == [ACK, START, STROKE, END]
+
+
 @pytest.mark.toolkit("E1")
 async def test_what_does_not_fit_is_refused_with_its_reason(tmp_path: Path) -> None:
     async with bridged(tmp_path) as it:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -460,8 +461,15 @@ class _Sequences:
 
     async def _movement(self, call: VerbWithArgs, at: float) -> WozRun:
         """Ask for a movement at its time, or at once if that is over."""
-        moment = at if at > self._client.now() else 0.0
-        return await self._client.begin(call.verb, call.args, at=moment, when_busy="queue")
+        begin = functools.partial(self._client.begin, call.verb, call.args, when_busy="queue")
+        if at <= self._client.now():
+            return await begin()
+        try:
+            return await begin(at=at)
+        except WozRefusedError:
+            if at > self._client.now():
+                raise
+            return await begin()  # the moment passed on the way to the session
 
     async def _play(self, sequence: QueuedSequence, call: VerbWithArgs, run: WozRun) -> None:
         try:

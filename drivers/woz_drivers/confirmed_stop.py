@@ -9,9 +9,12 @@ from typing import Any
 
 from woz_drivers.background import forget_outcome
 from woz_tui.drivers.contract import StopReport
+from woz_tui.system.tasks import wait_at_most
 
 #: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
 STOP_S = 0.45
+#: How long more where this process has stood still; the bus then waits a bit longer, too.
+AGAIN_S = 0.05
 
 log = logging.getLogger(__name__)
 
@@ -31,8 +34,7 @@ async def confirmed_within(seconds: float, ends: Ends) -> StopReport:
     every = {end for of_part in ends.values() for end in of_part}
     for end in every:
         end.add_done_callback(forget_outcome)
-    if every:
-        await asyncio.wait(every, timeout=max(0.0, seconds))
+    await wait_at_most(every, seconds, AGAIN_S)
     missing = {name for name, of_part in ends.items() if not all(map(succeeded, of_part))}
     for name in missing:
         failed = [str(end.exception()) for end in ends[name] if end.done() and not end.cancelled()]

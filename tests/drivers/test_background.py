@@ -8,6 +8,7 @@ import pytest
 from woz_drivers.background import BackgroundTasks
 from woz_drivers.confirmed_stop import Ends, confirmed_within
 
+from tests.fakes.virtual_time import VirtualLoop, run_virtual
 from woz_tui.drivers.contract import DriverError, StopReport
 
 
@@ -48,6 +49,25 @@ async def test_a_mistake_is_logged_and_a_robots_refusal_is_not(
     await tasks.settled()
     await asyncio.sleep(0)
     assert [record.getMessage() for record in caplog.records] == ["a sound failed"]
+
+
+@pytest.mark.parametrize(("takes", "confirmed"), [(0.4, True), (0.8, False)])
+def test_what_ended_while_the_process_stood_still_has_confirmed(
+    takes: float, confirmed: bool
+) -> None:
+    async def stop() -> StopReport:
+        loop = asyncio.get_running_loop()
+        assert isinstance(loop, VirtualLoop)
+        loop.call_later(0.1, loop.jump, 0.5)
+
+        async def answers() -> None:
+            await asyncio.sleep(takes)
+            for _ in range(5):  # it is read, handed on, understood ...
+                await asyncio.sleep(0)
+
+        return await confirmed_within(0.45, {"driving": [asyncio.ensure_future(answers())]})
+
+    assert (run_virtual(stop()).missing == ()) is confirmed
 
 
 async def test_a_part_has_confirmed_when_all_that_belongs_to_it_has_ended_well() -> None:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Mapping
 import msgspec
 
 from woz_tui.bus.hub import Hub
-from woz_tui.bus.lane import STOOD_STILL_S, Lane, PendingCommand, guarded
+from woz_tui.bus.lane import Lane, PendingCommand, guarded
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import DeviceLostError, Performer, Scope, StopReport, Verb
 from woz_tui.drivers.secret_arguments import hidden
@@ -32,7 +32,7 @@ from woz_tui.protocol.messages import (
     StopPressed,
     StopReleased,
 )
-from woz_tui.system.tasks import TaskSet
+from woz_tui.system.tasks import TaskSet, wait_at_most
 
 #: Commands that may wait in one lane.
 CAPACITY = 16
@@ -40,8 +40,6 @@ CAPACITY = 16
 MOST_TOGETHER = 64
 #: How long drivers have to confirm a stop, in seconds.
 STOP_WAIT_S = 0.5
-#: How long more, where the process itself had no turn when that was over.
-READ_AGAIN_S = 0.1
 
 log = logging.getLogger(__name__)
 
@@ -327,12 +325,7 @@ class Bus:
         waits = {
             name: loop.create_task(self._still(name, stop, jobs)) for name, stop in stops.items()
         }
-        if waits:
-            due = loop.time() + STOP_WAIT_S
-            await asyncio.wait(waits.values(), timeout=STOP_WAIT_S)
-            # A process that stood still has not read yet what drivers have said meanwhile.
-            if loop.time() - due > STOOD_STILL_S:
-                await asyncio.wait(waits.values(), timeout=READ_AGAIN_S)
+        await wait_at_most(waits.values(), STOP_WAIT_S)
         told = {name: report for name, stop in stops.items() if (report := _stop_report(stop))}
         confirmed, missing, unreached = [], [], []
         for name, wait in waits.items():

@@ -39,6 +39,7 @@ from woz_tui.protocol.messages import (
     Superseded,
     TimedOut,
 )
+from woz_tui.system.tasks import STOOD_STILL_S
 
 T = TypeVar("T")
 
@@ -57,8 +58,6 @@ async def guarded(call: Callable[[], Awaitable[T]]) -> T:
 
 #: How long a cancelled job may take to end before its lane counts as faulted, in seconds.
 GRACE_S = 0.25
-#: A timer that is so late says that the whole process had no turn, in seconds.
-STOOD_STILL_S = 0.02
 #: A job that announced its duration may take this much longer than announced.
 EXPECTED_FACTOR = 1.5
 EXPECTED_MARGIN_S = 2.0

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Coroutine
+from collections.abc import Coroutine, Iterable
 from typing import Any, ClassVar, TypeVar
 
 log = logging.getLogger(__name__)
+
+#: A timer that fires so much too late: this process has stood still. What others have said
+#: meanwhile it reads within the other time. In seconds.
+STOOD_STILL_S, READ_AGAIN_S = 0.02, 0.1
 
 _T = TypeVar("_T")
 
@@ -40,6 +44,20 @@ async def until_first_ends(*work: Coroutine[Any, Any, Any]) -> Any:
         await asyncio.gather(*tasks, return_exceptions=True)
     failed = [task for task in ended if task.exception() is not None]
     return (failed or [*ended])[0].result()
+
+
+async def wait_at_most(
+    ends: Iterable[asyncio.Future[Any]], seconds: float, again_s: float = READ_AGAIN_S
+) -> None:
+    """Return when all have ended or `seconds` (none: at once) have passed. A process that stood
+    still at that moment waits `again_s` more: it has not read yet what ended them meanwhile.
+    """
+    loop, waited_for = asyncio.get_running_loop(), set(ends)
+    due = loop.time() + seconds
+    if waited_for:
+        await asyncio.wait(waited_for, timeout=max(0.0, seconds))
+        if loop.time() - due > STOOD_STILL_S:
+            await asyncio.wait(waited_for, timeout=again_s)
 
 
 class TaskSet:

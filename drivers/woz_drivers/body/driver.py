@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from woz_drivers.body import doctor
 from woz_drivers.body.settings import BodySettings, move_changes
 from woz_drivers.body.tick_loop import BodyLoop, ThreadTicker
+from woz_drivers.confirmed_stop import AGAIN_S
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -33,6 +34,7 @@ from woz_tui.motion.kinematics import body_outline
 from woz_tui.motion.modes import Mode, Operator, operator_of
 from woz_tui.motion.rendering import RenderedDriver
 from woz_tui.protocol.messages import Json
+from woz_tui.system.tasks import wait_at_most
 
 #: The stop is confirmed by the next tick; after so many seconds nobody knows.
 STOP_S = 0.4
@@ -179,13 +181,12 @@ class Body(RenderedDriver):
         if self._events is None:
             return
         still = asyncio.wrap_future(frozen)
-        try:
-            async with asyncio.timeout(STOP_S):
-                await still
-        except TimeoutError:
+        await wait_at_most([still], STOP_S, AGAIN_S)
+        if not still.done():
             raise DriverError(
                 "the stop was not confirmed", "the servos hold their position; end the session"
-            ) from None
+            )
+        still.result()
 
     async def resume(self) -> None:
         """The stop was released: breathe and blink again."""

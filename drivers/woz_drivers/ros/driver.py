@@ -578,7 +578,8 @@ class EndTopic:
 
     async def silence(self) -> None:
         """Return when it says that nothing goes on. Raises TimeoutError."""
-        async with asyncio.timeout(confirmed_stop.STOP_S):
+        # The stop tells what is late; this one ends what is left of it.
+        async with asyncio.timeout(2 * confirmed_stop.STOP_S):
             while not self._silent:
                 self._message_came.clear()
                 await self._message_came.wait()

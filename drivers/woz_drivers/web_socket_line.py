@@ -22,7 +22,7 @@ import msgspec
 
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Health
 from woz_tui.system.retry_pauses import RetryPauses
-from woz_tui.system.tasks import end_tasks
+from woz_tui.system.tasks import end_tasks, wait_at_most
 
 #: An attempt to connect may take so long, in seconds.
 _CONNECT_S = 3.0
@@ -163,7 +163,10 @@ class WebSocketLine:
         try:
             async with asyncio.timeout(within):
                 await opened.ping(payload)
-                await pong
+            await wait_at_most([pong], within)
+            if not pong.done():
+                raise TimeoutError
+            pong.result()
         except TimeoutError:
             raise DriverError(
                 f"{self._shown} did not answer within {within:g} s",

@@ -57,6 +57,28 @@ def test_a_packet_that_does_not_fit_at_once_is_sent_whole(line: tuple[ServoPort,
     assert list(came) == packet
 
 
+def test_an_answer_that_came_while_this_process_stood_still_is_read(
+    line: tuple[ServoPort, int],
+) -> None:
+    port, far = line
+    port.setPacketTimeout(6)
+    os.write(far, b"answer")
+    port.packet_start_time -= 1000.0
+    assert port.readPort(6) == b"answer"
+
+
+def test_a_line_that_never_falls_silent_is_given_up(line: tuple[ServoPort, int]) -> None:
+    port, far = line
+    os.write(far, b"x" * 1000)
+    port.setPacketTimeout(6)
+    port.packet_start_time -= 1000.0
+    reads = [port.readPort(6) for _ in range(10)]
+    assert b"" in reads
+    assert set(reads[reads.index(b"") :]) == {b""}
+    port.setPacketTimeout(6)
+    assert port.readPort(6)
+
+
 def test_a_line_that_takes_nothing_more_is_broken(
     line: tuple[ServoPort, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:

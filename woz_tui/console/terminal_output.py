@@ -164,8 +164,7 @@ def _write_some(fd: int, data: bytes) -> int:
 def _write_until(fd: int, data: bytes, until: float) -> bool:
     """Whether all of `data` was taken in time."""
     while data:
-        left = until - time.monotonic()
-        if left <= 0 or not select_for_writing(fd, left):
+        if not select_for_writing(fd, until - time.monotonic()):
             return False
         data = data[_write_some(fd, data) :]
     return True

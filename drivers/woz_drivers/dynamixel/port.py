@@ -31,6 +31,8 @@ LATENCY_MS = 2.0
 AMPLE_MS = 100.0
 #: A line that never falls silent is given up so long after the deadline, in milliseconds.
 BABBLE_MS = 50.0
+#: Where this process stood still for that long, what came meanwhile is taken in so many reads.
+LATE_READS = 3
 #: A line that takes nothing for so long is broken, in milliseconds.
 STUCK_MS = 200.0
 #: USB serial adapters as the kernel knows them.
@@ -54,6 +56,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.is_open = False
         self.ser: serial.Serial | None = None
         self.waits = 0
+        self._late_reads = 0
         self.low_latency = False
         self.patience_ms = reply_timeout_ms or answer_timeout_ms(LATENCY_MS)
         self.longest_ms = 0.0
@@ -116,7 +119,9 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             return b""
         elapsed = self.getTimeSinceStart()
         if elapsed > self.packet_timeout + BABBLE_MS:
-            return b""
+            self._late_reads += 1
+            if self._late_reads > LATE_READS:
+                return b""
         self.waits += 1
         return self._or_lost(lambda: self._wait_and_read(length))
 
@@ -145,6 +150,11 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
     def setPacketTimeout(self, packet_length: int) -> None:  # noqa: N802
         """Begin to wait for a packet of `packet_length` bytes."""
         self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + self.patience_ms)
+
+    def setPacketTimeoutMillis(self, msec: float) -> None:  # noqa: N802
+        """Begin to wait for so many milliseconds."""
+        super().setPacketTimeoutMillis(msec)
+        self._late_reads = 0
 
     def getCurrentTime(self) -> float:  # noqa: N802
         """Milliseconds of the monotonic clock."""

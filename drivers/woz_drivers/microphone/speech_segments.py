@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from woz_drivers.microphone.transcriber import SpeechToTranscribe, Transcriber
 from woz_tui.drivers.contract import DriverContext
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
 from woz_tui.sensing.speech_endpoint import SpeechEnd, SpeechStart
+from woz_tui.system.tasks import STOOD_STILL_S
 
 BLOCK_US = round(BLOCK_S * 1_000_000)
 
@@ -130,9 +132,9 @@ class SpeechSegments:
         ending.late = not self._keep
         if file is not None and not ending.late:
             file.add_done_callback(lambda _: self._publish())
-            ending.timer = asyncio.get_running_loop().call_later(
-                _FILE_S, self._give_up_file, ending
-            )
+            loop = asyncio.get_running_loop()
+            due = loop.time() + _FILE_S
+            ending.timer = loop.call_at(due, self._give_up_file, ending, due)
         self._unpublished.append(ending)
         self._publish()
 
@@ -172,7 +174,12 @@ class SpeechSegments:
             )
         )
 
-    def _give_up_file(self, ending: _PendingEnd) -> None:
+    def _give_up_file(self, ending: _PendingEnd, due: float) -> None:
+        loop = asyncio.get_running_loop()
+        if loop.time() - due > STOOD_STILL_S:
+            # It may be there, and nobody has read yet that it is: once more.
+            ending.timer = loop.call_later(_FILE_S, self._give_up_file, ending, math.inf)
+            return
         ending.late = True
         self._publish()
 

@@ -15,6 +15,7 @@ from woz_drivers.naoqi_robot.naoqi_link import (
     UnansweredError,
 )
 from woz_tui.drivers.contract import DeviceLostError
+from woz_tui.system.tasks import wait_at_most
 
 #: What only ends something. Sent even to a robot that is silent.
 HALTS = frozenset(
@@ -259,12 +260,15 @@ class Heartbeat:
     async def _answer_within(self, seconds: float) -> None:
         if self.silent:
             raise _silent()
+        # Not `wait_for`: until Python 3.12 a cancellation that comes together with the answer is
+        # lost in it, and what a stop has just ended would be sent.
+        asked = self._ask(self._patience)
+        await wait_at_most([asked], seconds)
         try:
-            # Not `wait_for`: until Python 3.12 a cancellation that comes together with the answer
-            # is lost in it, and what a stop has just ended would be sent.
-            async with asyncio.timeout(seconds):
-                await asyncio.shield(self._ask(self._patience))
-        except (TimeoutError, UnansweredError):
+            if not asked.done():
+                raise _silent()
+            asked.result()
+        except UnansweredError:
             raise _silent() from None
 
     # -- the question --------------------------------------------------------------------------

@@ -26,6 +26,7 @@ from woz_drivers.speech.text_parts import goes_on, spoken_parts
 from woz_drivers.wav import NotWavError, Wav
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.system.files import open_regular
+from woz_tui.system.tasks import wait_at_most
 
 
 # -- cache -----------------------------------------------------------------------------------------
@@ -181,15 +182,18 @@ async def finish(running: Child, seconds: float) -> None:
     """Wait until a child has ended well; it is gone afterwards, whatever happens. `DriverError`
     if it fails or takes longer than `seconds`.
     """
+    ending = asyncio.ensure_future(running.wait())
     try:
-        async with asyncio.timeout(seconds):
-            status = await running.wait()
-    except TimeoutError as error:
-        raise DriverError(
-            f"{running.program} did not end within {seconds:.1f} s and was killed",
-            "try its command in a terminal; check whether another program uses the sound device",
-        ) from error
+        await wait_at_most([ending], seconds)
+        if not ending.done():
+            raise DriverError(
+                f"{running.program} did not end within {seconds:.1f} s and was killed",
+                "try its command in a terminal; check whether another program uses the sound"
+                " device",
+            )
+        status = ending.result()
     finally:
+        ending.cancel()
         await running.end()
     if status != 0:
         raise DriverError(

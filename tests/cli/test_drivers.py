@@ -82,7 +82,7 @@ def offering(folder: Path, port: int) -> list[str]:
 
 @pytest.mark.real_clock
 async def test_it_outlives_its_terminal_and_a_second_one_finds_it(tmp_path: Path) -> None:
-    port, context = await free_port(), RecordingContext()
+    port, context = free_port(), RecordingContext()
     command = offering(tmp_path, port)
 
     async def connected() -> None:
@@ -115,7 +115,7 @@ async def test_a_program_that_is_frozen_and_one_that_is_killed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
-    port, context = await free_port(), RecordingContext()
+    port, context = free_port(), RecordingContext()
     remote, say = arm(port, context), PlainJob("say", {"text": "a long sentence " * 50})
     await remote.open()
     environ = {**os.environ, **PATIENT}

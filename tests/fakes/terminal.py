@@ -214,20 +214,22 @@ class FakeTerminal:
             if not self._thawed.is_set():
                 self._resting.set()
                 self._thawed.wait()
-            self._read_at = time.monotonic()
+            begun = time.monotonic()
             # Nobody may be inside a read when the window is closed: it would stay open.
             if not self._closed and not poll.poll(20):
+                self._read_at = begun
                 continue
-            try:
-                data = b"" if self._closed else os.read(self.master, 65536)
-            except OSError:
-                data = b""
             with self._changed:
+                try:
+                    data = b"" if self._closed else os.read(self.master, 65536)
+                except OSError:
+                    data = b""
                 if not data:
                     self._changed.notify_all()
                     return
                 self.written += data
                 self._show(data)
+                self._read_at = begun
                 self._changed.notify_all()
 
     def _show(self, data: bytes) -> None:

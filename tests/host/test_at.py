@@ -28,7 +28,7 @@ def soon(host: Served, seconds: float) -> int:
 async def test_it_begins_at_its_moment(tmp_path: Path, kind: str, fields: dict[str, Any]) -> None:
     async with served(tmp_path) as host:
         peer = await program(host)
-        at = soon(host, 0.3)
+        at = soon(host, 1.0)
         reply = await peer.ask(kind, **fields, at=at)
         assert reply["ok"]
         [scheduled] = [line for line in peer.seen if line["kind"] == "action.scheduled"]
@@ -93,7 +93,7 @@ async def test_what_was_locked_in_the_meantime_does_not_begin(
     async with served(tmp_path, made=made) as host:
         peer = await program(host)
         host.session.phases.enter(None, "test")
-        run = (await peer.ask(kind, **fields, at=soon(host, 0.5)))["run"]
+        run = (await peer.ask(kind, **fields, at=soon(host, 1.5)))["run"]
         await peer.ask("profile", profile="child")
         await peer.ask("lock", panel="Speech", locked=True)
         ended = await peer.until(

@@ -233,13 +233,13 @@ async def test_without_its_wizard_a_session_is_not_kept_by_programs(
 async def test_a_session_that_only_programs_play_goes_on_as_long_as_one_is_there(
     tmp_path: Path,
 ) -> None:
-    async with served(tmp_path, SessionSettings(abandon_after=0.3)) as host:
+    async with served(tmp_path, SessionSettings(abandon_after=2.0)) as host:
         program, watcher = await host.connect(), await host.connect()
         await program.hello("program")
         await watcher.hello("watcher")
         watcher.leave()
         over = asyncio.ensure_future(host.host.serve())
-        for _ in range(20):
+        for _ in range(60):  # longer than that
             await program.kind("pulse")
         assert not over.done()
         program.leave()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import random
 import socket
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -133,13 +134,13 @@ class Arm(Driver):
         self.context.ask(ask, lambda ok, why: ended.append((ok, why)))
 
 
-async def free_port() -> int:
-    """One that nobody listens at."""
-    server = await asyncio.start_server(lambda *_: None, "127.0.0.1", 0)
-    port: int = server.sockets[0].getsockname()[1]
-    server.close()
-    await server.wait_closed()
-    return port
+def free_port() -> int:
+    """One that nobody listens at, and that the system gives to nobody by itself."""
+    given = Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()
+    while True:
+        port = random.SystemRandom().randrange(int(given[0]) - 10_000, int(given[0]))
+        with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port)):
+            return port
 
 
 def listens(port: int) -> bool:
@@ -246,7 +247,7 @@ async def pair(
     """A driver of this session, opened, and the other computer that serves it with the settings
     `served`, which are the same by themselves; and others `beside` it.
     """
-    port = await free_port()
+    port = free_port()
     router = DriverRouter(f"tcp://127.0.0.1:{port}", [PLACE], silence_s=SILENCE_S)
     context, cable = RecordingContext(folder), Cable(port)
     remote = remote_driver(context, router, driver)

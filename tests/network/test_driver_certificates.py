@@ -31,7 +31,7 @@ LIFT = PlainJob("lift", {"kg": 2.0})
 
 async def _entered(tmp_path: Path, made: Authority, *accesses: AccessFile) -> list[bool]:
     """Which of the computers that come with these files, one after the other, the session uses."""
-    port = await free_port()
+    port = free_port()
     context = RecordingContext()
     router = DriverRouter(f"127.0.0.1:{port}", [PLACE], made, SILENCE_S)
     remote = remote_driver(context, router)
@@ -88,7 +88,7 @@ async def test_a_revoked_name_is_not_let_in(tmp_path: Path) -> None:
     made = Authority(tmp_path / "authority")
     _access(made, PLACE, tmp_path)
     made.revoke(PLACE)
-    port = await free_port()
+    port = free_port()
     context = RecordingContext()
     remote = remote_driver(context, DriverRouter(f"127.0.0.1:{port}", [PLACE], made))
     await remote.open()
@@ -112,7 +112,7 @@ async def test_a_name_that_is_revoked_while_it_is_connected_is_cut_and_stopped(
 ) -> None:
     """The line of the last one is closed; where others use it, nobody hears the revoked one."""
     made, places = Authority(tmp_path / "authority"), (PLACE, "leg-pi")
-    port = await free_port()
+    port = free_port()
     router = DriverRouter(f"127.0.0.1:{port}", places, made, SILENCE_S)
     others, sides = {}, {}
     for place in places:

@@ -67,6 +67,7 @@ def test_hostile_frames_move_nothing_and_the_session_plays_on(seed: int) -> None
         asyncio.run(run())
 
 
+@pytest.mark.usefixtures("patient_network")
 async def test_bytes_of_another_protocol_at_the_port_change_nothing(tmp_path: Path) -> None:
     dice = random.Random(3)
     async with pair(tmp_path) as two:

@@ -89,7 +89,7 @@ class TestServedRobot(DriverTests):
 
     @pytest.fixture(autouse=True)
     def _port(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(RemoteRobot, "port", asyncio.run(free_port()))
+        monkeypatch.setattr(RemoteRobot, "port", free_port())
 
     @contextlib.asynccontextmanager
     async def device(self) -> AsyncIterator[Device]:
@@ -504,7 +504,7 @@ async def test_a_conversation_that_was_lost_at_the_same_moment_is_over(
 async def test_who_takes_too_long_is_told_and_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(remote_side, "CLOSE_S", 0.5)
+    monkeypatch.setattr(remote_side, "CLOSE_S", 2.0)
     async with slow_pair(tmp_path) as (two, arm):
         with pytest.raises(DriverError, match="let go"):
             await two.remote.close()

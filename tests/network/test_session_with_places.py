@@ -42,7 +42,7 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
     monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
     patient = partial(DriverRouter, silence_s=SILENCE_S)
     monkeypatch.setattr(driver_manager, "DriverRouter", patient)
-    port = await free_port()
+    port = free_port()
     path, cable = tmp_path / "e.yaml", Cable(port)
     path.write_text(TEXT.format(port=port, text="a long sentence " * 30))
     experiment = load(path, installed())
@@ -83,7 +83,7 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
 
 async def test_a_training_needs_no_other_computer(tmp_path: Path) -> None:
     path = tmp_path / "e.yaml"
-    path.write_text(TEXT.format(port=await free_port(), text="Hi"))
+    path.write_text(TEXT.format(port=free_port(), text="Hi"))
     catalogue = rehearsed(installed())
     stage = Stage(tmp_path, catalogue=catalogue, made=load(path, catalogue))
     await stage.session.open()

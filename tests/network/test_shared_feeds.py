@@ -77,7 +77,7 @@ async def test_a_picture_comes_while_somebody_watches_and_no_wider_than_is_wante
         picture = context.feed(PICTURE).latest().value
         assert (picture.width, picture.height) == (4, 1)
         assert picture.rgb == bytes([0, 1, 2, 6, 7, 8, 12, 13, 14, 18, 19, 20])
-        assert 0 <= context.clock.now_us() - picture.t_us < 2 * S
+        assert abs(context.clock.now_us() - picture.t_us) < 2 * S
 
 
 async def test_the_microphone_is_heard_while_somebody_listens(tmp_path: Path) -> None:
@@ -129,7 +129,7 @@ async def test_a_voice_reaches_the_loudspeaker_there_and_a_lost_line_switches_it
 
 
 async def test_a_console_sees_the_camera_of_a_robot_at_another_computer(tmp_path: Path) -> None:
-    port = await free_port()
+    port = free_port()
     file = tmp_path / "e.yaml"
     file.write_text(
         "title: T\nrobot:\n  drivers:\n    robot: {type: simulated, visitor: true, at:"

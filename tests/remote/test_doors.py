@@ -25,6 +25,7 @@ from woz_tui.client import WozRefusedError
 from woz_tui.drivers.contract import Health
 from woz_tui.host.request_handlers import WATCHER_MAY
 from woz_tui.network import driver_line
+from woz_tui.network import remote_driver as remote_side
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
 from woz_tui.network.driver_line import DriverRouter, LineError
 from woz_tui.remote.remote_session import RemoteSession, RemoteSessionError
@@ -41,6 +42,7 @@ CERTIFICATE = "-----BEGIN CERTIFICATE-----"
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whose connection takes long on a busy machine is not refused."""
     monkeypatch.setattr(driver_line, "CONNECT_S", 20.0)
+    monkeypatch.setattr(remote_side, "LATE_S", 10.0)
 
 
 def table() -> list[list[str]]:
@@ -113,7 +115,7 @@ async def served_drivers(two: Machines, given: AccessFile | None) -> str:
     """As a computer that calls itself as the one with the drivers, which comes after it."""
     named = any(each.name == PLACE for each in two.authority.names())
     own = None if named else two.access(PLACE, None)
-    port = await free_port()
+    port = free_port()
     context = RecordingContext()
     router = DriverRouter(f"127.0.0.1:{port}", [PLACE], two.authority, 3.0)
     remote = remote_driver(context, router)

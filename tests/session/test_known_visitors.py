@@ -15,6 +15,7 @@ import pytest
 from tests.session.engaged import PLAIN, Room, guided, in_room
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.visitor_store import VisitorStore
+from woz_tui.session import known_visitors
 from woz_tui.session.known_visitors import KnownVisitors, StoreJob
 
 TODAY = date(2026, 3, 2)
@@ -31,7 +32,9 @@ class Desk:
 
     def finish(self, seconds: float = 20) -> None:
         """The session ends."""
-        asyncio.run(self.known.finish(seconds))
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(known_visitors, "_AT_ONCE_S", 20.0)  # a disk is not slow here
+            asyncio.run(self.known.finish(seconds))
 
     def hear(self) -> None:
         """All changes have been tried, and this is heard."""

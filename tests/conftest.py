@@ -48,7 +48,8 @@ def patient_contract() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("WOZ_CONTRACT_PATIENCE", "8")  # also for whoever examines in another process
         patch.setattr(contract_checks, "PROMPT_S", 8 * contract_checks.PROMPT_S)
-        patch.setattr(contract_checks, "NOTICE_S", 4 * contract_checks.NOTICE_S)
+        for limit in ("NOTICE_S", "EXAMINE_S", "CLOSE_S"):
+            patch.setattr(contract_checks, limit, 4 * getattr(contract_checks, limit))
         yield
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from woz_drivers.dynamixel import wire
 
-from tests.drivers.servo_stand import MEASURED_MS
+from tests.drivers.servo_stand import MEASURED_MS, MISSING_MS
 
 
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is measured of late answers leaves room for those that this machine delays besides."""
     monkeypatch.setattr(wire, "AMPLE_MS", MEASURED_MS)
-    monkeypatch.setattr(wire, "answer_timeout_ms", lambda latency_ms: latency_ms + 600.0)
+    monkeypatch.setattr(wire, "answer_timeout_ms", lambda latency_ms: latency_ms + MISSING_MS)

@@ -20,8 +20,11 @@ from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverHeal
 #: On a crowded test machine an answer may take far longer than on any wire: servos and driver are
 #: threads of one process, which may stand still for more than a second.
 PATIENT_MS = 20_000.0
-#: Where a servo says nothing, or nothing that is understood, whoever waits for it waits in vain.
+#: Where a servo falls silent, or says nothing that is understood, whoever waits for it waits in
+#: vain. Finding servos and switching them on takes longer patience: each question counts there.
 SILENT_MS = 500.0
+#: Where some servos are not there and others must not be given up.
+MISSING_MS = 2000.0
 #: Where late answers are measured, the measuring takes as long.
 MEASURED_MS = 1000.0
 #: And a tick may come so late that servos would stop by themselves: what their watchdogs are told,
@@ -87,6 +90,10 @@ class Stand:
         """The port that is open now."""
         return await asyncio.wrap_future(self.driver.loop.ask(lambda chain, _now: chain.wire.port))
 
+    async def be_patient(self, patience_ms: float = PATIENT_MS) -> None:
+        """Wait so long for each answer from now on, until the port is lost."""
+        (await self.port()).patience_ms = patience_ms
+
     async def ticks(self, more: int) -> None:
         """Return when the loop has ticked so many times more."""
         goal = self.driver.loop.ticks + more
@@ -101,9 +108,13 @@ async def stand(
     model: str = "XL330-M288",
     prepare: Callable[[ServoBus], None] = lambda bus: None,
     ready: bool = True,
+    patience_ms: float | None = None,
     **changes: Any,
 ) -> AsyncIterator[Stand]:
-    """Servos, and an open driver that has found them (or, not `ready`, is still looking)."""
+    """Servos, and an open driver that has found them (or, not `ready`, is still looking).
+
+    `patience_ms`: how long it waits for each answer once it has found them.
+    """
     patience = BITING_PATIENCE if "watchdog" in changes else WATCHDOG_PATIENCE
     with ServoBus(ids, folder / "servos", model=model, patience=patience) as bus:
         prepare(bus)
@@ -114,6 +125,8 @@ async def stand(
         try:
             if ready:
                 await heard.until(lambda: bool(found(heard)))
+            if patience_ms is not None:
+                await it.be_patient(patience_ms)
             yield it
         except TimeoutError:
             raise AssertionError(f"never; told last: {heard.all(DriverHealth)[-4:]}") from None

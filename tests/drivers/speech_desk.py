@@ -14,7 +14,7 @@ from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.wav import Wav
 
-from tests.drivers.heard import Heard, Ordered
+from tests.drivers.heard import PATIENCE_S, Heard, Ordered
 from tests.fakes import sound as fake
 from tests.fakes.sound import RATE, square, told
 from woz_tui.protocol.messages import DriverConnected, Json
@@ -41,6 +41,7 @@ class Desk:
             "synthesise": self.command("synthesise", "--wav", "{wav}", "--voice", "{voice}"),
             "play": self.command("play", "--wav", "{wav}"),
             "cache": str(self.folder / "cache"),
+            "margin": PATIENCE_S,  # a player is a program, and starts slowly on a busy machine
         }
         made = SpeechSettings(**{**usual, **changes})
         assert made.problems() == []

@@ -43,9 +43,7 @@ JOINTS = {
 
 async def test_a_brownout_in_a_move_leaves_a_protocol_1_joint_limp(tmp_path: Path) -> None:
     joints = {"pan": JOINTS["pan"]}
-    async with stand(
-        tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True, reply_timeout=SILENT_MS
-    ) as it:
+    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
         servo = it.bus.servo(1)
         await until(lambda: servo.torque)
         running = it.begin("pose", joints={"pan": 80.0}, seconds=20.0)
@@ -73,7 +71,7 @@ async def test_a_brownout_in_a_move_leaves_a_protocol_1_joint_limp(tmp_path: Pat
 
 
 async def test_an_x_servo_that_restarted_gets_its_speed_limit_back(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
+    async with stand(tmp_path, torque=True) as it:
         servo = it.bus.servo(11)
         await until(lambda: servo.torque)
         limit = servo.get(112, 4)
@@ -89,9 +87,7 @@ async def test_an_x_servo_that_restarted_gets_its_speed_limit_back(tmp_path: Pat
 
 async def test_a_protocol_1_servo_that_shut_down_is_not_said_to_hold(tmp_path: Path) -> None:
     joints = {"pan": JOINTS["pan"]}
-    async with stand(
-        tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True, reply_timeout=SILENT_MS
-    ) as it:
+    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
         await until(lambda: it.bus.servo(1).torque)
         it.bus.servo(1).raise_alarm(OVERLOAD)
         await it.noticed("lost its torque (overload)")

@@ -6,17 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, port, wire
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, doctor, port, wire
 
 from tests.drivers.heard import Heard
-from tests.drivers.servo_stand import HEAD, SILENT_MS, head
+from tests.drivers.servo_stand import HEAD, MISSING_MS, head
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import Finding, Probe
 
 pytestmark = pytest.mark.real_clock
-#: At the wrong baud each servo is waited for in vain, at the right one none may be given up.
-WRONG_BAUD_MS = 2_000.0
 
 
 async def examined(link: Path, **changes: Any) -> list[Finding]:
@@ -46,12 +44,13 @@ async def test_all_well(tmp_path: Path) -> None:
         assert bus.writes == []
 
 
-async def test_what_is_wrong_is_named(tmp_path: Path) -> None:
+async def test_what_is_wrong_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(doctor, "USUAL_BAUDS", (57_600,))  # who is missing is missed at each
     ids = {11: "XL330-M288", 12: "XM430-W350", 40: "XL430-W250"}
     joints = {**HEAD, "tilt": ServoJointSettings(id=12, min=-9, max=9, model="XL330-M288")}
     with ServoBus(ids, tmp_path / "servos") as bus:
         bus.servo(11).raise_alarm(OVERLOAD)
-        findings = await examined(bus.link, joints=joints, watchdog=0, reply_timeout=SILENT_MS)
+        findings = await examined(bus.link, joints=joints, watchdog=0, reply_timeout=MISSING_MS)
         errors, warnings = said(findings, "error"), said(findings, "warning")
         assert "pan (id 11): alarm: overload" in errors
         assert "tilt (id 12): is a XM430-W350, but the settings say XL330-M288" in errors
@@ -92,7 +91,7 @@ async def test_several_turns_with_a_homing_offset_are_named(tmp_path: Path) -> N
 async def test_wrong_baud_is_found(tmp_path: Path) -> None:
     joints = {name: HEAD[name] for name in ("pan", "tilt")}
     with ServoBus([11, 12], tmp_path / "servos", baud=57_600) as bus:
-        findings = await examined(bus.link, joints=joints, reply_timeout=WRONG_BAUD_MS)
+        findings = await examined(bus.link, joints=joints, reply_timeout=MISSING_MS)
         assert "at 57600 baud these ids answer: 11, 12" in said(findings, "warning")
 
 
@@ -100,7 +99,7 @@ async def test_wrong_baud_is_found(tmp_path: Path) -> None:
 async def test_protocol_1_has_no_watchdog(tmp_path: Path) -> None:
     joints = {"pan": ServoJointSettings(id=1, min=-90, max=90)}
     with ServoBus({1: "AX-12A", 7: "MX-64"}, tmp_path / "servos") as bus:
-        findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=SILENT_MS)
+        findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=MISSING_MS)
         assert "protocol 1 servos have none" in said(findings, "info")
         assert "pan (id 1): is a AX-12A" in said(findings, "ok")
         assert "id 7: a MX-64 answers" in said(findings, "warning")

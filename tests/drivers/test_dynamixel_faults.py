@@ -8,10 +8,10 @@ import threading
 from pathlib import Path
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, chain
 
 from tests.drivers.heard import Heard, until
-from tests.drivers.servo_stand import HEAD, SILENT_MS, head, stand
+from tests.drivers.servo_stand import HEAD, MISSING_MS, SILENT_MS, head, stand
 from tests.fakes.servo_codec import PING
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
@@ -152,7 +152,7 @@ async def test_wire_without_any_servo_says_so(tmp_path: Path) -> None:
 
 
 async def test_one_dead_servo_slows_nobody(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
+    async with stand(tmp_path, torque=True, patience_ms=SILENT_MS) as it:
         await until(lambda: it.bus.servo(13).torque)
         it.bus.servo(12).silent = True
         await it.noticed("tilt (id 12) no longer answers")
@@ -180,8 +180,11 @@ async def test_one_dead_servo_slows_nobody(tmp_path: Path) -> None:
         assert (await it.do("pose", joints={"tilt": 0.0}, seconds=0.1))["joints"] == {"tilt": 0.0}
 
 
-async def test_servo_missing_from_the_start(tmp_path: Path) -> None:
-    async with stand(tmp_path, ids=(11, 13), reply_timeout=SILENT_MS) as it:
+async def test_servo_missing_from_the_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chain, "PROBE_S", 3600.0)  # each look at it would hold up the others
+    async with stand(tmp_path, ids=(11, 13), reply_timeout=MISSING_MS) as it:
         faulted = await it.heard.first(DriverFaulted)
         assert "tilt (id 12) does not answer" in faulted.detail
         await it.do("torque", on=True, joint="pan")
@@ -242,9 +245,9 @@ async def test_limits_stored_in_the_servo_win(tmp_path: Path) -> None:
 
 
 async def test_overload_is_named_and_a_reboot_clears_it(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
+    async with stand(tmp_path, torque=True, patience_ms=SILENT_MS) as it:
         await until(lambda: it.bus.servo(12).torque)
-        running = it.begin("pose", joints={"pan": 80.0, "tilt": 20.0}, seconds=2.5)
+        running = it.begin("pose", joints={"pan": 80.0, "tilt": 20.0}, seconds=8.0)
         await until(lambda: it.bus.goals(12)[-1] > 2060)
         it.bus.servo(12).raise_alarm(OVERLOAD)
         await it.noticed("tilt (id 12): overload")
@@ -257,16 +260,18 @@ async def test_overload_is_named_and_a_reboot_clears_it(tmp_path: Path) -> None:
         with pytest.raises(RejectedError, match="torque of tilt is off"):
             await it.do("pose", joints={"tilt": 0.0})
 
+        await it.be_patient(MISSING_MS)  # it is asked once to restart, and silent meanwhile
         assert await it.do("reboot") == {"joints": ["tilt"]}
         await it.heard.until(lambda: isinstance(it.health()[-1], DriverConnected))
         assert not it.bus.servo(12).torque
+        await it.be_patient()
         await it.do("torque", on=True, joint="tilt")
         await it.do("pose", joints={"tilt": 0.0}, seconds=0.1)
         assert it.bus.servo(12).goal == 2048
 
 
 async def test_reboot_without_an_alarm_needs_a_name(tmp_path: Path) -> None:
-    async with stand(tmp_path, reply_timeout=SILENT_MS) as it:
+    async with stand(tmp_path, patience_ms=MISSING_MS) as it:
         with pytest.raises(RejectedError, match="no servo reports an alarm"):
             await it.do("reboot")
         assert await it.do("reboot", joint="pan") == {"joints": ["pan"]}
@@ -317,7 +322,7 @@ async def test_bus_watchdog_stops_the_servos_when_the_thread_hangs(tmp_path: Pat
 
 
 async def test_garbled_answers_are_survived(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
+    async with stand(tmp_path, torque=True, patience_ms=SILENT_MS) as it:
         await until(lambda: it.bus.servo(11).torque)
         running = it.begin("pose", joints={"pan": 40.0}, seconds=0.8)
         for fault in ("corrupt", "truncate", "noise"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 import math
+import time
 from pathlib import Path
 
 import pytest
@@ -186,7 +187,7 @@ async def test_gaze_follows_the_latest_target_and_nudge_adds_up(tmp_path: Path) 
 async def test_a_gaze_takes_its_joint_out_of_a_running_pose(tmp_path: Path) -> None:
     async with stand(tmp_path, pan="pan", torque=True) as it:
         await until(lambda: it.bus.servo(13).torque)
-        running = it.begin("pose", joints={"pan": 80.0, "roll": 20.0}, seconds=0.6)
+        running = it.begin("pose", joints={"pan": 80.0, "roll": 20.0}, seconds=5.0)
         await until(lambda: it.bus.goals(11)[-1] > 2060)
         await it.do("gaze", yaw=0.0)
         sent = await running
@@ -198,7 +199,7 @@ async def test_a_gaze_takes_its_joint_out_of_a_running_pose(tmp_path: Path) -> N
 async def test_stop_holds_where_the_servo_is(tmp_path: Path) -> None:
     async with stand(tmp_path, prepare=placed) as it:
         await it.do("torque", on=True)
-        running = it.begin("pose", joints={"pan": 80.0}, seconds=5.0)
+        running = it.begin("pose", joints={"pan": 80.0}, seconds=20.0)
         await until(lambda: it.bus.servo(11).position > 1710)
         await it.driver.stop(Scope.ALL)
         await it.ticks(1)
@@ -262,11 +263,13 @@ async def test_close_rests_unless_the_robot_was_stopped(tmp_path: Path) -> None:
 
 
 async def test_readings_come_at_a_tenth_of_a_second(tmp_path: Path) -> None:
+    began = time.monotonic()
     async with stand(tmp_path) as it:
-        await it.heard.until(lambda: len(it.heard.values("joint.pan")) >= 5)
-        assert it.heard.values("joint.pan")[:5] == [0.0] * 5
-        # 50 ticks a second, 10 readings: never one for every tick.
-        assert len(it.heard.values("setpoint.pan")) * 3 <= it.driver.loop.ticks
+        await it.heard.until(lambda: len(it.heard.values("joint.pan")) >= 20)
+        assert it.heard.values("joint.pan")[:20] == [0.0] * 20
+        # One for every tick would be 50 a second.
+        most = (time.monotonic() - began) / 0.1 + 1
+        assert len(it.heard.values("setpoint.pan")) <= most
         await it.heard.until(lambda: bool(it.heard.values("load.roll")))
         assert it.heard.values("voltage.pan")[0] == pytest.approx(5.0)
         assert it.heard.values("temperature.tilt")[0] == 32.0

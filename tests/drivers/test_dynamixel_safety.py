@@ -47,7 +47,7 @@ async def test_a_pose_that_cannot_be_held_is_not_left_by_force(tmp_path: Path) -
 
 
 async def test_stop_is_not_confirmed_for_a_servo_that_fell_silent_holding(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
+    async with stand(tmp_path, torque=True, patience_ms=SILENT_MS) as it:
         await until(lambda: it.bus.servo(13).torque)
         running = it.begin("pose", joints={"pan": 80.0}, seconds=20.0)
         it.bus.servo(12).silent = True

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.led_face import LedFace, LedFaceSettings, doctor
+from woz_drivers.led_face import LedFace, LedFaceSettings, doctor, driver
 from woz_drivers.led_face.driver import PATTERNS, as_mounted, sleeping_face
 from woz_drivers.led_face.wire import HERE, Packet
 
@@ -207,7 +207,10 @@ async def test_a_pattern_ends_by_itself(begin: Begin) -> None:
 
 
 @pytest.mark.parametrize("afterwards", ["dark", "asleep", "last"])
-async def test_what_stays_when_the_session_has_ended(begin: Begin, afterwards: str) -> None:
+async def test_what_stays_when_the_session_has_ended(
+    begin: Begin, afterwards: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(driver, "_FAREWELL_S", 20.0)
     stand = await begin(afterwards=afterwards)
     stand.show(HAPPY)
     await stand.shown(HAPPY)
@@ -273,7 +276,11 @@ async def examined(face: PluggedFace, **settings: Any) -> Finding:
     return finding
 
 
-async def test_the_doctor_measures_and_leaves_the_picture_alone(tmp_path: Path) -> None:
+async def test_the_doctor_measures_and_leaves_the_picture_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "_ANSWER_S", 20.0)
+    monkeypatch.setattr(doctor, "_PATIENCE_S", 20.0)
     face = PluggedFace(tmp_path / "face")
     finding = await examined(face)
     assert finding.level == "ok", finding
@@ -300,6 +307,6 @@ async def test_the_doctor_names_a_face_that_says_nothing(
 
 
 def test_its_type_is_a_driver(tmp_path: Path) -> None:
-    driver: type[Driver] = LedFace
-    assert [verb.name for verb in driver.verbs(LedFaceSettings("x"))] == ["pattern"]
-    assert driver.sensors(None) == ()
+    face: type[Driver] = LedFace
+    assert [verb.name for verb in face.verbs(LedFaceSettings("x"))] == ["pattern"]
+    assert face.sensors(None) == ()

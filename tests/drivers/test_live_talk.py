@@ -328,7 +328,7 @@ async def test_a_program_changes_the_voice(booths: Any) -> None:
 async def test_a_program_that_dies_is_started_again_and_nobody_is_heard_unchanged(
     booths: Any,
 ) -> None:
-    booth = await booths(through=python(CHANGE))
+    booth = await booths(ManualClock(), through=python(CHANGE))  # a slow start is no silence
     await booth.begin()
     booth.say()
     await booth.until_said(CHANGED)
@@ -492,7 +492,7 @@ async def test_who_pauses_loses_no_sound_to_the_silence(tmp_path: Path) -> None:
 
 
 async def test_what_is_heard_is_kept_where_the_file_says_so(booths: Any) -> None:
-    booth = await booths(keep=True, through=python(CHANGE))
+    booth = await booths(ManualClock(), keep=True, through=python(CHANGE))  # as above
     await booth.begin()
     booth.say()
     await booth.until_said(CHANGED)

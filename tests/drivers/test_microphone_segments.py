@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from woz_drivers import pcm_audio
+from woz_drivers.microphone import speech_segments
 from woz_drivers.microphone.driver import Microphone
 
 from tests.drivers.ears import ears
@@ -32,6 +33,12 @@ EAR: dict[str, Any] = {"threshold": 0.1, "onset": 0.04, "hang_over": 0.1, "pre_r
 @pytest.fixture
 def pipe(tmp_path: Path) -> PipedCommand:
     return PipedCommand(tmp_path / "pipe")
+
+
+@pytest.fixture(autouse=True)
+def slow_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files are waited for in real time, and a disk of a busy machine may be slow."""
+    monkeypatch.setattr(speech_segments, "_FILE_S", PATIENCE_S)
 
 
 @pytest.fixture
@@ -275,8 +282,11 @@ async def test_a_file_that_is_there_already_is_left_alone(begin: Begin, pipe: Pi
     assert (heard.context.media / "ears-0001.wav").read_bytes() == b"older"
 
 
-async def test_a_disk_that_hangs_holds_up_nobody(begin: Begin, pipe: PipedCommand) -> None:
+async def test_a_disk_that_hangs_holds_up_nobody(
+    begin: Begin, pipe: PipedCommand, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The part file is a pipe that nobody reads: opening it never returns."""
+    monkeypatch.setattr(speech_segments, "_FILE_S", 2.0)  # enough for the second file
     _, heard = await begin(pipe, segments=True)
     heard.context.media.mkdir()
     stuck = heard.context.media / ".ears-0001.wav.part"

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
+from woz_drivers.rangefinder import Rangefinder, RangefinderSettings, doctor
 from woz_drivers.rangefinder.distance_filter import DistanceFilter, FilterLimits
 
 from tests.drivers.heard import Heard, Ordered, until
@@ -107,7 +107,7 @@ async def test_staleness_says_why(
     await heard.first(DriverConnected)
     sensor.send(tfmini(150))
     await heard.state("distance", "ok")
-    sensor.send(sent)
+    sensor.deliver(sent)
     await until(lambda: sensor.unread() == 0)
     clock.advance(1.0)
     assert why in (await heard.state("distance", "stale")).why
@@ -150,14 +150,17 @@ async def test_it_has_no_verbs(tmp_path: Path, sensor: PluggedSensor) -> None:
 # -- preflight ---------------------------------------------------------------------------------
 
 
-async def test_examine_says_what_it_hears(sensor: PluggedSensor) -> None:
+async def test_examine_says_what_it_hears(
+    sensor: PluggedSensor, monkeypatch: pytest.MonkeyPatch
+) -> None:
     settings = RangefinderSettings(port=str(sensor.port), framing="tfmini")
     (silent,) = await Rangefinder.examine(Probe("front", settings))
     assert (silent.level, silent.subject) == ("error", "front")
     assert "no data" in silent.text
+    monkeypatch.setattr(doctor, "_LISTEN_S", 5.0)  # what is sent comes in time
     examined = asyncio.ensure_future(Rangefinder.examine(Probe("front", settings)))
     await until(lambda: _is_locked(sensor.port))
-    sensor.send(tfmini(150) * 15)
+    sensor.send(tfmini(150) * 50)
     (hears,) = await examined
     assert (hears.level, hears.remedy) == ("ok", "")
     assert "1.50 m at 10 Hz, 0 bad frames" in hears.text

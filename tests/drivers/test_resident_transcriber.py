@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from woz_drivers import byte_stream
 from woz_drivers.child_process import RestartPauses
 from woz_drivers.microphone import doctor
 from woz_drivers.microphone.driver import Microphone
@@ -33,6 +34,13 @@ SECOND = "hello 4524"  # what the fake makes of SPOKEN: 7 blocks and the header
 def importable(monkeypatch: pytest.MonkeyPatch) -> None:
     """The script is found from wherever it is started."""
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
+
+
+@pytest.fixture(autouse=True)
+def silent_ear(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between two sentences no sound comes, however long a text takes: that ends no stream."""
+    monkeypatch.setattr(byte_stream, "_STALE_S", 60.0)
+    monkeypatch.setattr(byte_stream, "_STUCK_S", 60.0)
 
 
 @pytest.fixture

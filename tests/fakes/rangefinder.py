@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import select
 import sys
 import termios
 
@@ -12,6 +13,15 @@ from tests.fakes.plugged_device import PluggedDevice
 
 class PluggedSensor(PluggedDevice):
     """A sensor on a serial adapter."""
+
+    def deliver(self, data: bytes) -> None:
+        """`send`, and return when it has arrived. Only where nobody reads it meanwhile: bytes may
+        be under way for a moment in which `unread` does not count them.
+        """
+        assert self._ends is not None, "the cable is out"
+        self.send(data)
+        if data:
+            assert select.select([self._ends[1]], [], [], 10)[0], "it never arrived"
 
     def unread(self) -> int:
         """How many bytes the computer has not fetched yet."""

@@ -129,7 +129,7 @@ async def test_pictures_of_planes_with_padded_rows(begin: Begin, pipe: PipedCame
 
 
 async def test_a_dead_command_is_told_and_started_again(begin: Begin, pipe: PipedCamera) -> None:
-    _, heard = await begin(pipe.command, real=True)
+    _, heard = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(with_block(3, 3), b"half a picture")
     await frames(heard, 1)

@@ -252,6 +252,7 @@ async def test_the_server_calls_a_clients_service() -> None:
 async def test_a_service_that_hangs_is_not_waited_for() -> None:
     async with bench() as (ours, port):
         client = await NaoqiClient.open("127.0.0.1", port)
+        await client.service("Thing")  # else it is looked for within the same time
         with pytest.raises(CallTimeoutError, match=r"Thing\.slow"):
             await client.call("Thing", "slow", 60, within=0.05)
 

@@ -115,16 +115,19 @@ def freeze(seconds: float) -> None:
     With 0 seconds it stays frozen until somebody sends SIGCONT.
     """
     own = os.getpid()
-    if seconds > 0:
-        # The shell ends at once and leaves the one who waits to init: no child of ours to forget.
-        subprocess.run(
-            ["/bin/sh", "-c", f"(sleep {seconds:.3f}; kill -CONT {own}) &"],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            check=True,
-        )
-    os.kill(own, signal.SIGSTOP)
+    if seconds <= 0:
+        os.kill(own, signal.SIGSTOP)
+        return
+    # The shell stops us itself before it counts: were that to come late, after CONT, we would be
+    # frozen for ever. It ends at once and leaves the one who waits to init: no child of ours to
+    # forget.
+    subprocess.run(
+        ["/bin/sh", "-c", f"kill -STOP {own}; (sleep {seconds:.3f}; kill -CONT {own}) &"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        check=True,
+    )
 
 
 Entry = tuple[str, str, str, int]

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from robot_simulators.furhat import FurhatSimulator
+from woz_drivers import answer_times
 from woz_drivers.furhat import Furhat, FurhatSettings
 from woz_drivers.furhat.settings import FurhatVoiceSettings, GestureFrame
 
@@ -59,6 +60,7 @@ def test_gestures_of_the_file_can_be_played_and_completed() -> None:
 async def test_the_doctor_tells_what_the_robot_has(
     robot: FurhatSimulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(answer_times, "_SLOW_MS", 10_000.0)  # a busy machine is no slow network
     monkeypatch.setenv("WOZ_FURHAT_KEY", "right")
     findings = await examined(robot)
     assert {one.level for one in findings} == {"ok"}

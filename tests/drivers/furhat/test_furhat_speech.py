@@ -267,6 +267,7 @@ async def test_a_live_voice_is_played_by_the_robot_while_it_is_on(talk: Talk) ->
     assert talk.sent == 2 * WORD
 
 
+@pytest.mark.usefixtures("unhurried_stop")
 async def test_a_stop_ends_a_live_voice_and_it_needs_the_key_again(talk: Talk) -> None:
     await talk.begin()
     talk.say()

@@ -105,6 +105,7 @@ async def answers(it: Acted) -> None:
                 await asyncio.sleep(0.02)
 
 
+@pytest.mark.usefixtures("unhurried_stop")
 @pytest.mark.parametrize("seed", [1, 2])
 async def test_many_faults_in_a_row(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int

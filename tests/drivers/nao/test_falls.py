@@ -10,6 +10,7 @@ import pytest
 import pytest_asyncio
 from woz_drivers.nao.falls import FALLEN, FALLING, KEYS
 
+from tests.drivers.pepper.connected import patience
 from tests.drivers.pepper.played import Played, joined, played, settings_for
 from tests.fakes.naoqi import stand_in
 from woz_tui.drivers.contract import DriverError, RejectedError
@@ -147,17 +148,18 @@ async def test_nonsense_about_a_fall_is_told_and_changes_nothing(it: Played) -> 
 
 
 async def test_who_lies_when_it_is_found_is_not_moved(tmp_path: Path) -> None:
-    async with stand_in(options=("--robot", "nao")) as robot:
-        await robot.fault("fall")
-        await robot.clear()
-        given = settings_for("nao", robot.address)
-        it = await joined(robot, tmp_path, given, DriverFaulted)
-        try:
-            with pytest.raises(DriverError, match="fallen"):
-                await it.do("gaze", yaw=5)
-            assert await it.calls(*MOTION) == []
-        finally:
-            await it.close()
+    with patience():
+        async with stand_in(options=("--robot", "nao")) as robot:
+            await robot.fault("fall")
+            await robot.clear()
+            given = settings_for("nao", robot.address)
+            it = await joined(robot, tmp_path, given, DriverFaulted)
+            try:
+                with pytest.raises(DriverError, match="fallen"):
+                    await it.do("gaze", yaw=5)
+                assert await it.calls(*MOTION) == []
+            finally:
+                await it.close()
 
 
 async def test_a_fall_of_yesterday_is_no_fall(tmp_path: Path) -> None:

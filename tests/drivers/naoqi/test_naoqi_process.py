@@ -234,6 +234,26 @@ async def test_a_robot_that_freezes_itself_thaws_by_itself(robot: StandIn) -> No
     assert (await robot.get("faults")) == []
 
 
+#: Freezes itself, and a busy machine does not let it go on before that is to be over.
+SLOW = """
+import subprocess, time
+from naoqi_simulator.faults import freeze
+run = subprocess.run
+subprocess.run = lambda *args, **rest: (run(*args, **rest), time.sleep(0.5))
+freeze(0.1)
+"""
+
+
+async def test_who_is_slow_to_freeze_thaws_by_itself() -> None:
+    process = await asyncio.create_subprocess_exec(sys.executable, "-c", SLOW)
+    try:
+        assert await asyncio.wait_for(process.wait(), PATIENCE_S) == 0
+    finally:
+        if process.returncode is None:
+            process.kill()
+            await process.wait()
+
+
 async def test_a_taken_port_is_said() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import pytest
 import pytest_asyncio
+from woz_drivers.naoqi_robot import robot_line
 
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import patience
@@ -22,10 +24,27 @@ async def robot() -> AsyncIterator[StandIn]:
 
 
 @pytest.fixture
+def port() -> Iterator[int]:
+    """For a robot that comes back to it: nobody else gets it while the robot is away."""
+    with socket.socket() as reserved:
+        # It only has the port and never listens: whoever says the same may listen there.
+        reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        reserved.bind(("127.0.0.1", 0))
+        yield reserved.getsockname()[1]
+
+
+@pytest.fixture
 def patient() -> Iterator[None]:
     """A robot on a busy machine takes its time."""
     with patience():
         yield
+
+
+@pytest.fixture
+def unhurried_loss(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is no loss is none on a busy machine, either; who is silent for longer is lost."""
+    for limit in ("SILENT_S", "ANSWER_S", "NOTICED_S"):
+        monkeypatch.setattr(robot_line, limit, 5 * getattr(robot_line, limit))
 
 
 @pytest.fixture

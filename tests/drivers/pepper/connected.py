@@ -13,9 +13,8 @@ from typing import Any
 
 import pytest
 from woz_drivers.nao.settings import NaoSettings
-from woz_drivers.naoqi_robot import robot_connection, robot_line
+from woz_drivers.naoqi_robot import autonomy, base, parts, robot_connection, robot_line
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
-from woz_drivers.naoqi_robot.parts import LOOK_S
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
 
@@ -32,7 +31,10 @@ LIMITS = {
     (robot_line, "SILENT_S"): (robot_line.SILENT_S, WITHIN_S),
     (robot_line, "ANSWER_S"): (robot_line.ANSWER_S, WITHIN_S),
     (robot_line, "NOTICED_S"): (robot_line.NOTICED_S, 2 * WITHIN_S),
-    (robot_connection, "LOOK_S"): (LOOK_S, WITHIN_S),
+    **{
+        (module, "LOOK_S"): (parts.LOOK_S, WITHIN_S)
+        for module in (robot_connection, base, autonomy)
+    },
 }
 
 
@@ -44,6 +46,8 @@ def patience(*, hurried: bool = False) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for (module, name), (short, long) in LIMITS.items():
             patch.setattr(module, name, short if hurried else long)
+        within = parts.WITHIN_S if hurried else WITHIN_S
+        patch.setattr(RobotConnection.call, "__kwdefaults__", {"within": within})
         yield
 
 

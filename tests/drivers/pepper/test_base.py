@@ -10,11 +10,13 @@ import pytest
 import pytest_asyncio
 from woz_drivers.naoqi_robot import base as base_module
 
-from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [
+    pytest.mark.asyncio(loop_scope="module"),
+    pytest.mark.usefixtures("unhurried_stop"),
+]
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
@@ -22,12 +24,6 @@ async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Play
     """It drives so slowly that it is still on its way when a busy machine looks."""
     async with played(tmp_path_factory.mktemp("experiment"), pace=5.0) as made:
         yield made
-
-
-@pytest.fixture(autouse=True)
-def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A busy machine takes its time; that a stop waits no longer is another test's."""
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", PATIENCE_S)
 
 
 @pytest.mark.naoqi("ALMotion.moveTo")

@@ -119,14 +119,14 @@ async def test_what_an_earlier_program_left_is_removed(tmp_path: Path, robot: St
         assert await robot.get("camera.subscribers") == ["somebody_0"]
 
 
-async def test_after_a_loss_the_view_comes_back(tmp_path: Path) -> None:
-    async with stand_in() as robot, wired(CameraPart, tmp_path, robot) as it:
+async def test_after_a_loss_the_view_comes_back(tmp_path: Path, port: int) -> None:
+    async with stand_in(port=port) as robot, wired(CameraPart, tmp_path, robot) as it:
         _watch(it)
         await until(lambda: _came(it) >= 1)
         robot.kill()
         await until(lambda: not it.connection.available)
         had = _came(it)
-        async with stand_in(port=robot.port):
+        async with stand_in(port=port):
             await it.connected(2)
             await until(lambda: _came(it) > had + 1)
             assert it.notices == []

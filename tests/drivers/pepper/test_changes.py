@@ -74,6 +74,7 @@ async def test_what_is_no_address_costs_nobody_the_stop(tmp_path: Path) -> None:
         await it.robot.called("ALMotion.killAll")
 
 
+@pytest.mark.usefixtures("unhurried_stop")
 async def test_a_robot_that_is_let_go_begins_nothing_more(tmp_path: Path) -> None:
     async with played(tmp_path, pace=2.0) as it:
         (it.folder / "long.txt").write_text("\n\n".join(["word " * 40] * 9))
@@ -86,7 +87,11 @@ async def test_a_robot_that_is_let_go_begins_nothing_more(tmp_path: Path) -> Non
         await leaving
         assert len(await it.calls("ALAnimatedSpeech.say")) == 1
         assert not await it.calls("ALMotion.moveTo")
-        assert not await it.robot.get("going")
+
+        async def is_idle() -> bool:
+            return not await it.robot.get("going")
+
+        await it.robot.until(is_idle)
 
 
 async def test_a_robot_that_is_let_go_without_confirming_is_told_of(tmp_path: Path) -> None:
@@ -96,6 +101,7 @@ async def test_a_robot_that_is_let_go_without_confirming_is_told_of(tmp_path: Pa
         assert [text for text in it.notices if "did not confirm its stop: driving" in text]
 
 
+@pytest.mark.usefixtures("unhurried_stop")
 @pytest.mark.parametrize("kind", ["pepper", "nao"])
 async def test_a_robot_that_is_let_go_ends_whatever_it_does(tmp_path: Path, kind: str) -> None:
     async with played(tmp_path, kind=kind, pace=2.0, talk=TalkSettings()) as it:
@@ -115,6 +121,7 @@ async def test_a_robot_that_is_let_go_ends_whatever_it_does(tmp_path: Path, kind
         assert (await it.robot.get("sound.output"))["flushed"] > 0
 
 
+@pytest.mark.usefixtures("patient", "unhurried_stop")
 async def test_letting_go_while_settings_are_applied_is_no_trouble(tmp_path: Path) -> None:
     async with stand_in() as robot:
         heard = Heard(tmp_path)
@@ -165,6 +172,7 @@ async def test_a_robot_that_wakes_takes_connections_again() -> None:
         await link.close()
 
 
+@pytest.mark.usefixtures("unhurried_stop")
 async def test_what_begins_behind_the_stop_that_overtook_it_is_ended_too(tmp_path: Path) -> None:
     pepper = Standing(SimulatedWorld(PacedTime(1.0), SimulatorOptions(visitors=False)))
     entered, asked, overtaken = pepper.world.desk.enter, asyncio.Event(), asyncio.Event()

@@ -20,6 +20,8 @@ from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Health, RejectedError
 from woz_tui.protocol.messages import DriverFaulted, Notice
 
+pytestmark = pytest.mark.usefixtures("patient")
+
 
 @pytest.fixture
 async def bare() -> AsyncIterator[str]:
@@ -160,9 +162,7 @@ async def test_a_file_with_a_wrong_address_is_told_of(tmp_path: Path) -> None:
         assert "Hush" not in str(it.heard.messages)
 
 
-async def test_a_robot_that_is_not_there_is_looked_for(tmp_path: Path) -> None:
-    async with stand_in() as first:
-        port = first.port
+async def test_a_robot_that_is_not_there_is_looked_for(tmp_path: Path, port: int) -> None:
     async with stand(tmp_path) as it:
         with pytest.raises(DeviceLostError, match=f"nothing listens on port {port}"):
             await it.connection.connect(f"127.0.0.1:{port}")

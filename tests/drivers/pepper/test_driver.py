@@ -85,10 +85,8 @@ async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path) -> 
             await it.do("say", text="Nobody hears this.")
 
 
-async def test_a_robot_is_not_left_driving_or_speaking(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", PATIENCE_S)
+@pytest.mark.usefixtures("unhurried_stop")
+async def test_a_robot_is_not_left_driving_or_speaking(tmp_path: Path) -> None:
     async with played(tmp_path, pace=2) as it:
         driving = it.begin("drive", x=5.0)
         saying = it.begin("say", text="A long story. " * 100)
@@ -147,12 +145,14 @@ async def test_another_robot_gets_the_files_autonomy_too(tmp_path: Path) -> None
 
 
 @pytest.mark.usefixtures("patient")
-async def test_a_robot_that_comes_back_gets_the_files_settings_again(tmp_path: Path) -> None:
+async def test_a_robot_that_comes_back_gets_the_files_settings_again(
+    tmp_path: Path, port: int
+) -> None:
     settings = PepperSettings(
         robots=(), senses=QUIET, voice=VoiceSettings(volume=0.3), eyes="green"
     )
-    async with stand_in() as robot:
-        address, port = robot.address, robot.port
+    async with stand_in(port=port) as robot:
+        address = robot.address
         it = await joined(
             robot,
             tmp_path,

@@ -100,6 +100,7 @@ async def test_a_light_that_moves_goes_on_until_the_next_colour(
     assert await seen(it) == "#ff0000"
 
 
+@pytest.mark.usefixtures("unhurried_stop")
 @pytest.mark.parametrize("by", ["colour", "stop"])
 async def test_a_fade_of_a_light_that_moves_is_not_the_last_one(
     by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -10,7 +10,6 @@ import time
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi_robot import robot_line
 from woz_drivers.naoqi_robot.robot_line import FRESH_S
 
 from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand
@@ -66,15 +65,14 @@ async def marked_until(it: Stand, ended: asyncio.Task[Outcome]) -> list[asyncio.
 
 @KINDS
 async def test_a_killed_robot_is_told_of_and_found_again(
-    tmp_path: Path, kind: str, name: str, silence: set[str]
+    tmp_path: Path, port: int, kind: str, name: str, silence: set[str]
 ) -> None:
     options = ("--robot", kind)
     async with (
-        stand_in(options=options) as robot,
+        stand_in(port=port, options=options) as robot,
         stand(tmp_path, robot.address, kind=kind) as it,
     ):
         await it.is_so(Health.CONNECTED)
-        port = robot.port
         saying = await said(robot, it)
         robot.kill()
         assert is_lost(await saying)
@@ -146,14 +144,7 @@ async def test_what_was_sent_into_a_cut_cable_never_arrives(tmp_path: Path) -> N
         assert await robot.trace("ALTextToSpeech.stopAll")
 
 
-@pytest.fixture
-def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is no loss is none on a busy machine, either."""
-    for limit in ("SILENT_S", "ANSWER_S", "NOTICED_S"):
-        monkeypatch.setattr(robot_line, limit, 5 * getattr(robot_line, limit))
-
-
-@pytest.mark.usefixtures("unhurried")
+@pytest.mark.usefixtures("unhurried_loss")
 async def test_a_short_cut_is_no_loss(tmp_path: Path) -> None:
     async with (
         stand_in() as robot,
@@ -185,7 +176,7 @@ async def test_a_network_that_breaks_the_line_ends_calls_at_once(tmp_path: Path)
         assert {call.name for call in await robot.trace()} >= SILENCE
 
 
-@pytest.mark.usefixtures("unhurried")
+@pytest.mark.usefixtures("unhurried_loss")
 async def test_a_slow_network_is_played_slowly(tmp_path: Path) -> None:
     async with stand_in() as robot, dropping_proxy(robot.port) as network:
         network.delay_s = 0.04
@@ -196,7 +187,7 @@ async def test_a_slow_network_is_played_slowly(tmp_path: Path) -> None:
             assert it.went == 0
 
 
-@pytest.mark.usefixtures("unhurried")
+@pytest.mark.usefixtures("unhurried_loss")
 async def test_a_robot_that_does_not_answer_one_call_is_not_lost(tmp_path: Path) -> None:
     async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)

@@ -25,8 +25,9 @@ STANDS = 4
 FAULTS = 12
 #: What a call of this test writes; its value says which one it is.
 KEY = "Test/Random"
-#: What had arrived at the robot when a line broke may be entered a moment after it is told as lost.
-ARRIVED_NS = 1_000_000_000
+#: What is told as lost so soon after a line broke had perhaps arrived at the robot, which on a busy
+#: machine enters it a while later.
+BROKE_NS, ARRIVED_NS = 1_000_000_000, 5_000_000_000
 #: Bytes that Python and libqi may keep from a hundred lost connections.
 GROWTH = 30 << 20
 
@@ -80,6 +81,7 @@ class Troubled:
             return list(await asyncio.gather(*self.calls))
 
 
+@pytest.mark.usefixtures("unhurried_loss")
 async def test_many_faults_in_a_row(tmp_path: Path) -> None:
     process = psutil.Process()
     # On our own server: one of libqi may accept nobody any more once a connection was reset that it
@@ -134,7 +136,7 @@ async def judged(robot: StandIn, troubled: list[Troubled]) -> int:
                 assert one.begun_ns <= ran_ns <= one.ended_ns
                 continue
             assert is_lost(one), one.error
-            if not any(0 <= one.ended_ns - reset < ARRIVED_NS for reset in it.resets_ns):
+            if not any(0 <= one.ended_ns - reset < BROKE_NS for reset in it.resets_ns):
                 assert ran_ns <= one.ended_ns, "it ran after it was told as failed"
             else:
                 assert ran_ns <= one.ended_ns + ARRIVED_NS, "it ran long after the line broke"

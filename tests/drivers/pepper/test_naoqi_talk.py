@@ -102,6 +102,7 @@ async def test_a_stop_silences_the_robot_and_it_needs_the_key_again(
         assert (await robot.get("sound.output"))["played"] == WORD.hex()
 
 
+@pytest.mark.usefixtures("unhurried_stop")
 async def test_the_wizards_line_ends_it(tmp_path: Path) -> None:
     async with played(tmp_path, talk=TalkSettings()) as it:
         task = it.begin("talk")

@@ -269,16 +269,19 @@ async def test_each_sound_is_told_once_and_the_old_one_of_before_not_at_all(sens
 
 
 async def test_a_lost_robot_makes_every_sense_stale_and_the_next_one_lives(
-    sense: Sense, tmp_path: Path
+    tmp_path: Path, port: int
 ) -> None:
-    async with stand_in() as robot, wired(SensesPart, tmp_path, robot, senses=FAST) as it:
+    async with (
+        stand_in(port=port) as robot,
+        wired(SensesPart, tmp_path, robot, senses=FAST) as it,
+    ):
         await _round(it)
         robot.kill()
         for sensor in ALL:
             await it.heard.state(sensor, "stale")
             assert _why(it, sensor) != ""
         assert await it.part.read() == {}
-        async with stand_in(port=robot.port):
+        async with stand_in(port=port):
             await it.connected(2)
             for sensor in ALL:
                 await it.heard.state(sensor, "ok")

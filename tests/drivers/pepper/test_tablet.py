@@ -299,15 +299,18 @@ async def test_a_port_that_is_taken_is_told(folder: Path, robot: StandIn) -> Non
         server.close()
 
 
-async def test_after_a_loss_the_default_is_shown_again(folder: Path) -> None:
+async def test_after_a_loss_the_default_is_shown_again(folder: Path, port: int) -> None:
     tablet = TabletSettings(default="logo.JPG")
-    async with stand_in() as robot, wired(TabletPart, folder, robot, tablet=tablet) as it:
+    async with (
+        stand_in(port=port) as robot,
+        wired(TabletPart, folder, robot, tablet=tablet) as it,
+    ):
         await it.do("screen", file="shown/map.png")
         robot.kill()
         await until(lambda: not it.connection.available)
         with pytest.raises(DeviceLostError):
             await it.do("screen", file="logo.JPG")
-        async with stand_in(port=robot.port) as back:
+        async with stand_in(port=port) as back:
             await it.connected(2)
             await _shows(back, "webview", len(OTHER))
             assert await it.part.read() == {"tablet": "logo.JPG"}

@@ -45,11 +45,11 @@ async def test_a_finger_is_told_where_it_comes_down_moves_and_leaves(
         assert sorted(told) == ["down", "move", "up"]
 
 
-async def test_a_lost_tablet_is_touched_again_when_it_is_back(tmp_path: Path) -> None:
-    async with stand_in() as robot, wired(TabletPart, tmp_path, robot) as it:
+async def test_a_lost_tablet_is_touched_again_when_it_is_back(tmp_path: Path, port: int) -> None:
+    async with stand_in(port=port) as robot, wired(TabletPart, tmp_path, robot) as it:
         robot.kill()
         await it.heard.state("touch.y", "stale")
-        async with stand_in(port=robot.port) as back:
+        async with stand_in(port=port) as back:
             await it.connected(2)
             await it.heard.state("touch.y", "ok")
             await back.touch(0.5, 0.5)

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.reachy_mini import ReachyMiniSimulator
-from woz_drivers import confirmed_stop
+from woz_drivers import answer_times, confirmed_stop
 from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link, reachy_sounds
 from woz_drivers.speech.settings import SynthesisSettings
 from woz_drivers.wav import Wav
@@ -102,6 +102,7 @@ async def reachy(
 def busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a stop confirms is tested, not how soon on a machine that does other things."""
     monkeypatch.setattr(confirmed_stop, "STOP_S", 20.0)
+    monkeypatch.setattr(answer_times, "_SLOW_MS", 10_000.0)
     monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
     monkeypatch.setattr(reachy_sounds, "QUICK_S", 10.0)
 

@@ -114,7 +114,7 @@ async def test_an_action_that_ends_badly_says_so(ros: int) -> None:
 
 @BOTH
 async def test_a_goal_that_nobody_takes_holds_up_nothing(ros: int) -> None:
-    text = ROBOT.replace("values: {move", "within: 1.0\n    values: {move")
+    text = ROBOT.replace("values: {move", "within: 4.0\n    values: {move")
     async with played(settings(text, ros=ros)) as it:
         it.robot.refuse_goals = True
         task = it.begin("play", move="wave")
@@ -246,12 +246,12 @@ def _services(robot: RosbridgeSimulator) -> list[tuple[str, Any]]:
 
 async def test_a_drive_is_velocities_while_it_lasts_and_zero_at_its_end() -> None:
     async with played(pace=1.0) as it:
-        sent = await it.play("drive", x=0.5, turn=-45.0)
-        assert sent["seconds"] == 1.0
+        sent = await it.play("drive", x=1.0, turn=-90.0)
+        assert sent["seconds"] == 2.0
         told = [(x, turn) for _, x, turn in it.robot.velocities]
         [_, moving, standing] = [[*group] for _, group in itertools.groupby(told)]
         assert moving[0] == (0.5, -0.7854)
-        assert 2 <= len(moving) <= 11
+        assert 2 <= len(moving) <= 21  # a busy machine may stand still for a while
         assert standing[0] == (0.0, 0.0)
         with pytest.raises(RejectedError):
             await it.play("drive")

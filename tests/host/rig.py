@@ -130,7 +130,7 @@ async def served(
     clock = clock or RealClock()
     recorder = Recorder(tmp_path / "recordings", "made", clock)
     made = made or experiment(tmp_path)
-    if load is read is None:  # nobody beats here, unless a test is about that
+    if load is None and read is None:  # nobody beats here, unless a test is about that
         settings = settings or replace(made.session, dead_man=60.0)
     made = replace(made, session=settings) if settings else made
     session = Session(

@@ -13,7 +13,7 @@ from woz_tui.system.tasks import wait_at_most
 
 #: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
 STOP_S = 0.45
-#: How long more where this process has stood still; the bus then waits a bit longer, too.
+#: How long more where this process has stood still beyond that; the bus then mostly has, too.
 AGAIN_S = 0.05
 
 log = logging.getLogger(__name__)

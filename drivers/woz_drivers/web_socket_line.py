@@ -20,6 +20,7 @@ from typing import Any
 import aiohttp
 import msgspec
 
+from woz_drivers.background import forget_outcome
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Health
 from woz_tui.system.retry_pauses import RetryPauses
 from woz_tui.system.tasks import end_tasks, wait_at_most
@@ -159,11 +160,14 @@ class WebSocketLine:
         opened = self._open_socket()
         self._pings += 1
         payload = str(self._pings).encode()
-        pong = self._pongs[payload] = asyncio.get_running_loop().create_future()
+        loop = asyncio.get_running_loop()
+        due = loop.time() + within
+        pong = self._pongs[payload] = loop.create_future()
+        pong.add_done_callback(forget_outcome)  # it may come when nobody waits any more
         try:
-            async with asyncio.timeout(within):
+            async with asyncio.timeout_at(due):
                 await opened.ping(payload)
-            await wait_at_most([pong], within)
+            await wait_at_most([pong], due - loop.time())
             if not pong.done():
                 raise TimeoutError
             pong.result()

@@ -181,12 +181,15 @@ class Body(RenderedDriver):
         if self._events is None:
             return
         still = asyncio.wrap_future(frozen)
-        await wait_at_most([still], STOP_S, AGAIN_S)
-        if not still.done():
-            raise DriverError(
-                "the stop was not confirmed", "the servos hold their position; end the session"
-            )
-        still.result()
+        try:
+            await wait_at_most([still], STOP_S, AGAIN_S)
+            if not still.done():
+                raise DriverError(
+                    "the stop was not confirmed", "the servos hold their position; end the session"
+                )
+            still.result()
+        finally:
+            still.cancel()
 
     async def resume(self) -> None:
         """The stop was released: breathe and blink again."""

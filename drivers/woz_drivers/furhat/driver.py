@@ -41,6 +41,7 @@ from woz_tui.drivers.fields import Range
 from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
+from woz_tui.system.tasks import wait_at_most
 
 #: How often it is looked what has changed by itself, in seconds.
 _LOOK_S = 1.0
@@ -201,11 +202,12 @@ class Furhat(Driver):
         tasks = BackgroundTasks("a stop")
         halts = [tasks.start(part.halt()) for part in self._parts]
         try:
-            await asyncio.wait(halts, timeout=until - loop.time())
+            await wait_at_most(halts, until - loop.time(), confirmed_stop.AGAIN_S)
             # The robot takes requests in order: with this answer it has taken those of the stop.
             taken = tasks.start(self._link.authenticate(confirmed_stop.STOP_S))
+            unknown = loop.create_future()  # what would end a part that has not said it yet
             ends = {
-                part.name: [taken, halt, *(halt.result() if succeeded(halt) else ())]
+                part.name: [taken, halt, *(halt.result() if succeeded(halt) else (unknown,))]
                 for part, halt in zip(self._parts, halts, strict=True)
                 if part.name
             }

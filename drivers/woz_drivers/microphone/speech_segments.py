@@ -18,7 +18,7 @@ from woz_drivers.microphone.transcriber import SpeechToTranscribe, Transcriber
 from woz_tui.drivers.contract import DriverContext
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
 from woz_tui.sensing.speech_endpoint import SpeechEnd, SpeechStart
-from woz_tui.system.tasks import STOOD_STILL_S
+from woz_tui.system.tasks import READ_AGAIN_S, STOOD_STILL_S
 
 BLOCK_US = round(BLOCK_S * 1_000_000)
 
@@ -26,7 +26,7 @@ BLOCK_US = round(BLOCK_S * 1_000_000)
 #: sound began: 5 s. A converter's clock drifts by a millisecond in that time at most.
 _WINDOW = 250
 #: The end of an utterance is published after this time at most, in seconds, file or no file: the
-#: robot reacts to it.
+#: robot reacts to it. A moment more where this process stood still.
 _FILE_S = 0.15
 
 
@@ -178,7 +178,7 @@ class SpeechSegments:
         loop = asyncio.get_running_loop()
         if loop.time() - due > STOOD_STILL_S:
             # It may be there, and nobody has read yet that it is: once more.
-            ending.timer = loop.call_later(_FILE_S, self._give_up_file, ending, math.inf)
+            ending.timer = loop.call_later(READ_AGAIN_S, self._give_up_file, ending, math.inf)
             return
         ending.late = True
         self._publish()

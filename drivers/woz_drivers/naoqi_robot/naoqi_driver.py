@@ -43,6 +43,7 @@ from woz_tui.drivers.fields import Range
 from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import RobotOutline
+from woz_tui.system.tasks import wait_at_most
 
 #: The parts have so long to say goodbye to the robot.
 FAREWELL_S = 1.5
@@ -211,7 +212,8 @@ class NaoqiRobot(Driver):
             # NAOqi's services do not keep to one order among each other: what was sent just before
             # the stop may have begun behind it. What is sent on its answer comes behind both.
             again = self._stop_all(parts, scope)
-            await asyncio.wait(again.values(), timeout=max(0.0, until - loop.time()))
+            left = until - loop.time()
+            await wait_at_most(again.values(), left, confirmed_stop.AGAIN_S)
             # A line that is too slow for both has confirmed the first.
             both = {n: [end for end in (first[n], again[n]) if end.done()] for n in first}
             report = await confirmed_within(0.0, both)

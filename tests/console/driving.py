@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from textual._context import visible_screen_stack
 from textual.events import Key
 from textual.keys import _character_to_key, key_to_character
 from textual.pilot import Pilot
@@ -58,7 +59,7 @@ class Sitting:
         """
         for _ in range(3):
             await self.pilot.pause(0)
-        for _ in range(5):  # a beat of Textual, after which what waits for it happens
+        for _ in range(400):  # beats of Textual, at which what waits for it happens
             if not any(map(_waits, self.console.screen_stack)):
                 break
             await self.pilot.pause(0.005)
@@ -97,15 +98,19 @@ class Sitting:
         await self.settle()
 
     def drawn(self) -> str:
-        """Every cell as text; while a dialog is open, only the dialog's."""
+        """Every cell as text."""
         return screen_text(self.console)
 
 
 def screen_text(console: Console) -> str:
-    """What the screen on top draws."""
+    """What the screen on top draws, and what shines through it."""
     width, height = console.size
     lines = []
-    strips = console.screen._compositor.render_strips()
+    beneath = visible_screen_stack.set(list(console._background_screens))
+    try:
+        strips = console.screen._compositor.render_strips()
+    finally:
+        visible_screen_stack.reset(beneath)
     for strip in strips[:height]:
         lines.append("".join(segment.text for segment in strip)[:width])
     return "\n".join(lines)

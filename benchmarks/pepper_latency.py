@@ -46,6 +46,8 @@ PROGRAMS = Path(__file__).parent / "programs"
 #: Seconds between two calls.
 GAPS_S = (0.005, 0.03)
 SETTLE_S = 1.5
+#: A volume that comes too late is sent so often in all, with so many seconds between.
+MOST_LATE, LOST_S = 10, 1.0
 QI = importlib.util.find_spec("qi") is not None
 #: Polls of the Flask program a second, where states are read.
 POLLS = 1.0
@@ -161,6 +163,10 @@ def route(address: str, polls: float) -> Iterator[Sender]:
         process.communicate()
 
 
+class FailedError(RuntimeError):
+    """A command has failed."""
+
+
 class Wizard:
     """A wizard's console without a screen."""
 
@@ -181,19 +187,31 @@ class Wizard:
         return sent
 
     def until(self, kind: str, **fields: Any) -> dict[str, Any]:
-        """The next message of a kind, with these fields; RuntimeError once a command has failed."""
+        """The next message of a kind, with these fields. Raises `FailedError` once a command has
+        failed.
+        """
         for line in self._lines:
             message: dict[str, Any] = json.loads(line)
             if message["kind"] == kind and fields.items() <= message.items():
                 return message
             if message["kind"] == "command.failed":
-                raise RuntimeError(message["reason"])
+                raise FailedError(message["reason"])
         raise RuntimeError(f"the robot process ended before it said {kind}")
 
     def volume(self, value: float) -> int:
-        """Send one volume and wait until its command has ended."""
-        sent = self.ask(kind="verb", verb="volume", args={"level": value})
-        self.until("command.done")
+        """Send one volume and wait until its command has ended; when it was sent. What failed
+        because the robot was late is sent again.
+        """
+        for left in reversed(range(MOST_LATE)):
+            sent = self.ask(kind="verb", verb="volume", args={"level": value})
+            try:
+                self.until("command.done")
+            except FailedError:
+                if not left:
+                    raise
+                time.sleep(LOST_S)
+            else:
+                break
         return sent
 
 

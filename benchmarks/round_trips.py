@@ -29,6 +29,7 @@ import aiohttp
 from benchmarks.figures import machine, trips
 from benchmarks.programs.echo import ASKED, ECHOED, bare_zenoh, put
 from benchmarks.sessions import PROGRAMS, ROOT, bench
+from tests.fakes.ports import free_port
 from woz_tui.client import WozClient, WozFailedError, blocking, connect
 from woz_tui.network.certificates import SERVER_NAME, AccessFile, Authority
 
@@ -141,10 +142,7 @@ def doors() -> Iterator[Doors]:
         folder, path = it.folder, Path(it.environ()["WOZ_SOCKET"])
         os.environ |= {"XDG_CONFIG_HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
         Authority().new("other", 2, "", folder / "other.access")
-        servers = [socket.create_server(("127.0.0.1", 0)) for _ in range(3)]
-        drivers, network, zenoh = (server.getsockname()[1] for server in servers)
-        for server in servers:
-            server.close()
+        drivers, network, zenoh = free_port(), free_port(), free_port()
         (folder / "robot.yaml").write_text(ROBOT.format(folder=folder, port=drivers))
         (folder / "study.yaml").write_text(STUDY)
 

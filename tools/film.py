@@ -19,7 +19,7 @@ from pathlib import Path
 
 from rich.segment import Segment
 
-from tests.console.driving import sitting
+from tests.console.driving import screen_strips, sitting
 from tools import IMAGES
 from tools.demo_session import INTERVIEW, TALKING, WARM, Step, demo, play, space, welcome
 from woz_tui.console.bodies.bodies_pane import pane_rows
@@ -142,7 +142,7 @@ async def _screens(film: Film, reel: Reel) -> list[list[Row]]:
             await seat.tell(*batch)
             while keys and keys[0][0] * 1_000_000 <= now:
                 await seat.press(keys.popleft()[1])
-            strips = seat.console.screen._compositor.render_strips()
+            strips = screen_strips(seat.console.screen)
             found.append([_cells(strip) for strip in strips[: film.lines]])
     return found
 

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.fakes.ports import free_port
 from tests.host.rig import Served, served
 from woz_tui.bml.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
 from woz_tui.bml.xml_elements import LONGEST, LONGEST_TAG, XmlElements, XmlElementsError
@@ -84,13 +85,7 @@ class Listening:
 
 def _ports() -> PlannerPorts:
     """Two that nobody listens on."""
-    with contextlib.ExitStack() as probes:
-        import socket  # noqa: PLC0415
-
-        found = [probes.enter_context(socket.socket()) for _ in range(2)]
-        for each in found:
-            each.bind(("127.0.0.1", 0))
-        return PlannerPorts(*(each.getsockname()[1] for each in found))
+    return PlannerPorts(free_port(), free_port())
 
 
 @contextlib.asynccontextmanager
@@ -127,7 +122,9 @@ async def test_what_is_no_xml_is_told_and_the_next_planner_is_served(tmp_path: P
         await until(lambda: planner.heard("PARSING_FAILURE"), PATIENCE_S)
         planner.send("GET / HTTP/1.1\n")
         await it.said("has gone")
-        assert sum("PARSING_FAILURE" in line for line in planner.lines) == 2
+        await until(
+            lambda: sum("PARSING_FAILURE" in line for line in planner.lines) == 2, PATIENCE_S
+        )
         await planner.leave()
         it.planners.append(next_one)
         await next_one.connect()

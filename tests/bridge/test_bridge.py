@@ -54,8 +54,8 @@ async def test_a_stroke_is_where_it_was_asked_for_and_foretold(tmp_path: Path) -
         assert isinstance(lasts, float) and isinstance(stroke, float)
         assert 0 < stroke < lasts == pytest.approx(3 / 3.2, abs=0.01)  # three beats
         assert it.commands("play") == []
-        it.ask("n", NOD, kind=2, seconds=0.5)
-        it.ask("twice", NOD, kind=1, seconds=0.5 + lasts, count=2)
+        it.ask("n", NOD, kind=2, seconds=2.0)
+        it.ask("twice", NOD, kind=1, seconds=2.0 + lasts, count=2)
         await it.over("twice")
         assert it.general("twice") == [ACK, START, STROKE, STROKE, END]
         commands = it.commands("play")
@@ -65,7 +65,7 @@ async def test_a_stroke_is_where_it_was_asked_for_and_foretold(tmp_path: Path) -
         struck = next(line for line in marks if line.command == commands[0].command)
         planned = [line for line in it.host.lines if isinstance(line, m.ActionScheduled)]
         # Never earlier than planned, but for a tick of the body; a busy machine may be late.
-        assert planned[0].at - planned[0].t <= (0.5 - stroke) * 1e6
+        assert planned[0].at - planned[0].t <= (2.0 - stroke) * 1e6
         assert first.t >= planned[0].at
         assert struck.t - first.t >= stroke * 1e6 - 40_000
         assert planned[1].at - planned[0].at >= (lasts + stroke) * 1e6 - 1000
@@ -86,7 +86,7 @@ async def test_what_does_not_fit_is_refused_with_its_reason(tmp_path: Path) -> N
         it.ask("nothing", NOD, kind=0)
         it.ask("past", NOD, kind=3, seconds=-1.0)
         it.ask("unknown", 99)
-        it.ask("first", NOD, seconds=30.0)
+        it.ask("first", NOD, seconds=30.0, count=20)
         it.ask("second", NOD, seconds=30.5)
         it.send(SEQUENCE, {"id": "wrong", "sequence": "nod"})
         it.send(SEQUENCE, {"id": "more", "sequence": NOD, "haste": 3.0})

@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 from woz_drivers.simulated import SimulatedRobot
 
+from tests.fakes.ports import free_port
 from tests.fakes.terminal import FakeTerminal
-from tests.network.other_computer import PATIENT, SILENCE_S, free_port
+from tests.network.other_computer import PATIENT, SILENCE_S
 from woz_tui import cli
 from woz_tui.cli import doctor
 from woz_tui.drivers.contract import DeviceLostError, Health

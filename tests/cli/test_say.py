@@ -7,6 +7,8 @@ import shlex
 from pathlib import Path
 
 import pytest
+from woz_drivers.speech import driver
+from woz_drivers.speech.synthesis import finish
 
 from tests.config.reading import panel
 from tests.drivers.speech_desk import SCRIPT
@@ -22,6 +24,12 @@ def script(path: Path, body: str) -> None:
 @pytest.fixture
 def journal(tmp_path: Path) -> Path:
     return tmp_path / "journal"
+
+
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A player starts slowly on a busy machine; `margin` leaves it two seconds at the most."""
+    monkeypatch.setattr(driver, "finish", lambda running, seconds: finish(running, seconds + 40.0))
 
 
 @pytest.fixture

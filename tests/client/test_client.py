@@ -239,7 +239,7 @@ async def test_a_gaze_returns_when_the_head_is_there(tmp_path: Path) -> None:
 
 async def test_it_begins_at_its_moment_or_is_refused(host: Served) -> None:
     async with connect(host.path) as woz:
-        at = woz.now() + 1.0
+        at = woz.now() + 3.0
         await woz.say("Now", at=at)
         [begun] = [line for line in host.lines if isinstance(line, m.Dispatched)]
         assert begun.t >= at * 1e6

@@ -13,6 +13,7 @@ from textual.events import Key
 from textual.keys import _character_to_key, key_to_character
 from textual.pilot import Pilot
 from textual.screen import Screen
+from textual.strip import Strip
 
 from tests.console import scenes
 from tests.console.scripted import ScriptedFeed
@@ -106,14 +107,18 @@ def screen_text(console: Console) -> str:
     """What the screen on top draws, and what shines through it."""
     width, height = console.size
     lines = []
-    beneath = visible_screen_stack.set(list(console._background_screens))
-    try:
-        strips = console.screen._compositor.render_strips()
-    finally:
-        visible_screen_stack.reset(beneath)
-    for strip in strips[:height]:
+    for strip in screen_strips(console.screen)[:height]:
         lines.append("".join(segment.text for segment in strip)[:width])
     return "\n".join(lines)
+
+
+def screen_strips(screen: Screen[object]) -> list[Strip]:
+    """The lines of the screen on top. Textual has to be told what shines through."""
+    beneath = visible_screen_stack.set(list(screen.app._background_screens))
+    try:
+        return screen._compositor.render_strips()
+    finally:
+        visible_screen_stack.reset(beneath)
 
 
 @asynccontextmanager
@@ -134,5 +139,8 @@ async def sitting(
 
 
 def _waits(screen: Screen[object]) -> bool:
-    """Whether something is to be laid out, painted or called at Textual's next beat."""
-    return bool(screen._layout_required or screen._dirty_widgets or screen._callbacks)
+    """Whether something is to be laid out, painted or called at Textual's next beat; of a screen
+    that is hidden nothing is.
+    """
+    waits = screen._layout_required or screen._dirty_widgets or screen._callbacks
+    return screen.is_current and bool(waits)

@@ -150,7 +150,7 @@ def test_a_terminal_that_does_not_answer_is_not_waited_for(
     pieces: tuple[bytes, ...], kept: tuple[str, ...]
 ) -> None:
     with terminal(*pieces) as tty:
-        assert ask_background(tty, tty, 1.5 if kept else 0.3) == TerminalBackground(None, kept)
+        assert ask_background(tty, tty, 4.0 if kept else 0.3) == TerminalBackground(None, kept)
 
 
 def test_what_is_no_terminal_is_not_asked(tmp_path: Path) -> None:

@@ -264,7 +264,7 @@ def test_requests_are_stamped_where_the_host_has_the_same_clock(
 def test_a_host_that_is_found_again_gets_only_stops_until_it_speaks(
     host: FakeHost, ears: Ears
 ) -> None:
-    link = HostConnection(host.path, silence_s=0.5)
+    link = HostConnection(host.path, silence_s=2.0)
     link.start(ears.on_messages, ears.on_lost)
     ears.until_heard(Welcome)
     host.frozen = True  # it neither reads nor speaks, but the kernel takes connections for it

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -21,7 +22,10 @@ class Pty:
         self.output = Output(self.slave, self.recovered.set, limit=64 * 1024)
 
     def fill(self) -> None:
-        """Write until output is dropped."""
+        """Write until output is dropped, and the terminal itself is full."""
+        self.output.write(FRAME * 50)  # taken whole while nothing waits
+        while self.output._waiting:
+            time.sleep(0.001)
         for _ in range(1000):
             if not self.output.write(FRAME):
                 return

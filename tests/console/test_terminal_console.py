@@ -43,8 +43,7 @@ def test_keys_sequences_arrows_and_the_script(host: FakeHost, terminal: FakeTerm
     assert host.wait(AskAction).action == "Hello"
     terminal.send(b"\x1bOP")
     assert host.wait(AskAction, 2).action == "Happy"
-    terminal.send("c")
-    terminal.send("r")
+    terminal.send("cr")
     assert host.wait(AskAction, 3).action == "Circle"
     terminal.send(b"\x1b[A")
     assert host.wait(AskVerb).verb == "nudge"

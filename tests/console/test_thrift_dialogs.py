@@ -8,9 +8,10 @@ import pytest
 from rich.console import Console, RenderableType
 from textual._compositor import ChopsUpdate
 from textual.screen import Screen
+from textual.widgets import Input
 
 from tests.console import engaged, scenes
-from tests.console.driving import Sitting, sitting
+from tests.console.driving import Sitting, screen_strips, sitting
 from tests.console.test_thrift import shown
 from woz_tui.console.partial_update import cropped
 from woz_tui.protocol import messages as m
@@ -20,8 +21,7 @@ NOW, SECOND = scenes.NOW, scenes.SECOND
 
 def lines(screen: Screen[object]) -> list[str]:
     """All cells of a screen and of those beneath it."""
-    strips = screen._compositor.render_strips()
-    return ["".join(segment.text for segment in strip) for strip in strips]
+    return ["".join(segment.text for segment in strip) for strip in screen_strips(screen)]
 
 
 class Glass:
@@ -55,6 +55,8 @@ async def test_a_change_beneath_a_dialog_repaints_few_cells(
 ) -> None:
     async with sitting(engaged.welcome(engaged.shown())) as seat:
         await seat.press(*opening)
+        for field in seat.console.screen.query(Input):
+            field.cursor_blink = False  # it does so by the real clock
         await seat.pilot.pause(0.1)
         glass = Glass(seat, monkeypatch)
         for level in (0.1, 0.02, 0.2):
@@ -87,4 +89,5 @@ async def test_nothing_is_left_unpainted_when_both_screens_change_at_once(
             await seat.tell_quietly(*told)
             seat.clock.advance(0.13)
             await asyncio.sleep(0.02 * (number % 6))  # in every phase of both screens' timers
+        await seat.settle()
         await seat.until(lambda: glass.rows == lines(seat.console.screen), "every cell painted")

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
+from tests.fakes.ports import free_port
+
 
 class StompBroker:
     """Hands each SEND to who has subscribed. `frames` are those that came, as they came.
@@ -22,7 +24,7 @@ class StompBroker:
         self.passcode = ""
         self.silent = False
         self.heart_beat = "0,0"
-        self.port = 0
+        self.port = free_port()
         self._server: asyncio.Server | None = None
         self._subscribers: dict[asyncio.StreamWriter, list[tuple[str, str]]] = {}
         self._answers: dict[str, Callable[[asyncio.StreamWriter, dict[str, str], bytes], None]] = {
@@ -49,7 +51,6 @@ class StompBroker:
         self._server = await asyncio.start_server(
             self._serve, "127.0.0.1", self.port, limit=1 << 22
         )
-        self.port = self._server.sockets[0].getsockname()[1]
 
     async def stop(self) -> None:
         """Break off all connections."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import random
 import socket
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
+from tests.fakes.ports import free_port
 from tests.remote.network import Cable
 from woz_tui.drivers.contract import (
     Argument,
@@ -132,15 +132,6 @@ class Arm(Driver):
     def ask_session(self, ask: Ask, ended: list[tuple[bool, str]]) -> None:
         """Ask the session."""
         self.context.ask(ask, lambda ok, why: ended.append((ok, why)))
-
-
-def free_port() -> int:
-    """One that nobody listens at, and that the system gives to nobody by itself."""
-    given = Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()
-    while True:
-        port = random.SystemRandom().randrange(int(given[0]) - 10_000, int(given[0]))
-        with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port)):
-            return port
 
 
 def listens(port: int) -> bool:

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.fakes.ports import free_port
 from tests.network.other_computer import (
     PLACE,
     SILENCE_S,
     Arm,
     ArmSettings,
     OtherComputer,
-    free_port,
     listens,
     remote_driver,
 )

@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import pytest
 from woz_drivers.simulated import SimulatedRobot
 
+from tests.fakes.ports import free_port
 from tests.network.other_computer import (
     PLACE,
     SILENCE_S,
@@ -23,7 +24,6 @@ from tests.network.other_computer import (
     ArmSettings,
     OtherComputer,
     Pair,
-    free_port,
     pair,
     remote_driver,
 )

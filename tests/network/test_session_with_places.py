@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from woz_drivers.simulated import SimulatedRobot
 
-from tests.network.other_computer import SILENCE_S, OtherComputer, free_port, listens
+from tests.fakes.ports import free_port
+from tests.network.other_computer import SILENCE_S, OtherComputer, listens
 from tests.remote.network import Cable
 from tests.session.rig import Stage
 from woz_tui.config.loading import load

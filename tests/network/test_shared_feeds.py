@@ -13,8 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.simulated import SimulatedRobot
 
+from tests.fakes.ports import free_port
 from tests.host.rig import served
-from tests.network.other_computer import Arm, OtherComputer, Pair, free_port, listens, pair
+from tests.network.other_computer import Arm, OtherComputer, Pair, listens, pair
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import DriverContext, Health
 from woz_tui.drivers.feeds import Feeds

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.fakes.ports import free_port
 from tests.host.rig import WAIT_S, Peer, Served, served
 from woz_tui.config.experiment import AccessRole, SessionSettings
 from woz_tui.network.certificates import AccessFile, Authority
@@ -49,8 +50,8 @@ class Cable:
 
     async def lay(self) -> None:
         self.flowing.set()
+        self.own_port = self.own_port or free_port()  # it comes back to it
         self._server = await asyncio.start_server(self._join, "127.0.0.1", self.own_port)
-        self.own_port = self._server.sockets[0].getsockname()[1]
 
     async def cut(self) -> None:
         """Nothing comes through, and who is connected notices."""

@@ -11,11 +11,11 @@ from pathlib import Path
 import aiohttp
 import pytest
 
+from tests.fakes.ports import free_port
 from tests.network.other_computer import (
     PLACE,
     Arm,
     OtherComputer,
-    free_port,
     listens,
     remote_driver,
 )

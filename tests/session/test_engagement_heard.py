@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import pytest
+from woz_drivers.microphone import speech_segments
 from woz_drivers.microphone.driver import Microphone
 
 from tests.drivers.heard import until
@@ -124,10 +126,13 @@ async def play(evening: Evening) -> None:
     await evening.comes("EngagedWithKnown")
 
 
-async def test_a_conversation_by_keys_and_ears(tmp_path: Path) -> None:
+async def test_a_conversation_by_keys_and_ears(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """E4, E5, E6, E7: verdicts by hand where no camera is; speech moves the machine, beeps once,
     and leaves a file and a text in the log.
     """
+    monkeypatch.setattr(speech_segments, "_FILE_S", 40.0)  # a busy machine is slow to write
     evening = Evening(tmp_path)
     await evening.session.open()
     try:

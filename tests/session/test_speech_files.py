@@ -5,6 +5,8 @@ from __future__ import annotations
 import wave
 from pathlib import Path
 
+import pytest
+from woz_drivers.microphone import speech_segments
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
 
@@ -42,7 +44,10 @@ def experiment(folder: Path, command: tuple[str, ...]) -> Experiment:
     return Experiment("Listening", folder / "made.yaml", "0" * 64, (ears,), ())
 
 
-async def test_the_log_names_the_file_beside_it(tmp_path: Path) -> None:
+async def test_the_log_names_the_file_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(speech_segments, "_FILE_S", 40.0)  # a busy machine is slow to write
     pipe = PipedCommand(tmp_path / "pipe")
     clock = RealClock()
     recorder = Recorder(tmp_path / "recordings", "2026-03-01T10-00-00_P07_S01", clock)

@@ -100,7 +100,7 @@ def test_kitty_gets_pictures_under_two_names_in_turn(tmp_path: Path) -> None:
         terminal.wait_text("kitty")
         more(host, 3)
         terminal.send("\x11")
-        terminal.wait_for(lambda text: "kitty" not in text)
+        terminal.wait_for(lambda text: "Camera" not in text)
         files: dict[str, bytes] = {}
         order, alive = [], set[str]()
         data = b""
@@ -159,7 +159,7 @@ def test_sixels_are_drawn_inside_the_frame_and_erased(tmp_path: Path) -> None:
         terminal.wait_text("─ Say")
         terminal.send("\x11")
         terminal.send("\x11")
-        terminal.wait_for(lambda text: "sixel" not in text)
+        terminal.wait_for(lambda text: "Camera" not in text)
         before = len(SIXEL.findall(bytes(terminal.written)))
         terminal.send("h")
         host.wait(AskAction)

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from woz_drivers.nao.settings import NaoSettings
-from woz_drivers.naoqi_robot import autonomy, base, parts, robot_connection, robot_line
+from woz_drivers.naoqi_robot import autonomy, base, naoqi_link, parts, robot_connection, robot_line
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
@@ -30,6 +30,7 @@ SETTINGS = PepperSettings(robots=())
 LIMITS = {
     (robot_line, "SILENT_S"): (robot_line.SILENT_S, WITHIN_S),
     (robot_line, "ANSWER_S"): (robot_line.ANSWER_S, WITHIN_S),
+    (naoqi_link, "_LISTENS_WITHIN_S"): (naoqi_link._LISTENS_WITHIN_S, WITHIN_S),
     (robot_line, "NOTICED_S"): (robot_line.NOTICED_S, 2 * WITHIN_S),
     **{
         (module, "LOOK_S"): (parts.LOOK_S, WITHIN_S)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tests.bus.rig import VERBS, Rig, Scripted
-from tests.fakes.virtual_time import VirtualLoop, run_virtual
+from tests.fakes.virtual_time import run_virtual, stand_still
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.drivers.contract import Argument, DeviceLostError, DriverError, Job, StopReport, Verb
@@ -24,13 +24,6 @@ def in_rig(scenario: Callable[[Rig], Awaitable[None]], capacity: int = 16) -> Ri
         return rig
 
     return run_virtual(go())
-
-
-def stand_still(after: float, seconds: float) -> None:
-    """The process gets no turn for so long, and then sees at once what was due meanwhile."""
-    loop = asyncio.get_running_loop()
-    assert isinstance(loop, VirtualLoop)
-    loop.call_later(after, loop.jump, seconds)
 
 
 def test_a_command_is_recorded_then_dispatched_then_done() -> None:

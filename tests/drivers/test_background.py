@@ -8,7 +8,7 @@ import pytest
 from woz_drivers.background import BackgroundTasks
 from woz_drivers.confirmed_stop import Ends, confirmed_within
 
-from tests.fakes.virtual_time import VirtualLoop, run_virtual
+from tests.fakes.virtual_time import run_virtual, stand_still
 from woz_tui.drivers.contract import DriverError, StopReport
 
 
@@ -56,9 +56,7 @@ def test_what_ended_while_the_process_stood_still_has_confirmed(
     takes: float, confirmed: bool
 ) -> None:
     async def stop() -> StopReport:
-        loop = asyncio.get_running_loop()
-        assert isinstance(loop, VirtualLoop)
-        loop.call_later(0.1, loop.jump, 0.5)
+        stand_still(after=0.1, seconds=0.5)
 
         async def answers() -> None:
             await asyncio.sleep(takes)

@@ -68,6 +68,13 @@ class LoopClock:
         return self._start + timedelta(microseconds=self.now_us())
 
 
+def stand_still(after: float, seconds: float) -> None:
+    """The process gets no turn for so long, and then sees at once what was due meanwhile."""
+    loop = asyncio.get_running_loop()
+    assert isinstance(loop, VirtualLoop)
+    loop.call_later(after, loop.jump, seconds)
+
+
 def run_virtual(coroutine: Coroutine[Any, Any, T]) -> T:
     """Run `coroutine` to its end in virtual time."""
     with asyncio.Runner(loop_factory=VirtualLoop) as runner:

@@ -7,11 +7,11 @@ import contextlib
 import json
 import os
 import signal
-import socket
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
+from tests.fakes.ports import free_port
 from tests.peers.places import place
 
 HERE = Path(__file__).parent
@@ -25,13 +25,6 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 """
 #: So long a server may take to start on a busy machine, in seconds.
 _STARTS_S = 60.0
-
-
-def free_port() -> int:
-    """A port that nobody listens on now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 class RealRobot:

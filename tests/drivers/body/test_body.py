@@ -12,7 +12,7 @@ from woz_drivers.body.tick_loop import BodyLoop, Lateness
 
 from tests.drivers.body.rig import CALM, Stage, SteppedBody, played, robot, small, within
 from tests.drivers.heard import Heard, Ordered
-from tests.fakes.virtual_time import LoopClock, VirtualLoop, run_virtual
+from tests.fakes.virtual_time import LoopClock, run_virtual, stand_still
 from woz_tui.drivers.contract import DeviceLostError, Probe, RejectedError, Scope
 from woz_tui.motion.body_shape import FaceShape, JointShape
 from woz_tui.motion.kinematics import KinematicChain
@@ -255,9 +255,7 @@ def test_a_stop_stands_still_until_it_is_released(tmp_path: Path) -> None:
 def test_a_stop_is_confirmed_although_the_process_stood_still(tmp_path: Path) -> None:
     async def story(it: Stage) -> None:
         await it.ticks(3)
-        loop = asyncio.get_running_loop()
-        assert isinstance(loop, VirtualLoop)
-        loop.call_soon(loop.jump, 0.5)
+        stand_still(after=0.0, seconds=0.5)
         await it.body.stop(Scope.ALL)
 
     played(tmp_path, story)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import patience
 from tests.drivers.pepper.played import Played, played
 from tests.fakes.naoqi import StandIn, stand_in
+from tests.fakes.ports import free_port
 
 
 @pytest.fixture
@@ -24,13 +24,9 @@ async def robot() -> AsyncIterator[StandIn]:
 
 
 @pytest.fixture
-def port() -> Iterator[int]:
+def port() -> int:
     """For a robot that comes back to it: nobody else gets it while the robot is away."""
-    with socket.socket() as reserved:
-        # It only has the port and never listens: whoever says the same may listen there.
-        reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        reserved.bind(("127.0.0.1", 0))
-        yield reserved.getsockname()[1]
+    return free_port()
 
 
 @pytest.fixture

@@ -26,8 +26,9 @@ import psutil
 SHORTEST_S, LONGEST_S, EVERY_S = 0.2, 0.7, 0.25
 #: How often something is done, and new processes are looked for, in seconds.
 _TICK_S, _LOOK_S = 0.02, 1.0
-#: Programs that stop with their child, and would have to be sent on as well.
-_STOP_TOO = ("nsenter", "unshare")
+#: Programs whose children are left out: they stop with their child and would have to be sent on as
+#: well, or (a shell at a terminal) take it for ctrl+z and put it into the background.
+_PARENTS_LEFT_OUT = ("nsenter", "unshare", "bash")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -71,7 +72,7 @@ def _python_processes(top: int) -> Iterator[int]:
                 if (
                     process.name().startswith("python")
                     and parent
-                    and parent.name() not in _STOP_TOO
+                    and parent.name() not in _PARENTS_LEFT_OUT
                 ):
                     yield process.pid
 

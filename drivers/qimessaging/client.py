@@ -296,7 +296,7 @@ class NaoqiClient:
     def _removed(self, *values: Any) -> None:
         """Look a service up again that has left the directory; it may come back elsewhere.
 
-        `said`: its number and its name.
+        `values`: its number and its name.
         """
         name = values[1] if len(values) == 2 else None
         if isinstance(name, str) and name != DIRECTORY:

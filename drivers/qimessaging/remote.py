@@ -90,9 +90,9 @@ class RemoteObject:
     async def listen(
         self, signal: str, heard: Callable[..., None], within: float = WITHIN
     ) -> Unsubscribe:
-        """Call `listener(*values)` for each time the signal, or the property, is set off.
+        """Call `heard(*values)` for each time the signal, or the property, is set off.
 
-        Raises as `call`. `listener` runs in the event loop, soon after the event has come.
+        Raises as `call`. `heard` runs in the event loop, soon after the event has come.
         """
         found = self.meta.signal(signal)
         hearing = self.connection.listener((self.service, self.object, found.uid))

@@ -152,6 +152,7 @@ class SimulatedRosRobot(WebRobot):
         self._running: set[asyncio.Task[Any]] = set()
         self._speech: asyncio.Task[Any] | None = None
         self._commanded = (float("-inf"), 0.0, 0.0)
+        self._sideways = self._left = 0.0  # asked for, driven: metres a second to the left
         self._place = [0.0, 0.0, 0.0]
 
     @abc.abstractmethod
@@ -199,9 +200,12 @@ class SimulatedRosRobot(WebRobot):
 
     def _move(self, seconds: float) -> None:
         at, forward, turn = self._commanded
-        self.speed = (forward, turn) if self.time.now() - at < WATCHDOG_S else (0.0, 0.0)
-        self._place[0] += self.speed[0] * math.cos(self._place[2]) * seconds
-        self._place[1] += self.speed[0] * math.sin(self._place[2]) * seconds
+        moves = self.time.now() - at < WATCHDOG_S
+        self.speed = (forward, turn) if moves else (0.0, 0.0)
+        self._left = left = self._sideways if moves else 0.0
+        ahead, across = math.cos(self._place[2]), math.sin(self._place[2])
+        self._place[0] += (self.speed[0] * ahead - left * across) * seconds
+        self._place[1] += (self.speed[0] * across + left * ahead) * seconds
         self._place[2] += self.speed[1] * seconds
 
     def _sense(self, person: SimulatedPerson | None) -> None:
@@ -214,7 +218,7 @@ class SimulatedRosRobot(WebRobot):
                 "z": math.sin(angle / 2),
                 "w": math.cos(angle / 2),
             }
-            message["twist"]["twist"]["linear"]["x"] = self.speed[0]
+            message["twist"]["twist"]["linear"] |= {"x": self.speed[0], "y": self._left}
             message["twist"]["twist"]["angular"]["z"] = self.speed[1]
             self.publish(topic, message)
         for name, sensor in self.interface["sensors"].items():
@@ -277,6 +281,7 @@ class SimulatedRosRobot(WebRobot):
             forward = twist.get("linear", {}).get("x", 0.0)
             turn = twist.get("angular", {}).get("z", 0.0)
             self._commanded = (self.time.now(), forward, turn)
+            self._sideways = twist.get("linear", {}).get("y", 0.0)
             self.velocities.append(self._commanded)
         for voice in self.interface.get("speech", ()):
             if topic == voice["topic"]:

@@ -30,11 +30,6 @@ class Background:
         self._context = context
         self._task: asyncio.Task[None] | None = None
 
-    @property
-    def running(self) -> bool:
-        """Whether there is one."""
-        return self._task is not None and not self._task.done()
-
     def start(self, work: Coroutine[Any, Any, None]) -> None:
         """Begin; what was under way is given up."""
         self.cancel()

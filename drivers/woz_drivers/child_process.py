@@ -225,7 +225,7 @@ class Child(asyncio.SubprocessProtocol):
             os.killpg(self._transport.get_pid(), signal.SIGKILL)
 
     async def end(self) -> None:
-        """Kill what is left of it and of its children, return when it has been buried."""
+        """Kill what is left of it and of its children, return when the system has removed it."""
         self.kill()
         assert self._transport is not None
         try:
@@ -262,7 +262,7 @@ async def start(
     `humble` one gets the processor only
     when the robot does not need it. `environment` is added to ours.
 
-    Raises `ProgramMissing`, or `DriverError` if the system refuses to start it.
+    Raises `ProgramMissingError`, or `DriverError` if the system refuses to start it.
     """
     path = command_lines.find(words[0], folder)
     nothing = asyncio.subprocess.DEVNULL

@@ -1,7 +1,7 @@
 """A person's voice through a loudspeaker, live, while `talk` is played; changed by a program of the
 lab's if one is named. What comes too late is dropped: nothing is heard that was said long ago.
 
-The loudspeaker is a program's (`ProgramLoudspeaker`) or a robot's own (`SentVoice`).
+The loudspeaker is a program's (`program_loudspeaker`) or a robot's own (`SentVoice`).
 """
 
 from __future__ import annotations

@@ -236,11 +236,20 @@ async def test_a_cancelled_move_stands_still(tmp_path: Path) -> None:
 
 
 async def test_rest_moves_slowly_and_then_goes_limp(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True, rest_speed=100.0) as it:
+    async with stand(tmp_path, torque=True, rest_on_close=True, rest_speed=100.0) as it:
         await until(lambda: it.bus.servo(12).torque)
         await it.driver.rest()
         # A motor that got its last goals late, on a busy machine, is limp a little before it.
         assert it.bus.servo(12).position == pytest.approx(2048 + 20 / (360 / 4096), abs=60)
+        assert not any(it.bus.servo(number).torque for number in (11, 12, 13))
+
+
+async def test_who_wants_no_rest_pose_gets_none(tmp_path: Path) -> None:
+    async with stand(tmp_path, torque=True, rest_on_close=False, rest_speed=100.0) as it:
+        await until(lambda: it.bus.servo(12).torque)
+        before = it.bus.servo(12).position
+        await it.driver.rest()
+        assert it.bus.servo(12).position == pytest.approx(before, abs=2)
         assert not any(it.bus.servo(number).torque for number in (11, 12, 13))
 
 

@@ -180,6 +180,11 @@ async def test_driving_takes_time_by_the_way_and_moves_the_base(it: Rig) -> None
     assert it.context.latest("base.heading") == pytest.approx(45)
 
 
+async def test_a_drive_to_nowhere_is_refused_as_by_robots(it: Rig) -> None:
+    with pytest.raises(RejectedError, match="no distance"):
+        await it.do("drive")
+
+
 async def test_sound_lasts_as_long_as_its_file(it: Rig, tmp_path: Path) -> None:
     with wave.open(str(tmp_path / "beep.wav"), "wb") as sound:
         sound.setnchannels(1)

@@ -28,7 +28,7 @@ def coat(person: DrawnPerson | None) -> np.ndarray[tuple[int, ...], np.dtype[np.
 
 def test_the_visitor_stands_where_the_visitor_is() -> None:
     assert len(coat(None)) == 0
-    left, right = (coat(DrawnPerson(1.5, side, False, False)) for side in (-15.0, 15.0))
+    left, right = (coat(DrawnPerson(1.5, side, False, False)) for side in (15.0, -15.0))
     assert left[:, 1].mean() < WIDTH / 2 - 10
     assert right[:, 1].mean() > WIDTH / 2 + 10
     near, far = (coat(DrawnPerson(distance, 0.0, False, False)) for distance in (1.0, 3.0))

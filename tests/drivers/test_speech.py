@@ -131,6 +131,21 @@ def test_voice_settings_that_a_command_does_not_take_are_remarked(
     assert list(Speech.remarks(made, Written("say", {"text": "Hi"}, tmp_path))) == []
 
 
+def test_a_voice_that_is_told_no_volume_offers_none(tmp_path: Path) -> None:
+    told, untold = (SpeechSettings(speak=f"spd-say {more}") for more in ("-i {volume}", "-w"))
+    offers = [{verb.name for verb in Speech.verbs(made)} for made in (told, untold)]
+    assert offers == [{"say", "volume"}, {"say"}]
+    assert SpeechSettings(speak=("mytts", "--volume={volume}")).takes_volume
+    loud = Written("say", {"text": "Hi", "volume": 0.2}, tmp_path)
+    assert [one.subject for one in Speech.remarks(untold, loud)] == ["volume"]
+    assert not list(Speech.remarks(told, loud))
+
+
+def test_a_voice_that_speaks_by_itself_plays_no_recordings() -> None:
+    found = SpeechSettings(speak="spd-say", recordings={"Hello": "hello.wav"}).problems()
+    assert [name for name, _ in found] == ["speak"]
+
+
 async def test_how_many_utterances_are_ready_is_published(desk: Desk) -> None:
     driver = await desk.open()
     await driver.prepare_say(said("One", "Two", "Three"))

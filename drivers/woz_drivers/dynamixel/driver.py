@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from woz_drivers.dynamixel import verbs
 from woz_drivers.dynamixel.body_following import BodyFollower
-from woz_drivers.dynamixel.chain import PlannedMove, ServoChain
+from woz_drivers.dynamixel.chain import PROBE_S, PlannedMove, ServoChain
 from woz_drivers.dynamixel.doctor import examine
 from woz_drivers.dynamixel.port_loop import Action, ServoLoop
 from woz_drivers.dynamixel.servo import Servo, ServoStatus
@@ -137,7 +137,8 @@ class DynamixelServos(Driver):
             self.loop.following.paused = not follow
 
     async def rest(self) -> None:
-        """Move slowly to the rest angles, if there are any, then switch the torque off.
+        """Move slowly to the rest angles, if there are any and `rest_on_close` says so, then switch
+        the torque off.
 
         Joints that follow a body and have no rest angles of their own wait for it to be at rest.
         """
@@ -232,13 +233,15 @@ class DynamixelServos(Driver):
         return {"joints": list(sent)}
 
     async def _wait_until_ready(self, names: list[str]) -> list[str]:
-        """Names of those that are still silent after `REBOOT_S`."""
+        """Names of those that are still silent after `REBOOT_S`, and a look at each: the chain asks
+        one silent servo at a time.
+        """
 
         def silent(chain: ServoChain, _now: float) -> list[str]:
             return [n for n in names if chain.servos[n].status is not ServoStatus.READY]
 
         missing = await self._ask(silent)
-        looks = round(REBOOT_S / REBOOT_LOOK_S)
+        looks = round((REBOOT_S + PROBE_S * len(names)) / REBOOT_LOOK_S)
         while missing and looks > 0:
             await asyncio.sleep(REBOOT_LOOK_S)
             missing = await self._ask(silent)
@@ -251,7 +254,7 @@ class DynamixelServos(Driver):
         rest = {
             name: joint.rest
             for name, joint in self.settings.joints.items()
-            if joint.rest is not None
+            if joint.rest is not None and self.settings.rest_on_close
         }
 
         def distance(chain: ServoChain, _now: float) -> dict[str, float]:

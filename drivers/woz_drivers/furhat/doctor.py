@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import aiohttp
 
 from woz_drivers.answer_times import line_finding
+from woz_drivers.argument_values import did_you_mean
 from woz_drivers.furhat.furhat_link import NO_ACCESS, PATH
 from woz_drivers.furhat.realtime_events import (
     Access,
@@ -21,7 +22,6 @@ from woz_drivers.furhat.realtime_events import (
     read_event,
 )
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_drivers.simulated.argument_values import did_you_mean
 from woz_drivers.simulated_process import SimulatedProcess
 from woz_drivers.web_socket_line import failure_reason
 from woz_tui.drivers.contract import DriverError, Finding, Probe
@@ -53,7 +53,8 @@ async def _robot(name: str, settings: FurhatSettings, place: str) -> list[Findin
             async with asyncio.timeout(_WITHIN_S):
                 socket = await session.ws_connect(url, max_msg_size=1 << 24)
             return await _visit(name, settings, socket)
-    except (aiohttp.ClientError, TimeoutError, OSError, ValueError) as error:
+    # TypeError: of a socket that is closed while it is asked.
+    except (aiohttp.ClientError, TimeoutError, OSError, ValueError, TypeError) as error:
         why = failure_reason(error)
         remedy = "check its address, its power and the network; is the Realtime API switched on?"
         return [Finding("error", name, f"{url}: {why}", remedy)]

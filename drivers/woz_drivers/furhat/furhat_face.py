@@ -11,7 +11,15 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from woz_drivers.furhat.furhat_head import FurhatHead
+from woz_drivers.argument_values import (
+    did_you_mean,
+    known_joints,
+    number,
+    positive,
+    text,
+    word,
+)
+from woz_drivers.furhat.furhat_head import FurhatHead, within
 from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
 from woz_drivers.furhat.furhat_moves import (
     COMMON_GESTURES,
@@ -25,14 +33,6 @@ from woz_drivers.furhat.furhat_moves import (
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import FaceStatus, GestureEnded, GestureStarted
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_drivers.simulated.argument_values import (
-    did_you_mean,
-    known_joints,
-    number,
-    positive,
-    text,
-    word,
-)
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -226,14 +226,16 @@ class FurhatFace(FurhatPart):
         """A gesture of ours; what it changed is as before at its end, however it ends."""
         job.expects(sum(frame.seconds for frame in frames) / speed)
         yaw, pitch = self._head.direction()
+        before = turned = self._head.turned_to
         turns = any(frame.yaw or frame.pitch for frame in frames)
         stops = self._stops
         try:
             for frame in frames:
-                if turns:
-                    await self._head.look(
-                        yaw + frame.yaw * amplitude, pitch + frame.pitch * amplitude
-                    )
+                # What turns the head meanwhile has it: the gesture goes on without.
+                if turns and turned == self._head.turned_to:
+                    aim = within(yaw + frame.yaw * amplitude, pitch + frame.pitch * amplitude)
+                    turned = "", *aim
+                    await self._head.look(*aim)
                 scaled = _bounded({name: share * amplitude for name, share in frame.face.items()})
                 below = {**self._emotion, **self._posed}
                 wanted = {name: below.get(name, 0.0) for name in self._played} | scaled
@@ -247,6 +249,8 @@ class FurhatFace(FurhatPart):
             if self._link.ready:
                 with contextlib.suppress(DeviceLostError):
                     await self._send_face()
+                    if stops == self._stops and before != turned == self._head.turned_to:
+                        await self._head.turn_back(before)
 
     async def _poses(self, job: Job) -> dict[str, Json]:
         steps = _timed_poses(job.verb, job.args)

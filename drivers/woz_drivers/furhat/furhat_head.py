@@ -10,11 +10,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from woz_drivers.argument_values import number, text
 from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import AttendStatus, Place
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_drivers.simulated.argument_values import number, text
 from woz_tui.drivers.contract import Argument, DriverContext, Job, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
@@ -25,6 +25,12 @@ YAW, PITCH = Range(-75, 75, "degrees"), Range(-45, 45, "degrees")
 #: How far away a place lies that is given as a direction, in metres.
 _FAR_M = 1.5
 LANE = "head"
+
+
+def within(yaw: float, pitch: float) -> tuple[float, float]:
+    """The direction, in degrees, as far as it can turn."""
+    yaw = min(max(yaw, YAW.low or 0.0), YAW.high or 0.0)
+    return yaw, min(max(pitch, PITCH.low or 0.0), PITCH.high or 0.0)
 
 
 class FurhatHead(FurhatPart):
@@ -88,8 +94,7 @@ class FurhatHead(FurhatPart):
 
     async def look(self, yaw: float, pitch: float) -> tuple[float, float]:
         """Look in a direction, within what it can; returns that."""
-        yaw = min(max(yaw, YAW.low or 0.0), YAW.high or 0.0)
-        pitch = min(max(pitch, PITCH.low or 0.0), PITCH.high or 0.0)
+        yaw, pitch = within(yaw, pitch)
         place = place_of(yaw, pitch, mirrored=self._settings.attention.mirrored)
         self._yaw, self._pitch, self._followed = yaw, pitch, ""
         await self._attend("location", x=place.x, y=place.y, z=place.z)
@@ -101,6 +106,19 @@ class FurhatHead(FurhatPart):
         if seen is None:
             return self._yaw, self._pitch
         return direction_of(seen, mirrored=self._settings.attention.mirrored)
+
+    @property
+    def turned_to(self) -> tuple[str, float, float]:
+        """Whom it follows (empty: nobody), and the direction in which it looks else, in degrees."""
+        return self._followed, self._yaw, self._pitch
+
+    async def turn_back(self, to: tuple[str, float, float]) -> None:
+        """Look again as it did when `turned_to` was `to`."""
+        followed, yaw, pitch = to
+        if followed:
+            await self._follow(followed)
+        else:
+            await self.look(yaw, pitch)
 
     def sees(self, users: Mapping[str, Place]) -> None:
         """Who is there now, by id."""

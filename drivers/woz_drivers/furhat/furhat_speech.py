@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers import live_talk, pcm_audio, wav
+from woz_drivers.argument_values import file, number, text
 from woz_drivers.background import BackgroundTasks
 from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
@@ -27,7 +28,6 @@ from woz_drivers.furhat.realtime_events import (
 )
 from woz_drivers.furhat.settings import FurhatSettings, FurhatTalkSettings
 from woz_drivers.live_talk import LiveTalk, SentVoice, VoiceTally
-from woz_drivers.simulated.argument_values import file, number, text
 from woz_drivers.speech.synthesis import read_wav
 from woz_tui.drivers.contract import (
     Argument,
@@ -76,7 +76,8 @@ class FurhatSpeech(FurhatPart):
         #: Asked for last, by the robot file or a command: set again after a loss.
         voice = settings.voice
         self._voice = _wish(voice.name, voice.language, voice.gender)
-        self._volume = settings.voice.volume
+        #: The volume that was asked for last, and the one that the robot has; None: unknown.
+        self._volume = self._robot_volume = settings.voice.volume
         self._talk: LiveTalk | None = None
         if (talk := settings.talk) is not None:
             self._talk = LiveTalk(talk, context, lambda tally: self._open(tally, talk))
@@ -136,7 +137,7 @@ class FurhatSpeech(FurhatPart):
             case "volume":
                 level = min(max(number(job.args, "level"), 0.0), 1.0)
                 await self._link.send("request.system.config", volume=round(level * 100))
-                self._volume = level
+                self._volume = self._robot_volume = level
                 return {"level": level}
         return await super().perform(job)
 
@@ -167,6 +168,7 @@ class FurhatSpeech(FurhatPart):
         else:
             status = await self._link.ask("request.voice.status", VoiceStatus, voice_list=False)
             self._voice_id = status.voice_id or ""
+        self._robot_volume = self._volume
         if self._volume is None:
             await self._ask_volume()
 
@@ -183,7 +185,7 @@ class FurhatSpeech(FurhatPart):
     def shown(self) -> Mapping[str, Json]:
         """Voice and volume."""
         known: dict[str, Json] = {"voice": self._voice_id} if self._voice_id else {}
-        return known if self._volume is None else {**known, "volume": self._volume}
+        return known if self._robot_volume is None else {**known, "volume": self._robot_volume}
 
     async def _ask_volume(self) -> None:
         """A robot that does not tell it has an unknown one."""
@@ -194,7 +196,7 @@ class FurhatSpeech(FurhatPart):
         except DriverError:
             return
         if status.volume is not None:
-            self._volume = min(max(status.volume / 100, 0.0), 1.0)
+            self._robot_volume = min(max(status.volume / 100, 0.0), 1.0)
 
     # -- a live voice --------------------------------------------------------------------------
 

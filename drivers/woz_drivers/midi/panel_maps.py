@@ -36,7 +36,7 @@ _NUMBER = Range(0, 127)
 class ControlMapping(ControlFunction):
     """What one control of the panel does, and, where no layout knows, what it sends.
 
-    Exactly one of `control`, `verb`, `play`, `emotion`, `mode`, `action`, `stop`, `release`,
+    Exactly one of `control`, `verb`, `play`, `emotion`, `mode`, `action`, `key`, `stop`, `release`,
     `mark` and `script` says what it does; without any the control is free.
     """
 

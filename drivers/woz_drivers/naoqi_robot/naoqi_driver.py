@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any, ClassVar
 
 from woz_drivers import confirmed_stop
+from woz_drivers.argument_values import text
 from woz_drivers.background import Background, BackgroundTasks
 from woz_drivers.confirmed_stop import confirmed_within
 from woz_drivers.naoqi_robot import address, tags, text_remarks
@@ -22,7 +23,6 @@ from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.naoqi_robot.settings_reading import SettingsReader
-from woz_drivers.simulated.argument_values import text
 from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import (
     Argument,

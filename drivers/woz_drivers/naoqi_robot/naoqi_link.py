@@ -244,7 +244,7 @@ class NaoqiLink:
         return frozenset(info.name for info in infos)
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
-        """Call `listener(*values)` in the loop whenever the signal is emitted. Raises as `call`."""
+        """Call `heard(*values)` in the loop whenever the signal is emitted. Raises as `call`."""
         what = f"{service}.{signal}"
         within = _LISTENS_WITHIN_S
         subscribing = self._client.listen(service, signal, heard, within + _BEYOND_S)

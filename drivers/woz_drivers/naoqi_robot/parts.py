@@ -100,8 +100,8 @@ class RobotCalls(Protocol):
 
 
 class NaoqiPart:
-    """One part. Made once a session; survives reconnections. By itself it offers nothing, and
-    has nothing to stop, to set, to forget, to read back, to let go of.
+    """One part. Made once a session; survives reconnections. The defaults offer nothing, and
+    have nothing to stop, to set, to forget, to read back, to let go of.
     """
 
     #: What the stop calls it: speech, motion, animations, tablet ...

@@ -156,8 +156,9 @@ def _awake(answer: Any) -> tuple[str, str, str]:
 def _life(state: Any) -> tuple[str, str, str]:
     text = f"autonomous life is {word(state)}"
     if state in ("interactive", "safeguard"):
-        remedy = "it may act by itself: set `autonomy: {state: solitary}` or disabled"
-        return "warning", text, remedy
+        # From interactive the robot changes to disabled alone.
+        quiet = "disabled" if state == "interactive" else "solitary} or {state: disabled"
+        return "warning", text, f"it may act by itself: set `autonomy: {{state: {quiet}}}`"
     return "ok", text, ""
 
 

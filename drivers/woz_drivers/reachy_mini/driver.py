@@ -9,6 +9,7 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from woz_drivers import confirmed_stop, live_talk
+from woz_drivers.argument_values import did_you_mean
 from woz_drivers.background import Background, BackgroundTasks
 from woz_drivers.confirmed_stop import confirmed_within
 from woz_drivers.live_talk import LiveTalk, program_loudspeaker
@@ -26,7 +27,6 @@ from woz_drivers.reachy_mini.reachy_pose import ASLEEP, HOME, Pose
 from woz_drivers.reachy_mini.reachy_senses import ReachySenses
 from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
 from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
-from woz_drivers.simulated.argument_values import did_you_mean
 from woz_drivers.speech.settings import VOICE_ARGUMENTS
 from woz_drivers.speech.voice_list import voices
 from woz_drivers.web_socket_line import AnswerError

@@ -10,6 +10,7 @@ from contextlib import suppress
 from typing import Any
 
 from woz_drivers import confirmed_stop
+from woz_drivers.argument_values import color, known_joints, number
 from woz_drivers.background import Background
 from woz_drivers.confirmed_stop import confirmed_within
 from woz_drivers.ros import doctor, simulated_interface
@@ -25,7 +26,6 @@ from woz_drivers.ros.survey import survey
 from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
 from woz_drivers.ros.velocity_drive import PERIOD_S, VelocityDrive
 from woz_drivers.ros.verbs import BRIEF, DERIVED, arguments_of, offered
-from woz_drivers.simulated.argument_values import color, known_joints, number
 from woz_tui.drivers.contract import (
     UNKNOWN,
     DeviceLostError,

@@ -1,4 +1,4 @@
-"""The simulated robot as a driver: its life, its break-downs, and time passing under both."""
+"""Driver of the simulated robot: carries out verbs, publishes readings, simulates faults."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Mapping
 from typing import Any
 
-from woz_drivers.simulated import doctor, verbs
-from woz_drivers.simulated import settings as _settings
-from woz_drivers.simulated.argument_values import (
+from woz_drivers.argument_values import (
     color,
     did_you_mean,
     file,
     known_joints,
     sound_seconds,
 )
+from woz_drivers.simulated import doctor, verbs
+from woz_drivers.simulated import settings as _settings
 from woz_drivers.simulated.body import SimulatedRobotBody
 from woz_drivers.simulated.faults import SLOWNESS, ActiveFaults, Fault
 from woz_drivers.simulated.publishing import Publisher
@@ -117,10 +117,10 @@ class SimulatedRobot(Driver):
         self._body.torque = settings.torque
         self._visitor = SimulatedVisitor(settings.seed) if settings.visitor else None
         self._publisher = Publisher(context, self._faults)
-        self._teller = SpeechMessages(name, context, self._clock_us)
+        self._speech_messages = SpeechMessages(name, context, self._clock_us)
         visitor = self._visitor
-        self._sight = SimulatedCamera(context) if visitor else None
-        self._ears = (
+        self._camera = SimulatedCamera(context) if visitor else None
+        self._microphone = (
             SimulatedMicrophone(name, context, self._publisher, visitor.hearing)
             if visitor
             else None
@@ -129,7 +129,6 @@ class SimulatedRobot(Driver):
         self._roles = verbs.roles(settings)
         self.volume = 0.7
         self.mode = settings.modes[0]
-        self.emotion = settings.emotions[0]
         self._performers: dict[str, Callable[[Job], Awaitable[Sent]]] = {
             "say": self._say,
             "sound": self._sound,
@@ -193,8 +192,8 @@ class SimulatedRobot(Driver):
             self._faults.add(fault.kind, fault.seconds, fault.part, now + fault.after)
         self.context.health(Health.CONNECTING, "simulated hardware")
         self._report_health(now)
-        if self._ears is not None:
-            self._ears.tell_threshold()
+        if self._microphone is not None:
+            self._microphone.tell_threshold()
             self.context.sensor(SPEECH, "ready", "it reports speech by itself")
         self._life = asyncio.create_task(self._live(), name=f"{self.name} simulated")
 
@@ -234,7 +233,6 @@ class SimulatedRobot(Driver):
         self._admit("body", now)
         if self._body.torque:
             self._body.go(self._home_pose(), REST_SECONDS)
-        self.emotion = self.settings.emotions[0]
         stops = self._stops[Scope.ALL]
         while self._body.moving and self._stops[Scope.ALL] == stops and not self._closed:
             await self._pace.sleep(SLICE)
@@ -263,26 +261,26 @@ class SimulatedRobot(Driver):
             if not self.settings.voice_only:
                 self._publisher.body(self._body, now)
             self._publisher.samples(samples, now)
-            if self._ears is not None:
-                self._ears.hear(samples, now)
+            if self._microphone is not None:
+                self._microphone.hear(samples, now)
         if self._visitor is not None:
             self._listen(self._visitor, now)
             self._draw(self._visitor, now)
 
     def _draw(self, visitor: SimulatedVisitor, now: float) -> None:
         """What its camera sees of the visitor, unless it is unplugged."""
-        if self._sight is not None and self._failure(now) is None:
+        if self._camera is not None and self._failure(now) is None:
             person = DrawnPerson(visitor.distance, visitor.side, visitor.looking, visitor.talking)
-            self._sight.show(person if visitor.present else None)
+            self._camera.show(person if visitor.present else None)
 
     def _listen(self, visitor: SimulatedVisitor, now: float) -> None:
         """What the microphone makes of the visitor's voice, unless it is unplugged."""
         speech, failure = visitor.speech(), self._failure(now)
         if failure is not None:
-            self._teller.break_off(self._world(now), failure)
+            self._speech_messages.break_off(self._world(now), failure)
             return
         self.context.sensor("loudness", "speaking" if visitor.hearing.ends.speaks else "quiet")
-        self._teller.publish(speech)
+        self._speech_messages.publish(speech)
 
     def _report_health(self, now: float) -> None:
         failure = self._failure(now)
@@ -453,7 +451,6 @@ class SimulatedRobot(Driver):
 
     async def _emotion(self, job: Job) -> Sent:
         await self._spend(job, FACE_SECONDS)
-        self.emotion = job.args["emotion"]
         return job.args
 
     async def _eyes(self, job: Job) -> Sent:
@@ -472,6 +469,8 @@ class SimulatedRobot(Driver):
             (x * x + y * y) ** 0.5 / self.settings.drive_speed,
             abs(turn) / self.settings.turn_speed,
         )
+        if not seconds:
+            raise RejectedError("no distance and no turn is given", "give x, y or turn")
         base = self._body.base
         begin = (base.x, base.y)
         base.drive(self._body.now, seconds, x, y, turn)
@@ -543,13 +542,13 @@ class SimulatedRobot(Driver):
 
     async def _learn_room(self, job: Job) -> Mapping[str, Json]:
         """Learn the room's noise, in ticks of the simulated world."""
-        if self._ears is None:
+        if self._microphone is None:
             raise RejectedError("a robot without a visitor has no microphone")
         self._tick()  # what was heard before does not count
-        with self._ears.lesson(job.args["seconds"]) as lesson:
+        with self._microphone.lesson(job.args["seconds"]) as lesson:
             await self._spend(job, lesson.seconds, lesson.done)
             self._tick()
-            return self._ears.adopt(lesson)
+            return self._microphone.adopt(lesson)
 
     def _advance(self) -> float:
         """Move the body on to now, and return that in seconds of the pace."""

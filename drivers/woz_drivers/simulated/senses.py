@@ -1,7 +1,7 @@
 """The simulated sensors: what they make of a person, with noise, lost echoes and mistakes.
 
-Every tick takes the same number of draws whatever the person does, so that a tick's noise hangs on
-its number alone.
+Every tick takes the same number of draws whatever the person does, so that a tick's noise depends
+on its number alone.
 """
 
 from __future__ import annotations

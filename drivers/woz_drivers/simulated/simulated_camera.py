@@ -27,7 +27,7 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class DrawnPerson:
-    """Somebody `distance` metres away, `side` degrees to the right."""
+    """Somebody `distance` metres away, `side` degrees to the left."""
 
     distance: float
     side: float
@@ -66,7 +66,7 @@ def _room(y: int) -> bytearray:
 def _draw(rows: list[bytearray], person: DrawnPerson) -> None:
     metre = WIDTH / (2 * math.tan(math.radians(VIEW / 2)) * max(0.3, person.distance))
     across = (
-        WIDTH / 2 * (1 + math.tan(math.radians(person.side)) / math.tan(math.radians(VIEW / 2)))
+        WIDTH / 2 * (1 - math.tan(math.radians(person.side)) / math.tan(math.radians(VIEW / 2)))
     )
     crown = HEIGHT / 2 - (_TALL - _EYE) * metre
     head, body = _HEAD * metre, _BODY * metre

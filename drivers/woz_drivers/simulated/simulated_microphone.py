@@ -82,7 +82,7 @@ class SpeechMessages:
         return self._context.t(self._clock_us(t))
 
 
-# -- ears -----------------------------------------------------------------------------------------
+# -- the room's noise, live sound -----------------------------------------------------------------
 # The simulated microphone learns the room: `listen_room`, rehearsed without one; and it hums, so
 # that live sound (`woz listen`) can be tried.
 

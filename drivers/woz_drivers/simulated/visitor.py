@@ -2,7 +2,7 @@
 
 A pure model, moved by asking for the time: `step(t)` returns every sample up to `t` seconds. It
 has no clock and no task, and all chance comes from its seed, so that the same seed gives the same
-samples whatever the steps. What a person decides hangs on the seed, the visit and what it is they
+samples whatever the steps. What a person decides depends on the seed, the visit and what it is they
 decide, never on what was drawn before; and they react in whole ticks to a robot that speaks. So a
 real clock, which is never quite on time, changes nothing about the course of their visits.
 """
@@ -133,7 +133,7 @@ class SimulatedVisitor:
         self.person = ""
         self.distance = DOOR
         self._goal = DOOR
-        #: Where they stand, in degrees to the right.
+        #: Where they stand, in degrees to the left.
         self.side = 0.0
         self._phase_ends = self._ticks("away", 2.0, 4.0)
         self.looking = False

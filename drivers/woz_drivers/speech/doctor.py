@@ -20,7 +20,10 @@ async def examine(probe: Probe) -> list[Finding]:
     settings: SpeechSettings = probe.settings
     try:
         if settings.speak:
-            return [_program_finding(probe, settings.speak_words()[0])]
+            return [
+                _program_finding(probe, settings.speak_words()[0]),
+                *talk_findings(probe, settings.talk, settings.device),
+            ]
         return [
             await synthesiser_finding(probe, settings),
             await _player(probe, settings),

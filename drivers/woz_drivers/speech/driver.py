@@ -109,13 +109,16 @@ class Speech(Driver):
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """Speech, sound files, volume; a program that speaks by itself plays no files."""
         made: SpeechSettings = settings
-        plays = (_SAY, _VOLUME) if made.speak else (_SAY, _SOUND, _VOLUME)
+        volume = (_VOLUME,) if made.takes_volume or made.talk is not None else ()
+        plays = (_SAY, *volume) if made.speak else (_SAY, _SOUND, *volume)
         return (*plays, *live_talk.VERBS) if made.talk is not None else plays
 
     @classmethod
     def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:
         """Voice settings that the command of this voice does not take."""
-        ignored = settings.ignored() if written.verb == "say" else ()
+        ignored: tuple[str, ...] = settings.ignored() if written.verb == "say" else ()
+        if written.verb == "say" and not settings.takes_volume:
+            ignored = (*ignored, "volume")
         for name in ignored:
             if written.args.get(name) is not None:
                 what = f"this voice has no {name}: its command lacks {{{name}}}"
@@ -427,7 +430,8 @@ class Speech(Driver):
             _LONGEST_SPEECH_S,
             None if "text" in used else text + "\n",
         )
-        return {"text": text, "source": words[0], "volume": volume}
+        heard = {"volume": volume} if self.settings.takes_volume else {}
+        return {"text": text, "source": words[0], **heard}
 
     async def _run(self, words: Sequence[str], seconds: float, text: str | None = None) -> None:
         """Run a program that is heard; its failure is the driver's health until one succeeds."""

@@ -167,6 +167,8 @@ class SpeechSettings(SynthesisSettings):
         ]
         if self.speak and (self.synthesise or self.resident_voice or self.play):
             found.append(("speak", "speak replaces the programs that make and play sound"))
+        if self.speak and (self.recordings or self.recordings_folder):
+            found.append(("speak", "speak plays no recordings: leave one of both out"))
         if self.talk is not None:
             found += self.talk.problems(self.device)
         return found
@@ -183,6 +185,15 @@ class SpeechSettings(SynthesisSettings):
     def speak_words(self) -> tuple[str, ...]:
         """The command that speaks by itself, or () if there is none. Raises `DriverError`."""
         return _checked(self.speak, SPEAK_WORDS, "speak") if self.speak else ()
+
+    @property
+    def takes_volume(self) -> bool:
+        """Whether a volume is heard: a program that speaks by itself has to be told it."""
+        try:
+            words = self.speak_words()
+        except DriverError:  # `problems` says so
+            return True
+        return not words or any("{volume}" in word for word in words)
 
     def ignored(self) -> tuple[str, ...]:
         """Those of `VOICE_ARGUMENTS` that its command does not take; a program that stays loaded

@@ -179,6 +179,9 @@ async def test_a_step_begins_where_it_looks_also_at_somebody(
         await it.do("follow", user="closest")
         await until(lambda: it.shown["attends"] == "user-1")
         assert (await it.do("nudge", yaw=10.0))["yaw"] == pytest.approx(30.05, abs=0.1)
+        await it.do("follow", user="closest")
+        await it.do("play", move="bow", speed=4.0)
+        await until(lambda: it.shown["attends"] == "user-1")
         await it.do("follow", user="nobody")
         await until(lambda: it.robot.attended == "nobody")
 

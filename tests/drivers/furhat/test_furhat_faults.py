@@ -65,6 +65,18 @@ async def test_a_robot_that_was_started_anew_gets_everything_again(it: Acted) ->
     assert it.robot.requests("request.system.config")[-2] == {"volume": 40}
 
 
+async def test_a_volume_that_nobody_asked_for_is_left_to_the_robot(tmp_path: Path) -> None:
+    async with acted(tmp_path, voice=FurhatVoiceSettings()) as it:
+        await until(lambda: it.shown.get("volume") == it.robot.volume / 100)
+        await it.robot.close()
+        await it.is_lost()
+        it.robot.volume = 90
+        await it.robot.start()
+        await it.is_there()
+        await until(lambda: it.shown.get("volume") == 0.9)
+        assert not it.robot.requests("request.system.config")
+
+
 async def test_a_light_that_comes_and_goes_does_so_again_when_the_robot_is_back(
     it: Acted, monkeypatch: pytest.MonkeyPatch
 ) -> None:

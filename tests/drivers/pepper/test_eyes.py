@@ -11,8 +11,8 @@ from typing import cast
 import pytest
 from naoqi_simulator.leds import Leds
 from naoqi_simulator.service_table import offers
+from woz_drivers.argument_values import COLORS
 from woz_drivers.naoqi_robot import eyes as eyes_module
-from woz_drivers.simulated.argument_values import COLORS
 
 from tests.drivers.pepper.played import Played, joined, played, settings_for
 from tests.fakes.naoqi import StandIn, stand_in_here

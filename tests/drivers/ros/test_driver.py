@@ -257,6 +257,15 @@ async def test_a_drive_is_velocities_while_it_lasts_and_zero_at_its_end() -> Non
             await it.play("drive")
 
 
+async def test_the_simulated_base_drives_sideways_too() -> None:
+    text = ROBOT.replace("drive: {topic", "drive: {sideways: true, topic")
+    async with played(settings(text), pace=1.0) as it:
+        await it.play("drive", y=0.5)
+        forward, left, _ = it.robot._place
+        assert abs(forward) < 0.01
+        assert left > 0.2
+
+
 async def test_a_stamped_velocity_has_its_frame() -> None:
     text = ROBOT.replace("/cmd_vel, ", "/cmd_vel, type: geometry_msgs/TwistStamped, ")
     async with played(settings(text)) as it:

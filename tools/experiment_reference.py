@@ -1,7 +1,6 @@
 """The reference page of the experiment file, out of the schema that is made from the code.
 
-Examples are what the
-experiments that come with woz-tui say, and else those in `EXAMPLES`.
+Examples are what the experiments that come with woz-tui say, and else those in `EXAMPLES`.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from the code (`make generated`); `woz schema` gives the same to editors.
 What becomes of a small file:
 
 ```
- title: Museum guide                          ┌ Museum guide ─────────────── REC 00:12 ─┐
+ title: Museum guide                          ┌ Museum guide ────── 00:12  ✓ Recording ─┐
  robot: simulated                             │ ┌ 1 Speech ─────┐ ┌ 2 Gestures ──────┐  │
  panels:                                      │ │ h  Hello      │ │ n  Nod           │  │
    - title: Speech            ──────────────▶ │ │ q  Question   │ │                  │  │
@@ -69,7 +68,7 @@ arguments; each robot's page has them, too. These are there with every robot:
 #: What no experiment of ours says, by path.
 EXAMPLES: dict[str, Any] = {
     "session.access": {"anna": "wizard", "display": "watcher"},
-    "robots": {"left": "eyepi.robot.yaml", "right": "eyepi.robot.yaml"},
+    "robots": {"left": "robots/eyepi.yaml", "right": "robots/eyepi.yaml"},
     "robot.name": "Sophie",
     "session.stale_after": "2 s",
     "panels.locked": True,
@@ -90,7 +89,7 @@ EXAMPLES: dict[str, Any] = {
     "training.count": 20,
     "training.cues.window": "8 s",
     **{f"engagement.{sign}": {"samples": 10} for sign in SIGNS},
-    "engagement.*.sensor": "camera.gaze",
+    **{f"engagement.{sign}.sensor": f"left.{sign}" for sign in SIGNS},
     "engagement.*.rate": 5,
     "engagement.joint": {"glance": 0.7},
     "engagement.sound": {"hang_over": "0.8 s"},
@@ -100,6 +99,7 @@ EXAMPLES: dict[str, Any] = {
     "engagement.handshake.no": ["no"],
     "engagement.visitors": "visitors.json",
     **{f"engagement.on_enter.{state}": {"eyes": "green"} for state in ENTERED},
+    "profiles": {"child": {"panels": ["Face"]}},
     "profiles.verbs": ["say"],
     "repairs.on": "left",
     "repairs.without": ["dont_know"],
@@ -148,6 +148,8 @@ _BML_EXAMPLES = {
     TOPICS: "eyepi",
 }
 _VERB_WORDS = {
+    "set": "{condition: warm}",
+    "unlock": "Speech",
     "wait": 0.5,
     "mark": "smile",
     "note": "came late",
@@ -278,14 +280,28 @@ def _plain(value: Any) -> Any:
             return {name: _plain(each) for name, each in value.items()}
         case list():
             return [*map(_plain, value)]
+        case bool():
+            return str(value).lower()
         case str() if re.fullmatch(r"-?\d+(\.\d+)?", value):
             return float(value) if "." in value else int(value)
     return value
 
 
+class _Unquoted(yaml.SafeDumper):
+    """Writes `No` and `true` without quotes, as an experiment file may."""
+
+
+_Unquoted.yaml_implicit_resolvers = {
+    first: [each for each in resolvers if each[0] != "tag:yaml.org,2002:bool"]
+    for first, resolvers in yaml.SafeDumper.yaml_implicit_resolvers.items()
+}
+
+
 def _flow(value: Any) -> str:
     """YAML on one line, short."""
-    text = yaml.safe_dump(value, default_flow_style=True, width=10**6, allow_unicode=True)
+    text = yaml.dump(
+        value, Dumper=_Unquoted, default_flow_style=True, width=10**6, allow_unicode=True
+    )
     text = text.removesuffix("...\n").strip()
     return text if len(text) <= 60 else text[:57] + "..."
 

@@ -28,6 +28,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "blurred": ("", "what is shown only roughly"),
     "brightness": ("", "of the lights, 0 to 1; absent: 1"),
     "by": ("", "id of the command or the run that replaced it"),
+    "stopped": ("", "whether the stop, or the end of the session, cut it short"),
     "changes": ("", "what differs, one sentence each"),
     "check": ("", "the item of the preflight list, in words"),
     "clock": ("", "where `t` comes from, and the wall clock at `t` = 0"),

@@ -1,4 +1,4 @@
-"""Greets whoever engages with the robot: a reactive program of ten lines.
+"""Greets whoever engages with the robot: a short reactive program.
 
 woz run experiments/guide.yaml        # in one terminal
 .venv/bin/python experiments/programs/greeter.py

@@ -145,6 +145,10 @@ async def test_a_block_of_the_extension_is_played_and_told(tmp_path: Path) -> No
         ("answers: {a: {tells: gaze, shows: {x: 1}}}", "belong to state"),
         ("answers: {a: {tells: state, fields: {x: int}, shows: {y: 1}}}", "none of the fields"),
         ("answers: {a: {tells: state, fields: {x: [int]}, shows: {x: 1}}}", "none of the fields"),
+        ("answers: {a: {tells: state, fields: {x: [int]}, shows: {x.0: 1, x.2: 1}}}", "gaps"),
+        ("takes: {a: {fields: {inputId: str, locationsX: [float], locationsY: [float], weights:"
+         " [int]}, looks: {verb: gaze, args: {yaw: {field: locationsX.0}}}}}", "locationsX.0"),
+        ("takes: {a: {fields: {x: int}, plays: [{verb: v, args: {y: {field: x.0}}}]}}", "'x.0'"),
         ("[1]", "a table of topics"),
     ],
 )  # fmt: skip

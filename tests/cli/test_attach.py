@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.terminal import FakeTerminal
-from woz_tui.cli import attach, console_start
+from woz_tui.cli import attach, console_start, main
 from woz_tui.system import session_sockets
 
 
@@ -82,6 +82,38 @@ def test_a_questionnaire_of_a_session(sessions: list[Path]) -> None:
     given = arguments("S01", "--questionnaire", "S02")
     assert attach.find_socket(given) == sessions[0]
     assert given.questionnaire == "S02"
+
+
+@pytest.mark.parametrize(
+    ("words", "alien"),
+    [
+        (["--watch", "--take-over"], "--watch, --take-over"),
+        (["--as", "voice", "--pictures", "off"], "--as, --pictures"),
+        (["--keymap", "mine.yaml"], "--keymap"),
+    ],
+)
+def test_a_participants_terminal_has_no_options_of_a_wizard(
+    words: list[str], alien: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert attach.run(arguments("--questionnaire", "S02", *words)) == 2
+    assert f"leave {alien} out" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "needed"),
+    [
+        (["host", "x.yaml", "--train-count", "3"], "--train"),
+        (["host", "x.yaml", "--rerun-wait", "3"], "--rerun"),
+        (["host", "x.yaml", "--rerun", "a.jsonl", "--train"], "leave one out"),
+        (["hands", "--to", "robot", "--access", "a.access"], "leave one out"),
+        (["bml", "--stomp", "localhost", "--feedback"], "files"),
+    ],
+)
+def test_an_option_without_effect_is_refused(
+    words: list[str], needed: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 2
+    assert needed in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words", [[], ["--watch"], ["--questionnaire"]])

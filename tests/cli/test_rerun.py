@@ -112,6 +112,7 @@ def test_a_changed_experiment_is_shown_and_refused(
         (["--robot", "--speed", "0.5", "--paused", "--headless"], "--paused, --speed"),
         (["--dry-run", "--max-idle", "3"], "--max-idle"),
         (["--headless", "--yes"], "--yes, --headless"),
+        (["--keymap", "mine.yaml"], "--keymap"),
         (["--dry-run", "--coder", "C"], "--dry-run"),
     ],
 )

@@ -235,6 +235,13 @@ async def test_a_gaze_returns_when_the_head_is_there(tmp_path: Path) -> None:
             assert arrived.command == done.command
             with pytest.raises(WozFailedError, match="neck is stuck"):
                 await woz.gaze(yaw=-20.0)
+            looking = asyncio.create_task(woz.gaze(yaw=100.0))
+            await host.published(
+                lambda line: isinstance(line, m.Done) and line.sent["yaw"] == 100.0
+            )
+            host.session.stop("key")
+            with pytest.raises(WozStoppedError):
+                await looking
 
 
 async def test_it_begins_at_its_moment_or_is_refused(host: Served) -> None:

@@ -133,6 +133,23 @@ async def test_a_stop_holds_until_a_person_releases_it(host: Served, woz: WozCli
     await asyncio.gather(following, return_exceptions=True)
 
 
+async def test_readings_are_texts_or_numbers(host: Served, woz: WozClient) -> None:
+    caller = ToolCaller(woz)
+    following = asyncio.create_task(caller.follow())
+    for sensor, value, text in (
+        ("mood", None, "calm"),
+        ("identity", 0.9, "V7"),
+        ("height", 2.0, ""),
+    ):
+        host.session.hub.publish(m.reading(sensor, value, text=text, driver="robot"))
+    host.session.hub.publish(m.StopPressed(source="key"))
+    await _until(caller, "stopped", True)
+    readings = (await caller.call(LOOK, {}))["readings"]
+    assert readings == {"mood": "calm", "identity": "V7", "height": 2.0}
+    following.cancel()
+    await asyncio.gather(following, return_exceptions=True)
+
+
 async def _until(caller: ToolCaller, name: str, value: Json) -> None:
     async with asyncio.timeout(PATIENCE_S):
         while (await caller.call(LOOK, {}))[name] != value:  # noqa: ASYNC110 - by calls

@@ -300,5 +300,5 @@ def test_what_stands_first_among_the_sensors(tmp_path: Path) -> None:
     (model,) = bare.warnings
     assert "no section engagement" in model.message
     other = read(tmp_path, panel(action, head=f"{ROBOT}sensors: [pose]\n"))
-    assert compare(found, other).reloadable
+    assert not compare(found, other).drivers
     assert list(compare(found, other).changes) == ["sensors changed"]

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.config.reading import ROBOT, errors, only, panel
+from tests.config.reading import ROBOT, errors, only, panel, read
 from woz_tui.config.experiment import ParallelCalls
+from woz_tui.config.reload_changes import compare
 
 POSE = "pose: {joints: {pan: 20}, seconds: 2}"
 
@@ -34,6 +35,15 @@ def untils(folder: Path, action: str) -> list[list[str]]:
 )
 def test_a_step_waits_for_its_motions(tmp_path: Path, action: str, found: list[list[str]]) -> None:
     assert untils(tmp_path, action) == found
+
+
+def test_a_reload_finds_an_until_that_came_or_went(tmp_path: Path) -> None:
+    plain, waits = (
+        read(tmp_path, panel(f"{{key: a, label: A, {POSE}{until}}}", head=ROBOT))
+        for until in ("", ", until: arrived")
+    )
+    changed = ("action 'A': does something else",)
+    assert compare(plain, waits).changes == compare(waits, plain).changes == changed
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from tests.console.driving import sitting
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.glyphs import ASCII
-from woz_tui.console.screen_app import BEAT
+from woz_tui.console.screen_app import PAINT_S
 from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -324,7 +324,7 @@ async def test_messages_in_a_burst_are_painted_at_most_ten_times_a_second() -> N
         seat.clock.advance(1.0)
         for number in range(200):
             await seat.tell_quietly(scenes.reading(NOW, "distance", number / 100))
-        assert painted <= (loop.time() - begun) / BEAT + 2
+        assert painted <= (loop.time() - begun) / PAINT_S + 2
         assert painted < 200
         await seat.pass_time(0.2)
         assert "1.99 m" in seat.text("Meters")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.console import scenes
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.event_list import BURST_ROWS, ROWS_S
-from woz_tui.console.screen_app import BEAT
+from woz_tui.console.screen_app import PAINT_S
 from woz_tui.protocol import messages as m
 
 SIZE = (160, 50)
@@ -14,11 +14,11 @@ SIZE = (160, 50)
 async def rows_repainted(seat: Sitting, seconds: float) -> int:
     """How many rows of the list change while every beat brings a screenful of lines."""
     changed = 0
-    for beat in range(round(seconds / BEAT)):
+    for beat in range(round(seconds / PAINT_S)):
         before = seat.text("EventList").splitlines()
         lines = [m.Notice(level="info", text=f"{beat}.{n}", t=scenes.NOW) for n in range(SIZE[1])]
         await seat.tell_quietly(*lines)
-        await seat.pass_time(BEAT)
+        await seat.pass_time(PAINT_S)
         after = seat.text("EventList").splitlines()
         changed += sum(old != new for old, new in zip(before, after, strict=False))
     return changed

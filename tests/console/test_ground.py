@@ -31,7 +31,7 @@ XTERM = {"TERM": "xterm-256color"}
 
 def expecting() -> Scanner:
     scanner = Scanner()
-    scanner.expects_ground = True
+    scanner.expects_background = True
     return scanner
 
 
@@ -48,7 +48,7 @@ def stops(tokens: list[Token]) -> list[str]:
 def test_an_answer_never_stops_however_it_is_split(answer: bytes, cuts: list[int]) -> None:
     scanner = expecting()
     tokens = [token for piece in cut(answer, cuts) for token in scanner.feed(piece)]
-    assert [token.what for token in tokens if isinstance(token, TerminalReply)] == ["ground"]
+    assert [token.what for token in tokens if isinstance(token, TerminalReply)] == ["background"]
     assert len(tokens) == 1
 
 
@@ -69,14 +69,16 @@ def test_every_escape_in_the_window_stops_and_no_answer_does(
         tokens += scanner.expire() if scanner.waiting is not None else []
     pressed = [press for press in (*before, *after) if press in (b"\x1b", b"\x03")]
     assert len(stops(tokens)) == len(pressed)
-    assert any(isinstance(token, TerminalReply) and token.what == "ground" for token in tokens)
+    assert any(isinstance(token, TerminalReply) and token.what == "background" for token in tokens)
 
 
 @given(TYPED)
 def test_an_escape_right_before_the_answer_stops(rest: list[bytes]) -> None:
     tokens = expecting().feed(b"\x1b" + WHITE + b"".join(rest))
     assert stops(tokens)[:1] == ["escape"]
-    assert [token.what for token in tokens if isinstance(token, TerminalReply)][:1] == ["ground"]
+    assert [token.what for token in tokens if isinstance(token, TerminalReply)][:1] == [
+        "background"
+    ]
 
 
 @given(st.integers(len(b"\x1b]11;rgb"), len(WHITE) - 1))

@@ -386,7 +386,9 @@ def test_the_scripts_line_leaves_out_what_was_played_by_its_key() -> None:
 def bar(picture: ConsoleState, asked_us: int | None = None, frame: PaintFrame | None = None) -> str:
     hints = (("Esc", "stop"), ("/", "say"))
     rows = bar_rows(
-        picture, frame or PaintFrame(80, 2, NOW), BarInfo(News(), hints, "Space", "^R", asked_us)
+        picture,
+        frame or PaintFrame(80, 2, NOW),
+        BarInfo(News(), hints, "Space", "^R", asked_us, failures="f9"),
     )
     assert len(rows) == 2
     assert all(length(row) == (frame or FRAME_BAR).width for row in rows)
@@ -435,7 +437,7 @@ def test_a_stop_that_was_confirmed_before_the_line_was_lost_stays_confirmed(
     assert ("confirmed: head" if missing else "confirmed by all") in shown
     assert "goes on to its end" not in shown
     assert ("NOT CONFIRMED: voice" in shown) is bool(missing)
-    assert ("enter shows what can be done (cut)" in shown) is (not missing)
+    assert ("f9 shows what can be done (cut)" in shown) is (not missing)
     assert "releases" not in shown
     assert "STOP NOT DELIVERED" in bar(picture, asked_us=NOW)
 

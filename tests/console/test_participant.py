@@ -246,6 +246,26 @@ async def test_one_questionnaire_alone_begins_when_it_is_due() -> None:
         assert (asked.questionnaire, asked.what) == ("quick", "begin")
         await seat.tell(studied.started(studied.QUICK))
         assert "This visit" in seat.drawn()
+        begun = [each for each in seat.feed.asked if isinstance(each, r.AskQuestionnaire)]
+        await seat.tell(studied.ended("quick", "left"))
+        again = [each for each in seat.feed.asked if isinstance(each, r.AskQuestionnaire)]
+        assert again == begun, "the wizard has left it, and begins it again if need be"
+        await seat.tell(studied.trial(2))
+        await seat.tell(m.TrialEnded(trial=2, outcome="done", t=studied.NOW))
+        again = [each for each in seat.feed.asked if isinstance(each, r.AskQuestionnaire)]
+        assert len(again) == len(begun) + 1
+
+
+async def test_a_request_that_was_lost_with_the_line_is_made_again() -> None:
+    over = studied.trial(1), m.TrialEnded(trial=1, outcome="done", t=studied.NOW)
+    async with seated(only="quick") as seat:
+        seat.feed.answers[r.AskQuestionnaire] = lambda sent, ref: r.Reply(ref=-1, ok=True)  # lost
+        await seat.tell(*over)
+        asked = seat.feed.asked
+        assert sum(isinstance(each, r.AskQuestionnaire) for each in asked) == 1
+        await lost(seat)
+        await seat.tell(studied.welcome(*over, role="participant"))
+        assert sum(isinstance(each, r.AskQuestionnaire) for each in asked) == 2
 
 
 async def test_who_stops_the_robot_amid_a_questionnaire_reads_so_and_goes_on() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import pytest
@@ -55,6 +56,17 @@ async def test_the_phase_stands_in_the_status_line_with_its_time(size: tuple[int
         assert "The ride 02:10/02:00" in seat.text("StatusLines")
         assert (" )  end" in seat.text("StatusLines")) == (size[0] >= 100)
         assert "Phase The ride" in seat.text("EventList")
+
+
+async def test_a_phase_begins_with_the_first_page_of_its_panels() -> None:
+    async with sitting(guide()) as seat:
+        panels = seat.console._main_screen.panels
+        await at(seat, begins("opening"))
+        panels.board = dataclasses.replace(panels.board, chosen=1, further=1)
+        await at(seat, begins("opening"), 5001)
+        assert (panels.board.chosen, panels.board.further) == (1, 1)
+        await at(seat, begins("ride"), 5002)
+        assert (panels.board.chosen, panels.board.further) == (0, 0)
 
 
 async def test_beside_a_phase_a_driver_that_is_lost_stays_in_sight() -> None:

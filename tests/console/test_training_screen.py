@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from tests.console import scenes
 from tests.console.driving import sitting
@@ -57,6 +58,21 @@ async def test_the_cue_stands_large_above_the_panels(size: tuple[int, int]) -> N
         await seat.tell(m.CueAnswered(cue="q1", judged="wrong", reaction_us=900_000, t=NOW))
         assert "How old is it?" not in seat.text("CueBoard")
         assert "wrong" in seat.text("CueBoard")
+
+
+async def test_a_long_cue_is_readable_as_a_whole_on_a_small_screen() -> None:
+    text = "Could you tell me how old this enormous blue whale was when it was found, please?"
+    async with sitting(size=(80, 24)) as seat:
+        await seat.tell(RUNS, replace(CUE, text=text))
+        board = seat.text("CueBoard")
+        assert all(word in board for word in text.split())
+
+
+async def test_a_stop_in_a_training_makes_a_cue_void_and_the_list_counts_it_no_more() -> None:
+    async with sitting() as seat:
+        await seat.tell(RUNS, replace(OVER, planned=20))
+        await seat.until(lambda: isinstance(seat.console.dialog, ScoreDialog))
+        assert "3 of 5 cues" in seat.text("EventList")
 
 
 async def test_the_score_stands_on_the_screen_at_the_end() -> None:

@@ -121,7 +121,7 @@ def test_a_watcher_cannot_end_the_session_and_is_told_when_it_has_ended(
     assert terminal.wait_exit() == 0
     (end,) = log.lines("session.end")
     assert end.fields["reason"] == "wizard"
-    said = ("─ The session has ended ─", "session over", "enter shows where its log is")
+    said = ("─ The session has ended ─", "session over", "Enter shows where its log is")
     second.wait_for(lambda text: all(words in text for words in said))
     second.send("\x1b[B")
     second.send("\r")

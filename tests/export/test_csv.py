@@ -103,6 +103,22 @@ def test_a_visit_in_tables(tmp_path: Path) -> None:
     assert json.loads(session["conditions"]) == ["warm", "cold"]
 
 
+def test_a_sentence_of_its_own_can_be_a_mistake(tmp_path: Path) -> None:
+    said = m.Command(command="c1", verb="say", driver="voice", args={}, source="palette")
+    part = m.Command(command="c2", run="r1", verb="say", driver="voice", args={}, source="key")
+    course: list[Timed] = [
+        (0, start()),
+        (1, said),
+        (2, m.Mistake(run="c1", action="say")),
+        (3, m.ActionRequested(run="r1", action="Hello", source="key")),
+        (3, part),
+        (4, m.Mistake(run="r1", action="Hello")),
+    ]
+    rows = read_back(course_to(tmp_path, "csv", course) / "events.csv")
+    labelled = [(row["kind"], row["mistake"]) for row in rows if row["kind"] != "mistake"]
+    assert labelled == [("command", "true"), ("action", "true"), ("command", "")]
+
+
 def test_rows_end_as_in_rfc_4180(tmp_path: Path) -> None:
     out = course_to(tmp_path, "csv", visit())
     for path in out.glob("*.csv"):

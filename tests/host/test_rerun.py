@@ -76,7 +76,7 @@ async def test_with_a_console_it_begins_when_a_wizard_is_there(tmp_path: Path) -
         notices = [line for line in it.lines if isinstance(line, m.Notice)]
         assert "begins in" in notices[-2].text
         assert "1 sent, 0 skipped; lateness p50" in notices[-1].text
-        assert notices[-1].remedy == "ctrl+q ends the session"
+        assert notices[-1].remedy == "end the session"
         assert not it.session.ended
 
 

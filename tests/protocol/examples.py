@@ -302,6 +302,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         problem=m.BlockProblem(sort="IMPOSSIBLE_TO_SCHEDULE", text="head: no answer", about="n1"),
     ),
     m.CommandMark(command="c00019", driver="bml", sort="sync", text="n1:start"),
+    m.MotionInterrupted(command="c00017", driver="head", reason="stop pressed", stopped=True),
 )
 
 _PANELS = [

@@ -73,6 +73,17 @@ def test_codes_come_again_where_they_were_set_and_a_coding_goes_on(tmp_path: Pat
     assert [line["number"] for line in written(tmp_path)[1:]] == [0, 1]
 
 
+def test_codes_change_nothing_about_the_events_beside_them(tmp_path: Path) -> None:
+    it, plain = watched(tmp_path, at=12), watched(tmp_path, "K2", at=12)
+    it.ask(r.AskMarker(text="smiles"))
+    for viewer in (it, plain):
+        viewer.go(11)
+        viewer.go(13)
+    beside = [each for each in it.state.events if not each.text.startswith("Code of")]
+    assert beside == list(plain.state.events)
+    assert any(each.took_us for each in beside)
+
+
 def test_the_last_code_is_taken_back_and_its_number_is_not_used_again(tmp_path: Path) -> None:
     it = watched(tmp_path, at=4)
     for text in ("smiles", "nods"):

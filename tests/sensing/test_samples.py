@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.sensing import sample_values
-from woz_tui.sensing.proxemics import phase, zone
+from woz_tui.sensing.proxemics import zone
 from woz_tui.sensing.sample_values import UNKNOWN
 
 #: Whatever a line of JSON, or a driver, may hold.
@@ -113,18 +113,15 @@ def test_nothing_is_told_from_rubbish() -> None:
 
 
 ZONES: list[Any] = [
-    *((0.0, "intimate", "near"), (0.149, "intimate", "near"), (0.15, "intimate", "far")),
-    *((0.449, "intimate", "far"), (0.45, "personal", "near"), (0.75, "personal", "far")),
-    *((1.19, "personal", "far"), (1.2, "social", "near"), (1.3, "social", "near")),
-    *((2.1, "social", "far"), (3.59, "social", "far"), (3.6, "public", "near")),
-    *((7.59, "public", "near"), (7.6, "public", "far"), (math.inf, "public", "far")),
+    *((0.0, "intimate"), (0.449, "intimate"), (0.45, "personal"), (1.19, "personal")),
+    *((1.2, "social"), (3.59, "social"), (3.6, "public"), (math.inf, "public")),
 ]
 
 
-@pytest.mark.parametrize(("metres", "space", "part"), ZONES)
-def test_halls_spaces_and_their_phases(metres: float, space: str, part: str) -> None:
-    assert (zone(metres), phase(metres)) == (space, part)
+@pytest.mark.parametrize(("metres", "space"), ZONES)
+def test_halls_spaces(metres: float, space: str) -> None:
+    assert zone(metres) == space
 
 
 def test_no_distance_is_in_no_space() -> None:
-    assert (zone(math.nan), phase(math.nan)) == ("", "")
+    assert zone(math.nan) == ""

@@ -86,6 +86,8 @@ def test_the_threshold_is_the_settings_or_what_the_microphone_learnt_or_the_publ
     assert fixed.threshold == 0.3
     fixed.adopt(SoundSettings(threshold=0.2))
     assert fixed.threshold == 0.2
+    fixed.adopt(SoundSettings())
+    assert fixed.threshold == 0.02, "told meanwhile"
 
 
 def test_loudness_moves_the_machine() -> None:

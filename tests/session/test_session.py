@@ -255,6 +255,33 @@ def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
     on_stage(tmp_path, scenario)
 
 
+def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) -> None:
+    made = experiment(tmp_path)
+    spec = replace(
+        made.drivers[0], sensors=("distance", "battery", "mood", "prepared", "direction")
+    )
+
+    async def go() -> dict[str, Finding]:
+        stage = Stage(tmp_path, made=replace(made, drivers=(spec,)))
+        await stage.session.open()
+        context = stage.puppet().context
+        context.sensor("battery", "ok", every=10.0)
+        context.reading("battery", 0.8)
+        context.reading("distance", 1.2)
+        context.reading("prepared", None, text="12 of 12")
+        await asyncio.sleep(5)
+        context.reading("mood", None, text="calm")
+        found = {finding.subject: finding for finding in await preflight(stage.session)}
+        await stage.session.close("test")
+        return found
+
+    findings = run_virtual(go())
+    assert findings["battery"].level == findings["mood"].level == "ok"
+    assert findings["mood"].text == "calm"
+    assert findings["distance"].level == "warning"
+    assert not findings.keys() & {"prepared", "direction"}
+
+
 def test_the_end_rests_closes_and_signs_the_log(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.play("Map", KEY)

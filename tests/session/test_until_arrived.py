@@ -20,7 +20,7 @@ KEY = RequestOrigin("key", "x", "con1")
 
 
 class Slow(Puppet):
-    """Takes a gaze at once and is there after two seconds, unless it is asked for less than 0."""
+    """Takes a gaze at once and is there after two seconds; beyond 90 never, below 0 it fails."""
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
@@ -35,7 +35,8 @@ class Slow(Puppet):
         if job.verb == "gaze":
             tell: Callable[[str], None] = job.goes_on()
             why = "the neck is stuck" if job.args["yaw"] < 0 else ""
-            asyncio.get_running_loop().call_later(2.0, tell, why)
+            if job.args["yaw"] <= 90:
+                asyncio.get_running_loop().call_later(2.0, tell, why)
         return dict(job.args)
 
 

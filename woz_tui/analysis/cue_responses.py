@@ -1,4 +1,4 @@
-"""From something that wants an answer to the wizard's next act."""
+"""Matches each cue with the wizard's act that answered it."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from operator import itemgetter
 from typing import Any
 
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import PREFLIGHT, CueRow, WizardAct, context_fields, id_of, moments
+from woz_tui.analysis.event_rows import CueRow, WizardAct, context_fields, id_of, moments
 from woz_tui.analysis.figures import TrainingFigures
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_stream import SPEECH
+from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
@@ -29,8 +29,6 @@ ECHO_US = 1_000_000
 EARLY_US = 1_000_000
 #: States of the engagement model in which the visitor waits for an answer.
 WAITING = ("RobotThinks",)
-#: Markers that no human has set.
-UNMEANT = frozenset({"action", PREFLIGHT})
 #: Acts that may come before the line of the cue they answer.
 _KEPT = 16
 #: How the cues of a training are judged that were answered.
@@ -57,7 +55,7 @@ class _Answers:
         """Whether this act is an answer to such a cue. One of which nothing is known is one: an
         action that was refused in a log that does not say what it would have done.
         """
-        answers = frozenset(self._verbs.get(cue_type, SPEECH))
+        answers = frozenset(self._verbs.get(cue_type, SPEAKING_VERBS))
         if act.request.panel in answers:
             return True
         if isinstance(act, e.CommandEpisode):
@@ -208,7 +206,7 @@ def cues_of(
                 last = state.left.seq if state.left is not None else sys.maxsize
                 lines.append((state.begin + state.duration, last, cues.waited, state))
     for _, marker in moments(timeline, m.Marker):
-        if marker.source not in UNMEANT:
+        if marker.source not in m.AUTOMATIC_MARKERS:
             lines.append((marker.t, marker.seq, cues.marker, marker))
     lines += [(piece.begin, piece.seq, cues.border, None) for piece in timeline.pieces[1:]]
     for t, seq, case, what in sorted(lines, key=itemgetter(0, 1)):

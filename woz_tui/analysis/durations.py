@@ -78,11 +78,6 @@ class Durations:
         return self.quantile(0.95)
 
     @property
-    def least(self) -> int | None:
-        """The shortest."""
-        return self.values[0] if self._values else None
-
-    @property
     def most(self) -> int | None:
         """The longest."""
         return self.values[-1] if self._values else None
@@ -113,6 +108,6 @@ class Durations:
         return isinstance(other, Durations) and list(self.values) == list(other.values)
 
     def __repr__(self) -> str:
-        return f"Series({list(self.values)!r})"
+        return f"Durations({list(self.values)!r})"
 
     __hash__ = None  # type: ignore[assignment]  # it grows

@@ -1,5 +1,5 @@
-"""What happened in a session, one by one: cues, trials, stops, answers, with times like `t`; and
-where in the timeline each of them is.
+"""Rows of the event tables (cues, trials, stops, answers ...), made from a session's timeline.
+Times are microseconds on the axis of `t`.
 """
 
 from __future__ import annotations
@@ -146,7 +146,11 @@ class PhaseRow(ContextRow):
 
 @dataclass(frozen=True, slots=True)
 class SpanRow:
-    """Something that lasted: a break, a lost driver. `end` is None if it lasted to the end."""
+    """Something that lasted: a break, a lost driver.
+
+    `end`: of a lost driver None if it never came back; of a break without an end in the log, when
+    the next trial began or the log ended.
+    """
 
     begin: int
     end: int | None

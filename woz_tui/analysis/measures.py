@@ -68,7 +68,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "duration", "s",
         "time in trials of this condition; in a session without trials, time in this condition; "
-        "of a whole session from its first to its last line of actions",
+        "of a whole session from its first to its last line of actions, without trials that do not "
+        "count",
         "length", lambda part: part.us / 1e6,
     ),
     Measure(

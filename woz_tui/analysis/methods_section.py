@@ -1,7 +1,8 @@
 """A method section's sentences out of the figures, after the reporting guidelines for studies with
 a wizard: L. D. Riek, Wizard of Oz Studies in HRI, Journal of Human-Robot Interaction 1 (1), 2012.
 
-Every number comes from `study.Facts`. What was not recorded is said or left out, never guessed.
+Every number comes from `study_figures.StudyFacts`. What was not recorded is said or left out, never
+guessed.
 """
 
 from __future__ import annotations

@@ -126,7 +126,9 @@ class GroupedSessions:
             item = self._items.setdefault(key, _Item())
             item.wordings[answer.question] = None
             values = item.values.setdefault(answer.condition, {})
-            values.setdefault(_who(answer.participant, figures.session), []).append(answer.value)
+            values.setdefault(who_took_part(answer.participant, figures.session), []).append(
+                answer.value
+            )
 
     @property
     def sessions(self) -> int:
@@ -194,7 +196,7 @@ def totals(rows: Sequence[ConditionRow]) -> list[ConditionTotal]:
         found.append(
             ConditionTotal(
                 condition=condition,
-                participants=len({_who(row.participant, row.session) for row in of_it}),
+                participants=len({who_took_part(row.participant, row.session) for row in of_it}),
                 rows=len(of_it),
                 values={
                     measure.name: _total(_by_participant(of_it, measure.name))
@@ -210,11 +212,11 @@ def _by_participant(rows: Iterable[ConditionRow], name: str) -> dict[str, list[f
     for row in rows:
         value = row.values[name]
         if value is not None:
-            values.setdefault(_who(row.participant, row.session), []).append(value)
+            values.setdefault(who_took_part(row.participant, row.session), []).append(value)
     return values
 
 
-def _who(participant: str, session: str) -> str:
+def who_took_part(participant: str, session: str) -> str:
     """The participant's code; without one, the session's."""
     return participant or f"session {session}"
 

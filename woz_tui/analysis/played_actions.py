@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from woz_tui.analysis.event_rows import first_plan, moments
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import HANDS
+from woz_tui.protocol.action_messages import BY_ITSELF, HANDS
 from woz_tui.timeline.episodes import (
     ActionEpisode,
     CommandEpisode,
@@ -20,7 +20,7 @@ from woz_tui.timeline.timeline import Timeline
 
 #: Sources of commands that the session asked for: a hand, a program, the engagement model, another
 #: log. With every other one a driver has asked by itself, as a body does for the sound of a move.
-SESSION_SOURCES = HANDS | {ENGAGEMENT, "replay"}
+SESSION_SOURCES = HANDS | BY_ITSELF
 #: Commands of one driver and verb that follow each other within this time (microseconds), with
 #: nothing between them, are one act: a joystick, a key that is held down.
 STROKE_US = 500_000

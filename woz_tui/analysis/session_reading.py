@@ -44,14 +44,14 @@ class LineCount:
 
 
 def integrity_of(
-    figures: SessionFigures, damage: Damage, files: LogFiles, roll: LineCount
+    figures: SessionFigures, damage: Damage, files: LogFiles, line_count: LineCount
 ) -> LogIntegrity:
     """Checks the log as far as one pass over the actions in `files` can."""
     sentences = damage.sentences()
     if not figures.schema:
         sentences.append(NO_BEGINNING)
     explained = damage.torn + damage.damaged + damage.misplaced + damage.dropped
-    missing = max(0, roll.short - explained)
+    missing = max(0, line_count.short - explained)
     if missing and not damage.missing:  # else their numbers are named
         sentences.append(f"{missing} line(s) of actions missing")
     sentences += [f"went on in {path.name}: {head.reason}" for path, head in _moved(files.actions)]
@@ -127,14 +127,14 @@ class ReportExtras:
     verified: bool = False
 
 
-#: Nothing besides.
-FIGURES = ReportExtras()
+#: Only the figures.
+NO_EXTRAS = ReportExtras()
 
 
 def read_report(
     path: Path,
     options: FigureOptions = DEFAULTS,
-    extras: ReportExtras = FIGURES,
+    extras: ReportExtras = NO_EXTRAS,
     *,
     places: Iterable[Path] | None = None,
 ) -> SessionReport:
@@ -151,8 +151,8 @@ def read_report(
 
 @contextmanager
 def _without_collection() -> Iterator[None]:
-    """Nothing of a session refers to itself in a circle: to look for such things among so many
-    would take time for nothing.
+    """Switch Python's search for reference cycles off while a log is read: its objects form none,
+    and the search among so many takes time.
     """
     collects = gc.isenabled()
     gc.disable()
@@ -167,12 +167,12 @@ def _read_report(
     path: Path, options: FigureOptions, extras: ReportExtras, places: Iterable[Path] | None
 ) -> SessionReport:
     damage = Damage()
-    timeline, curves, roll = Timeline(), SensorCurves(), LineCount()
+    timeline, curves, line_count = Timeline(), SensorCurves(), LineCount()
     people = PeopleTimes()
     samples = extras.curves or extras.people
     lines, some = 0, False
     for message in messages(path, damage, places=places, samples=samples):
-        roll.add(message)
+        line_count.add(message)
         if isinstance(message, LogLine):
             lines += not message.sample
             continue
@@ -188,7 +188,7 @@ def _read_report(
     timeline.finish()
     found = files_of(path, places, samples=False)
     figures = figures_of(timeline, options, str(path), found.stem)
-    integrity = integrity_of(figures, damage, found, roll)
+    integrity = integrity_of(figures, damage, found, line_count)
     if extras.verified:
         integrity = with_verification(integrity, path, places)
     drawing = None

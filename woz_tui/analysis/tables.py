@@ -80,6 +80,11 @@ def _value(value: Json) -> Cell:
     return value if isinstance(value, int | float) else value_text(value)
 
 
+def _mistake(event: Any) -> bool | None:
+    own = event.kind == "action" or (event.kind == "command" and not event.run)
+    return event.mistake if own else None
+
+
 def _json(value: Mapping[str, object]) -> Cell:
     if not value:
         return None
@@ -294,7 +299,9 @@ EVENTS: TableDefinition[Any] = TableDefinition(
         _text("verb", "what a command does: say, play ..."),
         _text("driver", "name of the driver"),
         _text(
-            "source", "who asked: key, script, palette, midi, program, phase, engagement, replay"
+            "source",
+            "who asked: key, script, palette, midi, gamepad, stream-deck, program, phase, "
+            "engagement, replay; of a command also driver",
         ),
         _text("key", "the key that was pressed"),
         _text(
@@ -313,8 +320,8 @@ EVENTS: TableDefinition[Any] = TableDefinition(
         Column(
             "mistake",
             "boolean",
-            "of actions: the wizard labelled it a mistake",
-            lambda _, event: event.mistake if event.kind == "action" else None,
+            "of actions, and of commands that belong to none: the wizard labelled it a mistake",
+            lambda _, event: _mistake(event),
         ),
         _text(
             "text",
@@ -403,7 +410,9 @@ ACTIONS: TableDefinition[tuple[PartFigures, ActionCount]] = TableDefinition(
         _count("action", "name of the action", lambda it: it.action, "string"),
         _count("panel", "title of the panel", lambda it: it.panel or None, "string"),
         _count(
-            *("source", "who asked: key, script, palette, midi, program, phase, engagement ..."),
+            "source",
+            "who asked: key, script, palette, midi, gamepad, stream-deck, program, phase, "
+            "engagement, replay",
             *(lambda it: it.source or None, "string"),
         ),
         _count("total", "how often it was asked for", lambda it: it.outcomes.total, "integer"),

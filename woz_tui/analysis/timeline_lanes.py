@@ -309,7 +309,7 @@ class SensorCurves:
 
     def add(self, sample: m.Message) -> None:
         """The next sample."""
-        if not isinstance(sample, m.Reading) or sample.sensor not in CURVES:
+        if not isinstance(sample, m.Reading) or sample.sensor.rpartition(".")[2] not in CURVES:
             return
         if self.t < sample.t < LATEST_TIME:
             self.t = sample.t

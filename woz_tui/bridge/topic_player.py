@@ -80,7 +80,7 @@ class TopicPlayer:
         self._states = _States(client, self._hands, complain)
         self._sequences = _Sequences(client, self._hands, self._general, complain)
         self._gaze = _Gaze(client, self._hands, table, self._tell_gaze, complain)
-        self._report = _Report(client, table, answer)
+        self._report = _Report(client, table, answer, complain)
 
     async def run(self) -> None:
         """Follow the session until it ends or this is cancelled. Raises `WozConnectionError`."""
@@ -342,9 +342,17 @@ class _Gaze:
 class _Report:
     """Tells a planner how the robot is, when that has changed."""
 
-    def __init__(self, client: WozClient, table: TopicTable, answer: Answer) -> None:
+    def __init__(
+        self,
+        client: WozClient,
+        table: TopicTable,
+        answer: Answer,
+        complain: Callable[[str], None],
+    ) -> None:
         self._client = client
         self._answer = answer
+        self._complain = complain
+        self._wrong: dict[str, str] = {}
         self._topics = {
             topic: entry for topic, entry in table.answers.items() if entry.tells == "state"
         }
@@ -373,7 +381,13 @@ class _Report:
 
     def _tell(self) -> None:
         for topic, entry in self._topics.items():
-            fields = entry.message(self._state)
+            try:
+                fields = entry.message(self._state)
+            except RosDataError as error:
+                if self._wrong.get(topic) != str(error):
+                    self._wrong[topic] = str(error)
+                    self._complain(f"{topic}: {error}")
+                continue
             if fields is not None and fields != self._told.get(topic):
                 self._told[topic] = fields
                 self._answer(topic, fields)

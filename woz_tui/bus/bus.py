@@ -117,7 +117,7 @@ class Bus:
         verb = self.verb(command.driver, command.verb)
         command = _shown(verb, command)
         recorded = self._hub.publish(command)
-        ticket = PendingCommand(
+        pending = PendingCommand(
             recorded,
             verb or Verb(command.verb, ""),
             self._hub,
@@ -125,18 +125,18 @@ class Bus:
             requested_us=recorded.t,
         )
         if self.latched and command.driver not in self._unstopped:
-            ticket.refuse("stopped", "the stop is pressed", "release the stop first")
+            pending.refuse("stopped", "the stop is pressed", "release the stop first")
         elif verb is None:
-            ticket.refuse("unknown", self._unknown(command))
+            pending.refuse("unknown", self._unknown(command))
         elif verb.drives and (why := self.unwatched or self.watch(recorded)):
-            ticket.refuse("unwatched", why, "attach a wizard's console")
+            pending.refuse("unwatched", why, "attach a wizard's console")
         else:
             try:
                 args = checked(verb, command.args)
             except ArgumentError as error:
-                ticket.refuse("args", str(error))
+                pending.refuse("args", str(error))
             else:
-                self._lane(command.driver, verb).accept(ticket, args, command.when_busy)
+                self._lane(command.driver, verb).accept(pending, args, command.when_busy)
         return recorded
 
     def refuse(
@@ -326,12 +326,12 @@ class Bus:
             name: loop.create_task(self._still(name, stop, jobs)) for name, stop in stops.items()
         }
         await wait_at_most(waits.values(), STOP_WAIT_S)
-        told = {name: report for name, stop in stops.items() if (report := _stop_report(stop))}
+        reports = {name: report for name, stop in stops.items() if (report := _stop_report(stop))}
         confirmed, missing, unreached = [], [], []
         for name, wait in waits.items():
-            if name in absent or _lost(stops[name]) or not self._reaches(name, told.get(name)):
+            if name in absent or _lost(stops[name]) or not self._reaches(name, reports.get(name)):
                 unreached.append(name)
-                told.pop(name, None)
+                reports.pop(name, None)
             if wait.done() and wait.result() and name not in unreached:
                 confirmed.append(name)
             else:
@@ -344,8 +344,10 @@ class Bus:
                 confirmed=confirmed,
                 missing=missing,
                 elapsed_us=self._hub.now() - began_us,
-                parts={name: [*told[name].confirmed] for name in told if told[name].confirmed},
-                missing_parts={name: [*told[name].missing] for name in told if told[name].missing},
+                parts={name: [*each.confirmed] for name, each in reports.items() if each.confirmed},
+                missing_parts={
+                    name: [*each.missing] for name, each in reports.items() if each.missing
+                },
                 unreached=unreached,
                 scope=scope.value,
             )

@@ -22,10 +22,11 @@ M = TypeVar("M", bound=Message)
 
 
 class Subscription:
-    """A bounded buffer of lines for one listener. The oldest samples go first, acks never.
+    """A bounded buffer of lines for one client. When it is full the oldest samples are dropped,
+    other lines never.
 
-    A listener that falls so far behind that even without samples `capacity` lines are waiting is
-    marked `overrun`; its owner closes it, and it may come back for the full picture.
+    A client that falls so far behind that even without samples `capacity` lines are waiting is
+    marked `overrun`; its owner closes it, and it may come back for the whole state.
     """
 
     def __init__(
@@ -39,18 +40,19 @@ class Subscription:
         self._capacity = capacity
         self._wants_samples = samples
         self._wake = wake
-        # Two queues: the oldest sample is at hand, however many acks wait. A sample has the number
-        # of acks in front of it; acks are bare lines, which the garbage collector need not visit.
-        self._acks: deque[bytes] = deque()
+        # Two queues: the oldest sample is at hand, however many other lines wait. A sample has the
+        # number of lines in front of it; those are bare bytes, which the garbage collector need not
+        # visit.
+        self._lines: deque[bytes] = deque()
         self._samples: deque[tuple[int, bytes]] = deque()
         self.dropped = 0
         self.overrun = False
 
     def offer(self, sample: bool, line: bytes) -> None:
-        """Take a line in, making room by dropping the oldest sample if there is none."""
+        """Take a line in; a full buffer first drops its oldest sample."""
         if sample and not self._wants_samples:
             return
-        waiting = len(self._acks) + len(self._samples)
+        waiting = len(self._lines) + len(self._samples)
         if waiting >= self._capacity:
             if self._samples:
                 self._samples.popleft()
@@ -61,21 +63,21 @@ class Subscription:
             else:
                 self.overrun = True
         if sample:
-            self._samples.append((len(self._acks), line))
+            self._samples.append((len(self._lines), line))
         else:
-            self._acks.append(line)
+            self._lines.append(line)
         if not waiting:
             self._wake()
 
     def take_all(self) -> list[bytes]:
         """All waiting lines, oldest first."""
-        lines, acks, given = [], list(self._acks), 0
+        lines, others, given = [], list(self._lines), 0
         for ahead, sample in self._samples:
-            lines += acks[given:ahead]
+            lines += others[given:ahead]
             lines.append(sample)
             given = ahead
-        lines += acks[given:]
-        self._acks.clear()
+        lines += others[given:]
+        self._lines.clear()
         self._samples.clear()
         return lines
 

@@ -394,7 +394,12 @@ class Lane:
             )
 
     def _motion_ended(
-        self, pending: PendingCommand, why: str, by: str = "", tells: tuple[str, ...] = ()
+        self,
+        pending: PendingCommand,
+        why: str,
+        by: str = "",
+        tells: tuple[str, ...] = (),
+        stopped: bool = False,
     ) -> None:
         """It has arrived, or not: `tells` is what a driver's words for `why` may quote."""
         command = pending.command.command
@@ -403,23 +408,28 @@ class Lane:
         if why:
             self._hub.publish(
                 MotionInterrupted(
-                    command=command, driver=self.driver_name, reason=why, by=by, tells=tells
+                    command=command,
+                    driver=self.driver_name,
+                    reason=why,
+                    by=by,
+                    stopped=stopped,
+                    tells=tells,
                 )
             )
         else:
             self._hub.publish(MotionArrived(command=command, driver=self.driver_name))
 
-    def end_motions(self, why: str, by: str = "") -> None:
+    def end_motions(self, why: str, by: str = "", stopped: bool = False) -> None:
         """Tell that the motions of commands that are done will not arrive."""
         for pending in [*self._moving.values()]:
-            self._motion_ended(pending, why, by)
+            self._motion_ended(pending, why, by, stopped=stopped)
 
     # -- stopping ----------------------------------------------------------------------------
 
     def stop(self, reason: str, only_driving: bool = False) -> None:
         """End everything waiting and running, or only what drives; the job is cancelled."""
         if not only_driving:
-            self.end_motions(reason)
+            self.end_motions(reason, stopped=True)
         kept = deque(entry for entry in self._waiting if only_driving and not entry[0].verb.drives)
         ended = [pending for pending, _ in self._waiting if all(pending is not k[0] for k in kept)]
         self._waiting = kept

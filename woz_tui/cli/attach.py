@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from pathlib import Path
@@ -46,7 +47,23 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Open the console on a running session."""
+    given = _of_wizards(arguments) if arguments.questionnaire is not None else ""
+    if given:
+        print(f"woz: a participant plays no robot: leave {given} out", file=sys.stderr)
+        return 2
     return console_start.with_terminal(lambda: _attach(arguments))
+
+
+def _of_wizards(arguments: Namespace) -> str:
+    """The options that were given and mean nothing at a participant's terminal."""
+    alien = {
+        "--watch": arguments.watch,
+        "--take-over": arguments.take_over,
+        "--as": arguments.part,
+        "--keymap": arguments.keymap,
+        "--pictures": arguments.pictures != "auto",
+    }
+    return ", ".join(name for name, value in alien.items() if value)
 
 
 def _attach(arguments: Namespace) -> int:

@@ -100,6 +100,9 @@ def run(arguments: Namespace) -> int:
     if arguments.dry_run and not arguments.files:
         print("woz: --dry-run is for files with blocks", file=sys.stderr)
         return 2
+    if arguments.feedback and not arguments.files:
+        print("woz: --feedback is for files with blocks", file=sys.stderr)
+        return 2
     if arguments.robot and (not arguments.dry_run or arguments.session or arguments.access):
         print("woz: --robot is for --dry-run without a session", file=sys.stderr)
         return 2

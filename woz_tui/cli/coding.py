@@ -108,6 +108,9 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
     timeline = timeline_of(lines)
     within = coded_spans(timeline, every=arguments.all_trials)
     every = agreements(found.of(one), found.of(other), within, round(arguments.bin * 1e6))
+    if not every:
+        print(f"woz coding: neither {one} nor {other} has set a code", file=sys.stderr)
+        return 1
     selected = [each for each in every if arguments.tier in ("", each.tier)]
     if not selected:
         tiers = ", ".join(each.tier for each in every)

@@ -213,7 +213,7 @@ def _unfiltered(settings: EngagementSettings) -> EngagementSettings:
 def show(
     log: Path, settings: EngagementSettings | None, above: SettingsOverride, *, as_json: bool
 ) -> None:
-    """Print the figures of a log; it must be one (`record.log.read` says what it raises)."""
+    """Print the figures of a log; it must be one (`log.log_reader.read` says what it raises)."""
     lines = (message_of(line) for line in read(log, Damage()))
     found = trials((message for message in lines if message is not None), settings, above)
     if as_json:

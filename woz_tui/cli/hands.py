@@ -71,6 +71,9 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Read devices until the session ends, or ctrl+c."""
+    if arguments.to and arguments.access is not None:
+        print("woz: --to goes by ssh, --access does not: leave one out", file=sys.stderr)
+        return 2
     if arguments.into:
         return _into(arguments)
     return with_error_sentences(lambda: asyncio.run(_hands(arguments)), DriverError)
@@ -242,7 +245,9 @@ async def _connected(
         finally:
             writer.close()
         return
-    into = f"{arguments.woz} hands --into {shlex.quote(arguments.name)}".rstrip(" '")
+    into = f"{arguments.woz} hands --into"
+    if arguments.name:
+        into += f" {shlex.quote(arguments.name)}"
     ssh = await asyncio.create_subprocess_exec(
         *_SSH,
         arguments.to,

@@ -15,6 +15,10 @@ from woz_tui.session.participant_identity import SessionIdentity
 LONGEST_WAIT_S = 3600.0
 
 
+#: How long a re-run waits for its drivers, unless somebody says otherwise, in seconds.
+RERUN_WAIT_S = 20.0
+
+
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, help="experiment file")
@@ -35,9 +39,10 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--rerun-wait",
         type=number(0, LONGEST_WAIT_S, "s"),
-        default=20.0,
+        default=None,
         metavar="SECONDS",
-        help="with --rerun: longest time in s for the drivers to connect (default 20)",
+        help="with --rerun: longest time in s for the drivers to connect"
+        f" (default {RERUN_WAIT_S:g})",
     )
     parser.add_argument(
         "--train",
@@ -58,10 +63,22 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument("--restarted", action="store_true", help=SUPPRESS)
 
 
+def _mixed(arguments: Namespace) -> str:
+    """Which options do not go together; empty: all do."""
+    if arguments.rerun is not None and arguments.train:
+        return "--rerun and --train: leave one out"
+    if arguments.rerun is None and (arguments.headless or arguments.rerun_wait is not None):
+        return f"{'--headless' if arguments.headless else '--rerun-wait'} needs --rerun"
+    if arguments.train_count is not None and not arguments.train:
+        return "--train-count needs --train"
+    return ""
+
+
 def run(arguments: Namespace) -> int:
     """Serve until the session ends."""
-    if arguments.headless and arguments.rerun is None:
-        print("woz: --headless needs --rerun", file=sys.stderr)
+    wrong = _mixed(arguments)
+    if wrong:
+        print(f"woz: {wrong}", file=sys.stderr)
         return 2
     from woz_tui.host import robot_process  # noqa: PLC0415 - only this command needs it
 
@@ -74,7 +91,8 @@ def run(arguments: Namespace) -> int:
         if arguments.rerun is not None:
             from woz_tui.host.rerun_session import RerunOptions  # noqa: PLC0415
 
-            rerun = RerunOptions(arguments.rerun, arguments.headless, arguments.rerun_wait)
+            wait = RERUN_WAIT_S if arguments.rerun_wait is None else arguments.rerun_wait
+            rerun = RerunOptions(arguments.rerun, arguments.headless, wait)
         if arguments.train:
             from woz_tui.host.training_session import TrainingOptions  # noqa: PLC0415
 

@@ -23,12 +23,12 @@ def run(arguments: Namespace) -> int:
 
 def _run(arguments: Namespace) -> int:
     from woz_tui.analysis.methods_section import BY_HAND, paragraphs  # noqa: PLC0415
-    from woz_tui.analysis.session_reading import FIGURES  # noqa: PLC0415
+    from woz_tui.analysis.session_reading import NO_EXTRAS  # noqa: PLC0415
     from woz_tui.analysis.study_figures import Studies  # noqa: PLC0415
 
     reading = SessionReader(arguments)
     studies = Studies()
-    for report in reading.reports(FIGURES):
+    for report in reading.reports(NO_EXTRAS):
         studies.add(report.figures)
     for place, facts in enumerate(studies.found.values()):
         if place:

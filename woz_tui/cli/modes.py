@@ -13,8 +13,8 @@ from woz_tui.motion.modes import BLINKS, BREATHES, MODE_RULES, InputKind, Mode, 
 _PAGE_TEXT = """\
 # Modes
 
-Which input has an effect in which mode; `woz modes` prints this table. An input that does not
-have an effect is refused and changes nothing. The stop works in every mode.
+Look up here which input has an effect in which mode; `woz modes` prints this table. An
+input that does not have an effect is refused and changes nothing. The stop works in every mode.
 
 {table}"""
 #: Columns of a page that goes into a file or a pipe.

@@ -12,7 +12,7 @@ from woz_tui.cli import console_start
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.console_start import detect_appearance
 from woz_tui.cli.experiment_changes import change_lines, error_lines
-from woz_tui.cli.shared_options import add_theme
+from woz_tui.cli.shared_options import add_keymap, add_theme
 from woz_tui.config.bundled_files import bundled_file
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.keys.terminals import detect_terminal
@@ -69,6 +69,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     screen.add_argument("--paused", action="store_true", help="start paused")
     robot = parser.add_argument_group("on the robot")
+    add_keymap(parser)
     add_theme(parser)
     robot.add_argument("--robot", action="store_true", help="send its commands to the robot again")
     robot.add_argument(
@@ -140,10 +141,15 @@ def _mixed(arguments: argparse.Namespace) -> str:
             "--paused": arguments.paused,
             "--speed": arguments.speed != 1.0,
             "--max-idle": arguments.max_idle,
+            "--keymap": arguments.keymap and (arguments.dry_run or arguments.headless),
         }
     else:
-        why = "a replay on the screen does not move the robot"
-        alien = {"--yes": arguments.yes, "--headless": arguments.headless}
+        why = "a replay on the screen has keys of its own and does not move the robot"
+        alien = {
+            "--yes": arguments.yes,
+            "--headless": arguments.headless,
+            "--keymap": arguments.keymap,
+        }
     given = ", ".join(name for name, value in alien.items() if value)
     return f"{why}: leave {given} out" if given else ""
 

@@ -14,7 +14,7 @@ from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.experiment_names import file_of
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import PartFigures, Reactions, SessionFigures
-from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.participant_groups import GroupedSessions, who_took_part
 from woz_tui.analysis.participants import excluded_sentence
 from woz_tui.analysis.session_reading import SessionReport
 from woz_tui.analysis.text_format import clock, counted
@@ -191,7 +191,7 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
     """Print the tables of all experiments."""
     for experiment in grouped.experiments:
         rows = grouped.of(experiment)
-        people = len({row.participant for row in rows if row.participant and row.counted})
+        people = len({who_took_part(row.participant, row.session) for row in rows if row.counted})
         size = counted(grouped.sessions_of(experiment), "session")
         size += f", {counted(people, 'participant')}"
         page.head(f"{experiment or 'experiment not recorded'}: {size}")

@@ -14,7 +14,7 @@ import signal
 import socket
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -22,9 +22,11 @@ from woz_tui.cli.console_start import ScreenOptions, run_session, with_terminal
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.experiment_changes import change_lines, error_lines, redactor_of
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess, host_arguments
+from woz_tui.cli.shared_options import builtins
 from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.bundled_files import bundled_file
 from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.keys.console_keys import BuiltinKey
 from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path
 from woz_tui.protocol import codec
@@ -66,9 +68,9 @@ class _Rerun:
 def play(arguments: argparse.Namespace) -> int:
     """Run a log again, or say what would be run.
 
-    Reads `file` (a log), `robot`, `dry_run`, `yes`, `headless`, `changed` (the experiment may have
-    changed) and `experiment` (where it is, or None). The exit code: 0, or 1 if something could not
-    be done.
+    Reads `file` (a log), `robot`, `dry_run`, `yes`, `headless`, `keymap`, `theme`, `changed` (the
+    experiment may have changed) and `experiment` (where it is, or None). The exit code: 0, or 1 if
+    something could not be done.
     """
     if arguments.dry_run or arguments.headless:
         return with_error_sentences(lambda: _play(arguments))
@@ -81,13 +83,14 @@ def _play(arguments: argparse.Namespace) -> int:
         return 1
     if arguments.dry_run:
         return _dry_run(rerun, arguments)
+    own_keys = builtins(arguments)  # before the question: the file may be wrong
     if not _check_runnable(rerun, arguments) or not _confirmed(arguments.yes):
         return 1
     command = _host_command(rerun, arguments)
     if arguments.headless:
         launch = Launch([*command, "--headless"])
         return watch(launch, _streams(rerun), rerun.redactor)
-    return _in_console(command)
+    return _in_console(command, own_keys, arguments.theme)
 
 
 def _check_runnable(rerun: _Rerun, arguments: argparse.Namespace) -> bool:
@@ -199,9 +202,11 @@ def _streams(rerun: _Rerun) -> frozenset[tuple[str, str]]:
     )
 
 
-def _in_console(command: list[str]) -> int:
-    # Nobody starts it again from the console: the robot would begin from the beginning.
-    opened = run_session(command, lambda robot: ScreenOptions(socket=robot.socket))
+def _in_console(command: list[str], own_keys: Sequence[BuiltinKey], theme: str) -> int:
+    opened = run_session(  # nobody starts it again from the console: it would begin anew
+        command,
+        lambda robot: ScreenOptions(socket=robot.socket, builtins=own_keys, theme=theme),
+    )
     if opened is None:
         return 1
     if opened.left == "detached":

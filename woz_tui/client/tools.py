@@ -113,7 +113,7 @@ class ToolCaller:
         async for message in self._client.messages(held=True):
             match message:
                 case m.Reading():
-                    self._readings[message.sensor] = message.value
+                    self._readings[message.sensor] = message.text or message.value
                 case m.EngagementChanged():
                     self._state["engagement"] = message.now
                 case m.StopPressed(scope="all"):

@@ -53,4 +53,6 @@ def error_of_motion(end: m.MotionInterrupted) -> WozError:
     """The error that a motion stands for that does not arrive."""
     if end.by:
         return WozSupersededError(end.reason)
+    if end.stopped:
+        return WozStoppedError(end.reason)
     return WozFailedError(f"the motion does not arrive: {end.reason}")

@@ -31,11 +31,6 @@ class ReloadChanges:
     drivers: tuple[str, ...]
     telling: tuple[str, ...] = ()
 
-    @property
-    def reloadable(self) -> bool:
-        """Whether a running session can take the new file over."""
-        return not self.drivers
-
 
 def compare(old: Experiment, new: Experiment) -> ReloadChanges:
     """The differences between two readings."""
@@ -240,8 +235,8 @@ def _essence(step: Step) -> object:
     return step.seconds if isinstance(step, Wait) else [_spoken(call) for call in step.calls]
 
 
-def _spoken(call: Call) -> tuple[str, str, dict[str, object]]:
-    return call.driver, call.verb, {**call.args, **call.choices}
+def _spoken(call: Call) -> tuple[str, str, str, dict[str, object]]:
+    return call.driver, call.verb, call.until, {**call.args, **call.choices}
 
 
 def _entries(what: str, old: Mapping[str, object], new: Mapping[str, object]) -> Iterable[str]:

@@ -14,7 +14,7 @@ their fields have fixed names: `looks` (saliency), `acknowledges` and `sequences
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -36,6 +36,8 @@ FOLDER = "topics"
 _SALIENCY: Mapping[str, RosType] = {
     **{"inputId": "str", "locationsX": ["float"], "locationsY": ["float"], "weights": ["int"]}
 }
+#: What `looks` and `eyes` may take from the chosen place.
+_PLACE: Mapping[str, RosType] = {"x": "float", "y": "float"}
 _SEQUENCE: Mapping[str, RosType] = {
     **{"id": "str", "sequence": "int", "request": "float"},
     **{"requestType": "int", "requestCount": "int"},
@@ -174,16 +176,17 @@ class TakenTopic(Section):
             for name, kind in needed.items()
             if self.fields.get(name) != kind
         ]
-        for at, call in enumerate(self.plays):
-            found += [
-                (f"plays[{at}].args.{name}", text)
-                for name, text in _unknown_fields(call, self.fields)
-            ]
-        for name, call in self.sequences.items():
-            found += [
-                (f"sequences.{name}.args.{argument}", text)
-                for argument, text in _unknown_fields(call, self.fields)
-            ]
+        calls: list[tuple[str, TopicVerb | None, Mapping[str, Any]]] = [
+            *((f"plays[{at}]", call, self.fields) for at, call in enumerate(self.plays)),
+            *((f"sequences.{name}", call, self.fields) for name, call in self.sequences.items()),
+            *(("looks", self.looks, _PLACE), ("eyes", self.eyes, _PLACE)),
+        ]
+        found += [
+            (f"{where}.args.{name}", text)
+            for where, call, fields in calls
+            if call is not None
+            for name, text in _unknown_fields(call, fields)
+        ]
         return found
 
 
@@ -215,6 +218,11 @@ class AnsweredTopic(Section):
                 for name in self.shows
                 if not _is_place(name, self.fields)
             ),
+            *(
+                (join("shows", name), "has gaps in its numbers, which begin at 0")
+                for name in self.fields
+                if (numbers := _numbers(name, self.shows)) != [*range(len(numbers))]
+            ),
         ]
 
     @property
@@ -223,7 +231,9 @@ class AnsweredTopic(Section):
         return self.fields or _ANSWERS[self.tells]
 
     def message(self, state: Mapping[str, Any]) -> dict[str, RosValue] | None:
-        """How the robot is; None: not all of it is known."""
+        """How the robot is; None: not all of it is known. Raises `RosDataError`: a value is of
+        another type than its field.
+        """
         found: dict[str, Any] = {}
         lists: dict[str, dict[int, Any]] = {}
         for name, source in self.shows.items():
@@ -361,6 +371,12 @@ def _is_place(name: str, types: Mapping[str, Any]) -> bool:
     return place.isascii() and place.isdigit() if isinstance(kind, list) else kind in EMPTY
 
 
+def _numbers(name: str, shown: Iterable[str]) -> list[int]:
+    """The numbers of a list's entries among `shown`, in order."""
+    parts = (each.partition(".") for each in shown)
+    return sorted(int(place) for outer, _, place in parts if outer == name and place.isdecimal())
+
+
 def _is_type(kind: object) -> bool:
     match kind:
         case str():
@@ -378,5 +394,8 @@ def _spelt(kind: RosType) -> str:
 
 def _unknown_fields(call: TopicVerb, fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for name, source in call.args.items():
-        if isinstance(source, FieldSource) and source.field_.partition(".")[0] not in fields:
+        if not isinstance(source, FieldSource):
+            continue
+        outer, dot, _ = source.field_.partition(".")
+        if outer not in fields or (dot and isinstance(fields[outer], str)):
             yield name, f"the message has no field {source.field_!r}"

@@ -394,6 +394,7 @@ class ActionPanels(Cells):
         self.board = PanelSelection({})
         self._arranged: PanelLayout | None = None
         self._front: tuple[PanelView, ...] = ()
+        self._phase = ""
         self._layouts: dict[tuple[int, int, int], PanelLayout] = {}
 
     def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
@@ -413,6 +414,10 @@ class ActionPanels(Cells):
         """Made anew only where the file or the size has changed."""
         if state.front != self._front:
             self._front, self._layouts = state.front, {}
+            phase = state.phase.name if state.phase is not None else ""
+            if phase != self._phase:  # it has put others in front
+                self._phase = phase
+                self.board = replace(self.board, chosen=0, further=0)
         size = width, height, cap_width(state, self.board, glyphs)
         if size not in self._layouts:
             self._layouts[size] = arrange(state.front, *size)

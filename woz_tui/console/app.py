@@ -30,7 +30,7 @@ from woz_tui.console.partial_update import cropped
 from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.robot_requests import RobotRequests, press_to
 from woz_tui.console.robot_settings.step_sizes import ArrowSteps
-from woz_tui.console.screen_app import BEAT, ScreenApp
+from woz_tui.console.screen_app import PAINT_S, ScreenApp
 from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
 from woz_tui.console.status_rows import StatusInfo
 from woz_tui.console.study.study_view import StudyNews
@@ -73,7 +73,7 @@ class Console(ScreenApp):
         commands: What can be done beside playing actions.
         restart: Starts the robot process again after it was lost; None if nobody can.
         ask_participant: Whether to ask for participant and condition when a session starts.
-        pictures: How a camera's pictures are drawn (`camera.drawing_methods`).
+        pictures: How a camera's pictures are drawn (see `camera.picture_widgets.view_for`).
         options: As for `ScreenApp`.
     """
 
@@ -92,7 +92,7 @@ class Console(ScreenApp):
     ) -> None:
         super().__init__(feed, keyboard, **options)
         self.pictures = pictures
-        self.side: PictureTerminal | None = None
+        self.picture_terminal: PictureTerminal | None = None
         self.terminal = terminal
         self.commands: Mapping[str, ConsoleCommand] = by_key(commands)
         own = [key for command in commands for key in command.keys if key.chord]
@@ -151,7 +151,7 @@ class Console(ScreenApp):
 
     def _pace(self) -> float:
         """Seconds between two paintings at the least."""
-        return BEAT
+        return PAINT_S
 
     def beat(self) -> None:
         """Paint if anything has come or moves with time; otherwise once a second."""
@@ -324,9 +324,9 @@ class Console(ScreenApp):
             self._adopt()
             self.paint()
 
-    def side_found(self, side: PictureTerminal) -> None:
+    def picture_terminal_found(self, terminal: PictureTerminal) -> None:
         """What pictures need to know of the terminal; told by the driver when it is made."""
-        self.side = side
+        self.picture_terminal = terminal
 
     def _show(self, now: int) -> None:
         bar = BarInfo(
@@ -339,6 +339,7 @@ class Console(ScreenApp):
             take_over=self._key("take_over"),
             then=tuple(map(self._cap_and_label, self.state.then)),
             stop=self._key("stop"),
+            failures=self._key("failures"),
         )
         keys = map(self._key, ("failures", "phase_next", "drivers", "cut"))
         line = StatusInfo(self.feed.line_ok, self.feed.round_trip_us, *keys)

@@ -56,7 +56,7 @@ def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> Term
 
 def _read_answer(source: int, until: float) -> TerminalBackground:
     scanner = Scanner()
-    scanner.expects_ground = True
+    scanner.expects_background = True
     light: bool | None = None
     stops: list[str] = []
     while light is None or scanner.waiting is not None:
@@ -74,7 +74,7 @@ def _read_answer(source: int, until: float) -> TerminalBackground:
                 stops.append(token.source)
             elif (
                 isinstance(token, TerminalReply)
-                and token.what == "ground"
+                and token.what == "background"
                 and len(token.values) == 3
             ):
                 light = _brightness(token.values) >= _LIGHT

@@ -246,9 +246,9 @@ class BarInfo:
     `news` takes the place of the `hints` (keys with a word each) for a while; `page` stands behind
     the hints and says which page of the panels is shown. `next` is the key of the script, `skip`
     leaves its line out, `release` the one that releases the stop, `stop` the one that stops,
-    `take_over` lets a console that watches play. `then`: keys and labels of what is likely to
-    follow the last act. `asked_us`: session time at which this console asked for a stop that has
-    not been answered yet.
+    `take_over` lets a console that watches play, `failures` shows what can be done. `then`: keys
+    and labels of what is likely to follow the last act. `asked_us`: session time at which this
+    console asked for a stop that has not been answered yet.
     """
 
     news: News = News()
@@ -261,6 +261,7 @@ class BarInfo:
     take_over: str = ""
     then: tuple[tuple[str, str], ...] = ()
     stop: str = ""
+    failures: str = ""
 
 
 def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
@@ -285,7 +286,8 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """What the wizard must know now, in two rows at most."""
     glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
     if state.ended and state.lost and asked_us is None:
-        over, where = " The session has ended.", " enter shows where its log is"
+        where = f" {bar.failures} shows where its log is" if bar.failures else ""
+        over = " The session has ended."
         return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
     if state.stop is not None and (not state.lost or (state.stop.settled and asked_us is None)):
         return _stopped(state, state.stop, bar, frame)
@@ -294,7 +296,8 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         return _undelivered(state.lost, what, glyphs, width)
     if state.lost:
         why = f" {glyphs.error} {state.lost.part.title}: {clean(state.lost.why)}"
-        what = "No key is sent. enter shows what the robot does and what can be done"
+        more = f" {bar.failures} shows what the robot does and what can be done"
+        what = f"No key is sent.{more if bar.failures else ''}"
         return [((fit(why, width), "alarm"),), _below(what, bar.news, frame)]
     if asked_us is not None:
         waited = millis(frame.now - asked_us)
@@ -353,7 +356,8 @@ def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintF
         return [first, second]
     if confirmed and (state.lost or bar.news.text):
         why = state.lost.why if state.lost else ""
-        return [first, _below(f"enter shows what can be done ({why})", bar.news, frame)]
+        more = f"{bar.failures} shows what can be done ({why})" if bar.failures else why
+        return [first, _below(more, bar.news, frame)]
     row = settled_row(stop, state.short_names, glyphs, width, release)
     blanks = max(0, width - length(row))
     return [first, cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)]

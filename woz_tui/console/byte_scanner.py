@@ -48,9 +48,9 @@ SEQUENCE_LIMIT = 2048
 GRAPHICS, _ANSWER_END, _GRAPHICS_LIMIT = b"\x1b_Gi=31;", b"\x1b\\", 256
 
 #: The same for its background (`background_colour.QUESTION`); the answer may end with a bell.
-GROUND, _GROUND_LIMIT = b"\x1b]11;", 64
+BACKGROUND, _BACKGROUND_LIMIT = b"\x1b]11;", 64
 #: Held so far, no person has pressed escape and typed the rest: a piece of a late answer.
-_GROUND_SURE = b"\x1b]11;rgb"
+_BACKGROUND_SURE = b"\x1b]11;rgb"
 
 _ESC, _CTRL_C, _BELL = 0x1B, 0x03, 0x07
 _PASTE_BEGIN, _PASTE_END = b"\x1b[200~", b"\x1b[201~"
@@ -77,7 +77,7 @@ class _In(Enum):
     CHARACTER = auto()
     PASTE = auto()
     GRAPHICS = auto()
-    TERMINAL_GROUND = auto()
+    BACKGROUND = auto()
 
 
 class Scanner:
@@ -93,8 +93,8 @@ class Scanner:
         #: The terminal was asked for pictures: until it answers, `ESC _` may begin the answer, and
         #: a stop with a `_` right behind it takes a moment. At all other times it is a stop.
         self.expects_graphics = False
-        #: The same for its ground, and `ESC ]`.
-        self.expects_ground = False
+        #: The same for its background, and `ESC ]`.
+        self.expects_background = False
         self._state = _In.GROUND
         self._held = bytearray()
         self._pasted = bytearray()
@@ -167,8 +167,8 @@ class Scanner:
                 self._paste(byte)
             case _In.GRAPHICS:
                 self._answer(byte, GRAPHICS, _GRAPHICS_LIMIT)
-            case _In.TERMINAL_GROUND:
-                self._answer(byte, GROUND, _GROUND_LIMIT)
+            case _In.BACKGROUND:
+                self._answer(byte, BACKGROUND, _BACKGROUND_LIMIT)
 
     # -- single bytes and characters ---------------------------------------------------------
 
@@ -219,9 +219,9 @@ class Scanner:
         elif byte == 0x5F and self.expects_graphics:
             self._held.append(byte)
             self._state = _In.GRAPHICS
-        elif byte == 0x5D and self.expects_ground:
+        elif byte == 0x5D and self.expects_background:
             self._held.append(byte)
-            self._state = _In.TERMINAL_GROUND
+            self._state = _In.BACKGROUND
         else:
             self._tokens.append(StopToken("escape", self._release()))
             self._ground(byte)
@@ -260,14 +260,14 @@ class Scanner:
         """Nothing but the very answer, letter by letter: all else was a stop, and keys."""
         self._held.append(byte)
         held = self._held
-        bell = byte == _BELL and begins == GROUND
+        bell = byte == _BELL and begins == BACKGROUND
         if len(held) <= len(begins):
             if not begins.startswith(held):
                 self._break_off()
         elif bell or held.endswith(_ANSWER_END):
             told = bytes(held[len(begins) :]).rstrip(b"\x07\x1b\\")
-            if begins == GROUND:
-                self._tokens.append(TerminalReply("ground", _colour(told), self._release()))
+            if begins == BACKGROUND:
+                self._tokens.append(TerminalReply("background", _colour(told), self._release()))
             else:
                 self._tokens.append(
                     TerminalReply("graphics", (int(told == b"OK"),), self._release())
@@ -288,7 +288,7 @@ class Scanner:
 
     def _give_up(self) -> None:
         """The rest does not come: a piece of the terminal's answer is nobody's stop."""
-        if self._state is _In.TERMINAL_GROUND and self._held.startswith(_GROUND_SURE):
+        if self._state is _In.BACKGROUND and self._held.startswith(_BACKGROUND_SURE):
             self._tokens.append(TerminalReply("unknown", (), self._release()))
         else:
             self._break_off()

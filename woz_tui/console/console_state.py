@@ -12,6 +12,7 @@ import contextlib
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import itemgetter
 
 import msgspec
 
@@ -339,10 +340,14 @@ class ConsoleState:
         """What holds and the last lines, each once and in their order: only these are listed."""
         held, recent = _decoded(welcome.state), _decoded(welcome.recent)
         listed = {message.seq for message in recent if message.seq >= 0}
-        lines = [(each, each.seq in listed) for each in held]
+        lines = [(each.seq, each, each.seq in listed) for each in held]
         known = {each.seq for each in held}
-        lines += [(each, True) for each in recent if each.seq < 0 or each.seq not in known]
-        for message, tell in sorted(lines, key=lambda line: line[0].seq):
+        place = -1
+        for each in recent:  # a code of a replay has no number: it comes behind the line before it
+            place = each.seq if each.seq >= 0 else place
+            if each.seq < 0 or each.seq not in known:
+                lines.append((place, each, True))
+        for _, message, tell in sorted(lines, key=itemgetter(0)):
             self._message(message, tell)
         # The last lines begin in the middle, so what holds is what the robot process says.
         self._go_by(held)

@@ -41,9 +41,9 @@ _FIRST = 4096
 
 
 class HostConnection:
-    """A `Feed` from a live robot process.
+    """A `MessageFeed` from a live robot process.
 
-    When the host closes, dies or goes silent, `on_lost` is told why and the link looks for it
+    When the host closes, dies or goes silent, `on_lost` is told why and it looks for the host
     again, until the session has ended or `close` is called; a host that is found again begins
     with a new `Welcome`, and if it is lost again `on_lost` is called again. Between the two only a
     stop is sent: a host that stood still would carry out the rest when it wakes.

@@ -343,4 +343,4 @@ class Keyboard:
 
 
 def _ignore(chord: str, action: str, ref: int) -> None:
-    """Nobody wants to know."""
+    """Do nothing: the default of a callback."""

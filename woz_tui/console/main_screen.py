@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
+from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.containers import Container
 from textual.geometry import Size
@@ -21,7 +22,7 @@ from woz_tui.console.action_panels import ActionPanels
 from woz_tui.console.bodies.bodies_pane import BodyPane
 from woz_tui.console.bodies.driver_outlines import body_outlines
 from woz_tui.console.bottom_rows import BarInfo, RepairRow, ScriptPane, StopBar
-from woz_tui.console.cells import Cells, Row, clean, fit
+from woz_tui.console.cells import Cells, Row, clean, fit, wrap_row
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_list import EventList
 from woz_tui.console.glyphs import Glyphs, PaintFrame
@@ -157,10 +158,10 @@ class CueBoard(Cells):
         if cue is not None:
             given = cue.given
             text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
-            said = (text if given.text else _SORTS.get(given.sort, given.sort), "strong")
+            said = _wrapped(text if given.text else _SORTS.get(given.sort, given.sort), frame)
             left = max(0, given.t + given.window_us - frame.now)
             full = round(left / max(1, given.window_us) * (frame.width // 2))
-            rows = [said, (frame.glyphs.bar * full, "run")]
+            rows = [*((line, "strong") for line in said), (frame.glyphs.bar * full, "run")]
         elif last is not None:
             rows = [verdict_text(last), ("", "plain")]
         else:
@@ -169,9 +170,19 @@ class CueBoard(Cells):
         self.show([*above, *(_centred(text, look, frame) for text, look in rows)])
 
 
+def _wrapped(text: str, frame: PaintFrame) -> list[str]:
+    """The words of a cue, in as many lines as the board has beside the bar."""
+    plain, room = frame.glyphs.plain(clean(text)), max(1, frame.height - 1)
+    rows = wrap_row(((plain, "strong"),), 0, frame.width)
+    lines = ["".join(piece for piece, _ in row).strip() for row in rows]
+    return [*lines[: room - 1], " ".join(lines[room - 1 :])]
+
+
 def _centred(text: str, look: str, frame: PaintFrame) -> Row:
-    shown = fit(frame.glyphs.plain(clean(text)), len(text), frame.glyphs.ellipsis)
-    return ((shown[: frame.width].center(frame.width), look),)
+    shown = frame.glyphs.plain(clean(text))
+    if cell_len(shown) > frame.width:
+        shown = fit(shown, frame.width, frame.glyphs.ellipsis)
+    return ((shown.center(frame.width), look),)
 
 
 SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"

@@ -1,4 +1,5 @@
-"""What the sensors say: distance, loudness, who is there, engagement, the robot's pose, all others.
+"""Draws the meters: distance, loudness, who is there, engagement, the robot's pose, all other
+sensors.
 
 The order is fixed, whatever comes first: what the experiment file names under `sensors`, then what
 the wizard plays by, and where the robot stands at the bottom.

@@ -21,6 +21,7 @@ from woz_tui.console.study.questionnaires import OpenQuestionnaire
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AnyRequest, AskQuestionnaire, Reply
 from woz_tui.protocol.welcome import QuestionnaireWords
+from woz_tui.timeline.study_history import DueQuestionnaire
 
 #: Leaves this screen; for whoever has set it up, so it stands nowhere on it.
 LEAVE = "ctrl+q"
@@ -43,7 +44,8 @@ class ParticipantApp(ScreenApp):
         keyboard.free = False
         self._only = only
         self._waiting: dict[int, Callable[[Reply], None]] = {}
-        self._thanks = self._begun = False
+        self._thanks = False
+        self._begun: DueQuestionnaire | None = None
 
     def compose(self) -> ComposeResult:
         """The sheet."""
@@ -85,13 +87,22 @@ class ParticipantApp(ScreenApp):
                 self._thanks = False
 
     def _begin(self) -> None:
-        """Whoever waits for one questionnaire alone asks for it as soon as it is due."""
-        study = self.state.study
-        due = self._only in study.due and study.open_questionnaire is None and not self.state.lost
-        if due and not self._begun:
+        """Whoever waits for one questionnaire alone asks for it as soon as it is due, and once: one
+        that the wizard left is still due, and it is the wizard who begins it again.
+        """
+        due = (each for each in self.state.session.study.due if each.questionnaire == self._only)
+        wanted = next(due, None)
+        away = self.state.study.open_questionnaire is not None or self.state.lost
+        if wanted is not None and wanted != self._begun and not away:
             request = AskQuestionnaire(questionnaire=self._only, source="participant")
-            self._ask(request, _nobody)
-        self._begun = due
+            self._ask(request, self._asked)
+            self._begun = wanted
+        elif wanted is None:
+            self._begun = None
+
+    def _asked(self, reply: Reply) -> None:
+        if not reply.ok and reply.reason == GONE:  # nobody knows whether it came
+            self._begun = None
 
     def _cut(self, loss: Loss) -> None:
         """No reply will come any more; what was not confirmed goes out again later."""

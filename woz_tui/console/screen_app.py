@@ -78,7 +78,7 @@ class Inbox:
 
 
 #: Seconds between two paintings: ten a second is as much as an eye and a line can use.
-BEAT = 0.1
+PAINT_S = 0.1
 
 
 class ScreenApp(App[str], inherit_bindings=False):  # Textual's ctrl+q would quit unasked
@@ -128,7 +128,7 @@ class ScreenApp(App[str], inherit_bindings=False):  # Textual's ctrl+q would qui
         self.set_class(self.look.glyphs.ascii, "-ascii")
         self.set_class(self.no_color, "-plain")
         self.begin()
-        self.set_interval(BEAT, self.beat)
+        self.set_interval(PAINT_S, self.beat)
         self.feed.start(self.inbox.receive, self.inbox.cut)
 
     def on_unmount(self) -> None:

@@ -1,9 +1,10 @@
 """The console's own way to its terminal: the stop and the keys come first, the screen second.
 
-Everything of Textual that is not public is used in this file only: of `LinuxDriver` its methods
-`_patch_*` and `_run_input_thread` by inheritance, its attributes `fileno`, `_file`, `attrs_before`,
-`exit_event`, `_key_thread` and `_must_signal_resume`; and `XTermParser.feed`. Read and tested with
-Textual 8.2.8; pyproject.toml keeps it below 9.
+What is used here of Textual that is not public: of `LinuxDriver` its methods `_patch_*` and
+`_run_input_thread` by inheritance, its attributes `fileno`, `_app`, `_debug`, `_file`,
+`attrs_before`, `exit_event`, `_key_thread` and `_must_signal_resume`; and `XTermParser.feed`. Other
+files: `partial_update.py` and `camera/picture_widgets.py` (`textual._compositor`), `app.py`
+(`_display`). Read and tested with Textual 8.2.8; pyproject.toml keeps it below 9.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ _RESTORE = (
 
 
 class KeyboardApp(Protocol):
-    """What the driver needs of the app: its `keyboard`; if it likes, it is told what is found."""
+    """What the driver needs of the app: its `keyboard`."""
 
     keyboard: Keyboard
 
@@ -68,7 +69,8 @@ class WizardDriver(LinuxDriver):
 
     The app gives its `keyboard`. If it has a method `terminal_found(terminal)`, that is called in
     the app's thread with the `config.keys.terminals.Terminal` that answered. A method
-    `side_found(side)` is given at once what this driver finds out about the terminal for pictures.
+    `picture_terminal_found(terminal)` is called at once with the `PictureTerminal`, which learns
+    from the answers what pictures need to know.
     """
 
     def __init__(self, app: App[Any], **options: Any) -> None:
@@ -81,8 +83,8 @@ class WizardDriver(LinuxDriver):
         self._wake_in, self._wake_out = os.pipe()
         os.set_blocking(self._wake_in, False)
         os.set_blocking(self._wake_out, False)
-        self._side = PictureTerminal(lambda: self._output, self._line, self._wake)
-        getattr(app, "side_found", lambda side: None)(self._side)
+        self._picture_terminal = PictureTerminal(lambda: self._output, self._line, self._wake)
+        getattr(app, "picture_terminal_found", lambda terminal: None)(self._picture_terminal)
         self._read_s = 0.0
         self._scanner = Scanner()
         self._parser = XTermParser(self._debug)
@@ -219,7 +221,7 @@ class WizardDriver(LinuxDriver):
         ask_for_short_turns()
         scanner = self._scanner = Scanner(merged_chords(detect_terminal(os.environ)))
         scanner.expects_graphics = bool(question(os.environ))
-        scanner.expects_ground = True  # asked for before this began: its answer may be late
+        scanner.expects_background = True  # asked for before this began: its answer may be late
         self._line.reset()
         poll = select.poll()
         for fd in (self.fileno, self._wake_in):
@@ -330,10 +332,10 @@ class WizardDriver(LinuxDriver):
         if reply.what == "kitty" and reply.values:
             self._kitty = reply.values[0]
         elif reply.what == "graphics":
-            self._side.kitty = reply.values == (1,)
+            self._picture_terminal.kitty = reply.values == (1,)
         elif reply.what == "attributes":  # asked last: what has not come by now will not come
-            self._scanner.expects_graphics = self._scanner.expects_ground = False
-            self._side.sixel = reply.raw.startswith(b"\x1b[?") and 4 in reply.values[1:]
+            self._scanner.expects_graphics = self._scanner.expects_background = False
+            self._picture_terminal.sixel = reply.raw.startswith(b"\x1b[?") and 4 in reply.values[1:]
             found = getattr(self._app, "terminal_found", None)
             if found is not None:
                 terminal = _terminal(bool(self._kitty & 1))

@@ -70,9 +70,10 @@ class Scope(enum.Enum):
 class Argument:
     """One argument of a verb.
 
-    `hide`: gives a text back without what nobody may see of it, such as the password in an address.
-    What it leaves is all that is recorded, told and given to the driver; an experiment file that
-    holds more is refused. Twice is as once.
+    `kind`: one of `KINDS`. `range`: limits of a number, both included; of a text, its longest
+    length in characters. `hide`: gives a text back without what nobody may see of it, such as the
+    password in an address. What it leaves is all that is recorded, told and given to the driver; an
+    experiment file that holds more is refused. Applied twice it gives the same as once.
     """
 
     name: str
@@ -90,11 +91,12 @@ class Verb:
     """Something a driver can do.
 
     `arguments[0]` is the main one: `say: "Hello"` gives it directly. Commands in one `lane` run
-    one after the other, those in different lanes together. `stream`: only the latest setpoint
-    counts, so it goes into a slot and not into the queue. `drives`: it moves the robot through
-    the room, or lets somebody talk through it, and must end when nobody watches. `limit_s`: how
-    long it may take at most. `brief`: it is done at once, so that a burst of it may wait in its
-    lane without anybody noticing.
+    one after the other, those in different lanes together. `stream`: only the newest setpoint
+    counts. The verb has a lane of its own beside `lane`: a newer command replaces the one that
+    waits, the one that runs goes on. `drives`: it moves the robot through the room, or lets
+    somebody talk through it, and must end when nobody watches. `limit_s`: seconds that it may take
+    at most. `brief`: it is done at once, so that a burst of it may wait in its lane without anybody
+    noticing.
     `waits`: it may be queued; else it is refused while its lane is busy. `arrives`: it moves
     something to a goal, and the log says when that is there (`motion.arrived`): when `perform`
     returns, unless the driver says that it goes on (`Job.goes_on`). `together`: its commands do not
@@ -131,7 +133,7 @@ class Job(Protocol):
 
     @property
     def source(self) -> str:
-        """Whose hand it came from: key, script, palette, midi, program, engagement, replay."""
+        """Who asked for it: see `source` in `messages.ActionRequested`; also `driver`."""
 
     def expects(self, seconds: float) -> None:
         """Say that it will take `seconds` more from now; the console counts down."""
@@ -275,7 +277,7 @@ class DriverContext(abc.ABC):
         """A time of `clock` in microseconds on the axis of the messages' `t`."""
 
     @abc.abstractmethod
-    def publish(self, said: DriverStatement | Shown | Speech) -> None:
+    def publish(self, statement: DriverStatement | Shown | Speech) -> None:
         """Tell it. Drivers call the methods below."""
 
     def reading(
@@ -460,7 +462,7 @@ class Performer(Protocol):
 
 class Driver(Performer):
     """One piece of hardware, or several behind one wire. Only `Settings`, `summary`, `perform` and
-    `stop` are needed: everything else has a default that does nothing.
+    `stop` are needed: everything else has a harmless default.
 
     Class methods say what it offers with its settings. They are called without an instance, when a
     file is read: they depend on the settings alone and touch no hardware. The coroutines run in the
@@ -556,7 +558,7 @@ class Driver(Performer):
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """How a command with these checked arguments would go if it came now, without moving or
-        sounding. It may take its time. By itself nothing is known.
+        sounding. It may take its time. The default knows nothing.
 
         Raises:
             RejectedError: It would be rejected.
@@ -566,8 +568,8 @@ class Driver(Performer):
 
     async def open(self) -> None:
         """Begin to look for the hardware, once at the start; return at once. Missing hardware is no
-        error: say so through `DriverContext.health` and keep looking. By itself it is connected at
-        once.
+        error: say so through `DriverContext.health` and keep looking. The default reports CONNECTED
+        at once.
         """
         self.context.health(Health.CONNECTED)
 
@@ -578,7 +580,7 @@ class Driver(Performer):
 
     async def prepare_say(self, utterances: list[Mapping[str, Json]]) -> None:
         """As `prepare`, with all arguments of each `say`, for drivers whose `say` has more of them
-        than `text`. By itself it calls `prepare` with the texts.
+        than `text`. The default calls `prepare` with the texts.
         """
         await self.prepare(list(dict.fromkeys(str(args["text"]) for args in utterances)))
 

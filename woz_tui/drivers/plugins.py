@@ -9,7 +9,8 @@ from importlib.metadata import EntryPoint, entry_points
 from woz_tui.drivers.contract import Driver
 
 GROUP = "woz_tui.drivers"
-#: The room that held the contract once, and what the author of a driver from then has to do.
+#: The package that held the contract in earlier versions, and what the author of a driver from then
+#: has to do.
 _BEFORE = "woz_tui.core"
 _MOVED = "; import from woz_tui.drivers and woz_tui.protocol (CHANGELOG.md lists old and new names)"
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 #: By name, or by the beginning of a name that ends with a dot.
 _UNITS = {
     "distance": "m",
-    "direction": "degrees",
-    "joint.": "degrees",
-    "setpoint.": "degrees",
+    "direction": "deg",
+    "joint.": "deg",
+    "setpoint.": "deg",
     "tick": "ms",
 }
 

@@ -220,7 +220,7 @@ _KINDS = {
     "marker": "a moment that the wizard marked",
     "code": "what a coder (the source) set while watching a replay: the label is its tier",
     "note": "a sentence that the wizard typed",
-    "mistake": "the wizard labelled an action a mistake",
+    "mistake": "the wizard labelled an action or a single command a mistake",
 }
 _MOMENTS = {
     str(kind.__struct_config__.tag): (kind.__doc__ or "").strip().partition("\n\n")[0]

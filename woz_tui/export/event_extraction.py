@@ -219,6 +219,7 @@ class EventExtractor:
         event.reason = self._text(command.ended, "reason")
         event.driver = command.driver
         event.latency, event.acted = command.latency_us, command.started
+        event.mistake = command.mistake is not None
         args = event.details.get("args")
         spoken = args.get("text") if isinstance(args, dict) else None
         if command.label == _SAY and isinstance(spoken, str):

@@ -58,7 +58,7 @@ class ExportEvent(InContext):
         outcome: How it ended; `open`: the log ended first.
         latency: For actions and commands, from the request to the driver's start.
         acted: When the driver started, for commands.
-        mistake: The wizard said that this action was one.
+        mistake: The wizard labelled it as one.
         details: Everything else that the log says of it.
     """
 

@@ -74,8 +74,8 @@ from woz_tui.system.tasks import TaskSet
 
 log = logging.getLogger(__name__)
 
-#: What somebody who only watches may ask for (stop and taking over: see `server`).
-WATCHER_MAY = (*(AskDescribe, AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver),)
+#: What somebody who only watches may ask for; `SessionServer` answers stop and take-over itself.
+WATCHER_MAY = (AskDescribe, AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver)
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: Sources of what the robot process, its drivers and its re-runs do by themselves.

@@ -202,7 +202,7 @@ class RerunSession:
         )
 
     def _remedy(self) -> str:
-        return "" if self._options.headless else "ctrl+q ends the session"
+        return "" if self._options.headless else "end the session"
 
     def _end_session(self) -> None:
         over = self._player.over

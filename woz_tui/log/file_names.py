@@ -17,7 +17,7 @@ _STEM = re.compile(
     r"_(?P<session>[A-Za-z0-9]{1,16})(?:-\d+)?",
     re.ASCII,
 )
-#: What coders wrote beside a log (see `coding`) is none.
+#: What coders wrote beside a log (see `coding_file.py`) is none.
 _NAME = re.compile(
     r"(?P<stem>.+?)(?<!\.coding)(?:\.(?P<number>[1-9]\d{0,5}))?(?P<samples>\.samples)?\.jsonl"
 )

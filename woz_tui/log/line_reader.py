@@ -69,12 +69,6 @@ class LineChunk:
     whole: bool = True
 
 
-def lines_of(path: Path, damage: Damage) -> Iterator[LogLine]:
-    """The messages in one file as they stand there, without the lines that open a segment."""
-    for chunk in chunks_of(path, damage):
-        yield from lines_in(chunk, damage)
-
-
 def lines_in(chunk: LineChunk, damage: Damage) -> list[LogLine]:
     """The messages of a chunk, without the lines that open a segment."""
     if chunk.data is None:

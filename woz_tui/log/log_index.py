@@ -262,7 +262,7 @@ class LogIndex:
 
     Attributes:
         actions: Every message that is no sample, in order of `seq`, in memory. What this version
-            does not know or cannot take is there as its `Line`.
+            does not know or cannot take is there as its `LogLine`.
         damage: What was wrong with the files; the same as `woz_tui.log.log_reader.read` says.
         no_end: What it may mean if no message says that the session ended.
         length_us: The last moment of the session, in microseconds since it began; 0 if the log is

@@ -15,7 +15,7 @@ from typing import Any
 
 from woz_tui.log.damage import Damage
 from woz_tui.log.line_order import N, SequenceChecker, in_order, merged, seq_of, t_of
-from woz_tui.log.line_reader import BLOCK, LineChunk, LogLine, chunks_of, lines_in, lines_of
+from woz_tui.log.line_reader import BLOCK, LineChunk, LogLine, chunks_of, lines_in
 from woz_tui.log.log_files import LogFiles, files_of, sizes_of
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import AnyMessage, Segment, SessionStart
@@ -116,7 +116,7 @@ def same(one: object, other: object) -> bool:
     return one == other
 
 
-__all__ = ["Damage", "LogFiles", "LogLine", "files_of", "lines_of", "merge", "messages", "read"]
+__all__ = ["Damage", "LogFiles", "LogLine", "files_of", "merge", "messages", "read"]
 
 
 def read(

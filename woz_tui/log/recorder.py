@@ -203,9 +203,9 @@ class FileSeries:
 MEMORY = (32 << 20, 8 << 20)
 #: The longest that closing may take; a disk that hangs does not hang the exit.
 CLOSE_WAIT_S = 2.0
-#: The longest that one line waits for the next segment, and two pauses of the keeper.
+#: The longest that one line waits for the next segment, and two pauses of the supervisor thread.
 _SWITCH_WAIT_S, _POLL_S, _RETRY_S = 0.05, 0.1, 3.0
-#: The keeper wakes up so much too late only if the whole process did.
+#: The supervisor thread wakes up so much too late only if the whole process did.
 STANDSTILL_S = 0.05
 #: A disk that has not answered for this long is left; the time doubles with every leaving.
 _STALL_US = 10_000_000
@@ -275,7 +275,9 @@ class Recorder:
         self._wake = threading.Event()
         self._closed = False
         self._move_on("")
-        self._supervisor = threading.Thread(target=self._supervise, name="log-keeper", daemon=True)
+        self._supervisor = threading.Thread(
+            target=self._supervise, name="log-supervisor", daemon=True
+        )
         self._supervisor.start()
 
     # -- the hub's side -----------------------------------------------------------------------
@@ -377,7 +379,7 @@ class Recorder:
     def _all_synced(self) -> bool:
         return all(backlog.synced == backlog.last for backlog in self._backlogs)
 
-    # -- the keeper's side --------------------------------------------------------------------
+    # -- the supervisor thread --------------------------------------------------------------------
 
     def _supervise(self) -> None:
         while True:

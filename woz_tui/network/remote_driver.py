@@ -27,6 +27,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     DriverStatement,
     Forecast,
+    HandInput,
     Health,
     Job,
     RejectedError,
@@ -131,6 +132,7 @@ class RemoteDriver(Driver):
         self._place = place
         self._served = name.rpartition(".")[2]
         self._verbs = {verb.name for verb in local.verbs(settings)}
+        self._has_controls = local.take_hand is not Driver.take_hand
         self._offer = offer_hash(local, settings)
         self._keys = to_key(place, self._served), from_key(place, self._served)
         self._line: DriverLine | None = None
@@ -224,6 +226,15 @@ class RemoteDriver(Driver):
         """What the driver there says; nothing is known without a line."""
         found = await self._call("predict", [verb, dict(args)], REST_S)
         return Forecast() if found is None else msgspec.convert(found, Forecast)
+
+    def take_hand(self, hand: HandInput) -> None:
+        """What a hand at a laptop does reaches this computer only. Raises `RejectedError`."""
+        if not self._has_controls:
+            super().take_hand(hand)
+        raise RejectedError(
+            f"{self.name} is at {self._place}, which `woz hands` does not reach",
+            f"take `at: {self._place}` away from it in the robot file",
+        )
 
     def reread(self, settings: Any, *, dry_run: bool) -> list[str]:
         """The files that its settings name are those of the other computer."""

@@ -85,17 +85,19 @@ class ServedContext(DriverContext):
         """On the axis of the session's messages, as far as its clock is known."""
         return self._line.session_t(clock_us)
 
-    def publish(self, said: DriverStatement | Shown | Speech) -> None:
+    def publish(self, statement: DriverStatement | Shown | Speech) -> None:
         """Send it. A reading is replaced by the next one."""
         body: Any = (
-            said if isinstance(said, DriverStatement) else dm.MessageSent(codec.encode(said))
+            statement
+            if isinstance(statement, DriverStatement)
+            else dm.MessageSent(codec.encode(statement))
         )
-        match said:
+        match statement:
             case SensorStatement(sensor=sensor):
                 self._lasting[SensorStatement, sensor] = body
             case HealthStatement() | ModeStatement() | Shown():
-                self._lasting[type(said), ""] = body
-        self._line.send(body, kept=not isinstance(said, ReadingStatement))
+                self._lasting[type(statement), ""] = body
+        self._line.send(body, kept=not isinstance(statement, ReadingStatement))
 
     def feed(self, topic: str, of: str = "") -> Feed:
         """Of the drivers at this computer."""

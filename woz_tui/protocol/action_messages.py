@@ -16,6 +16,8 @@ SIGNALS = frozenset({"eyes", "screen", "sound"})
 HANDS = frozenset(
     {"key", "script", "palette", "midi", "gamepad", "stream-deck", "program", "phase"}
 )
+#: Sources of what the robot does by itself, or does again.
+BY_ITSELF = frozenset({"engagement", "replay"})
 
 
 class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"):
@@ -196,10 +198,14 @@ class MotionArrived(Ack, frozen=True, kw_only=True, tag="motion.arrived"):
 
 
 class MotionInterrupted(Ack, frozen=True, kw_only=True, tag="motion.interrupted"):
-    """The motion that a command began will not arrive; `by` names a command that took its place."""
+    """The motion that a command began will not arrive; `by` names a command that took its place.
+
+    `stopped`: the stop, or the end of the session, cut it short.
+    """
 
     reason: str
     by: str = msgspec.field(default_factory=str)
+    stopped: bool = False
 
 
 class CommandMark(Ack, frozen=True, kw_only=True, tag="command.mark"):

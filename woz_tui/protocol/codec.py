@@ -17,7 +17,7 @@ MAX_LINE = 1 << 20
 #: Lists and mappings nested deeper than this are cut off.
 MAX_DEPTH = 100
 
-#: Kinds of message of which the newest says it all: kept beside the log of actions.
+#: Kinds of message of which only the newest counts: written into the file of samples.
 SAMPLE_KINDS = frozenset({"sample", "engagement.shown"})
 
 T = TypeVar("T")

@@ -22,7 +22,8 @@ class RestrictedMessage(Message, frozen=True, kw_only=True):
     """A message whose words may tell something that is kept from some.
 
     `tells`: what that is: `condition`, `request` (the words quote what was asked for), or what a
-    sensor measures (`loudness`, `identity` ..., see `perception`). Only the subclasses are sent.
+    sensor measures (`loudness`, `identity` ..., see `config.study.PERCEIVED`). Only the subclasses
+    are sent.
     """
 
     tells: tuple[str, ...] = ()

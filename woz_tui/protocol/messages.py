@@ -529,6 +529,10 @@ class VisitorChanged(Message, frozen=True, kw_only=True, tag="visitor.changed"):
 # -- the wizard and their consoles ----------------------------------------------------------------
 
 
+#: Sources of markers that no human set: they are no cues.
+AUTOMATIC_MARKERS = frozenset({"action", "preflight"})
+
+
 class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):
     """A moment worth finding again. `at`: the moment itself on the axis of `t`, where a program
     that measured it says so; -1: this line's.

@@ -341,7 +341,7 @@ class AskReplay(Request, frozen=True, kw_only=True, tag="replay"):
 
 class AskPicture(Request, frozen=True, kw_only=True, tag="picture"):
     """The newest picture of the camera of `driver` (empty: of the first one) that is not number
-    `after`, in at most `width` x `height` pixels; the answer is a `pictures.PictureShown`.
+    `after`, in at most `width` x `height` pixels; the answer is a `camera_pictures.PictureShown`.
     """
 
     driver: str = ""
@@ -439,7 +439,7 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
 
 
 class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
-    """First line to a client that said hello: the whole picture, so any console can begin here.
+    """First line to a client that said hello: the whole state, so any console can begin here.
 
     `state` are messages of the stream that still hold (session start and changes, health of each
     driver, stop if pressed, commands and actions not yet ended, last reading of each sensor,

@@ -19,7 +19,7 @@ from woz_tui.sensing.state_machine import Event, State, named_from
 ALL = "all"
 _STEP = "step"
 
-#: Arguments of the types that the verbs have (`experiment.verbs`); the bus has checked them.
+#: Arguments of the types that the verbs have (`config.session_verbs`); the bus has checked them.
 Args = Mapping[str, Any]
 
 

@@ -1,6 +1,6 @@
 """From the messages of a session to the engagement model: one object, live and for logs.
 
-The session hands every message of its hub to a `EngagementFollower`, and so does whoever reads the
+The session hands every message of its hub to an `EngagementFollower`, and so does whoever reads the
 log later. What the model made of it can be computed again from the log for this reason, with other
 settings if wished, and with the same ones it is the same to the last transition.
 
@@ -29,14 +29,14 @@ from typing import Any
 from woz_tui.config.engagement import SIGNS, UNKNOWN, EngagementSettings
 from woz_tui.config.engagement_json import settings_from_json
 from woz_tui.config.session_verbs import ENGAGEMENT
-from woz_tui.drivers.contract import SPEECH as SEGMENTS
+from woz_tui.drivers.contract import SPEECH
 from woz_tui.protocol import messages as m
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.state_machine import Event, State
 
 #: Verbs with which the robot speaks.
-SPEECH = frozenset({"say"})
+SPEAKING_VERBS = frozenset({"say"})
 #: Commands that may be under way; more are forgotten, oldest first (a log may lack their ends).
 _REMEMBERED = 1000
 #: Steps at one moment, and between two messages: a machine that goes round is left there.
@@ -180,7 +180,7 @@ class EngagementFollower:
 
     def _sensor(self, message: m.SensorChanged) -> Transition | None:
         """A driver that cuts speech itself is there: its first segment may be long to come."""
-        self.model.cuts = self.model.cuts or message.sensor.rpartition(".")[2] == SEGMENTS
+        self.model.cuts = self.model.cuts or message.sensor.rpartition(".")[2] == SPEECH
         return None
 
     def _speech_started(self, message: m.SpeechStarted) -> Transition | None:
@@ -200,7 +200,7 @@ class EngagementFollower:
     def _command(self, command: m.Command) -> Transition | None:
         if command.driver == ENGAGEMENT:
             _remember(self._asked, command.command, command.verb)
-        elif command.verb in SPEECH:
+        elif command.verb in SPEAKING_VERBS:
             _remember(self._says, command.command, command)
         return None
 

@@ -1,4 +1,4 @@
-"""Queues that make one steady verdict of many samples: formulas 1, 2 and 4 of the paper.
+"""Queues that make one steady verdict of many samples: formulas 1 to 4 of the paper.
 
 U. Maniscalco, P. Storniolo, A. Messina, Int. J. of Social Robotics 14, 2022, doi
 10.1007/s12369-021-00855-w. `docs/explanation/engagement.md` has the formulas as they are read here.
@@ -17,9 +17,9 @@ from woz_tui.sensing.sample_values import UNKNOWN
 # -- identity -------------------------------------------------------------------------------------
 # Who it is, out of many recognitions: formula 3 of the paper.
 #
-# The formula does not say whether "Unknown" can win, nor what a tie means. Here it fills a place
-# but is nobody. Of IDs that tie, the one given out last keeps its place, else the one seen last
-# gets it, so that A B A B does not flip.
+# The formula does not say whether "Unknown" can win, nor what a tie means. Here it takes a place in
+# the queue and never wins. Of IDs that tie, the one given out last keeps its place, else the one
+# seen last gets it, so that A B A B does not flip.
 
 
 class IdentityFifo:

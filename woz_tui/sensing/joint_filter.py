@@ -379,18 +379,6 @@ class JointSign:
         self.threshold = threshold
         self.needed = least(threshold, PLACES)
 
-    def near_within(self, metres: float) -> None:
-        """Another social distance, for all signs."""
-        self._joint.near_within(metres)
-
-    @property
-    def values(self) -> list[float]:
-        """There is no queue."""
-        return []
-
-    def resume(self, values: Sequence[float | str]) -> None:
-        """Nothing of what another filter held: a sample or two tell everything again."""
-
     def add(self, value: float | str, t: int) -> None:
         """One more valid sample of this sign."""
         self._joint.add(self._sign, value, t)

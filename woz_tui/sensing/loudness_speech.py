@@ -26,6 +26,7 @@ class LoudnessSpeechDetector:
     def __init__(self, settings: SoundSettings) -> None:
         # It is ended by the time that has passed, never by a number of chunks.
         self._points = Endpointer(PUBLISHED_THRESHOLD, hang=2**62, pre=0)
+        self._learnt = PUBLISHED_THRESHOLD
         self._loud_at = 0
         self._chunk_at = 0
         self._gap = 0
@@ -33,10 +34,9 @@ class LoudnessSpeechDetector:
         self.adopt(settings)
 
     def adopt(self, settings: SoundSettings) -> None:
-        """Go on with other settings; a threshold that was learnt stays if they name none."""
+        """Go on with other settings; the threshold that was learnt counts if they name none."""
         self._fixed = settings.threshold is not None
-        if settings.threshold is not None:
-            self._points.threshold = settings.threshold
+        self._points.threshold = self._learnt if settings.threshold is None else settings.threshold
         self._hang = microseconds(settings.hang_over)
 
     @property
@@ -52,8 +52,10 @@ class LoudnessSpeechDetector:
     def tell_threshold(self, threshold: object) -> None:
         """What the microphone has learnt; it counts unless the settings name a threshold."""
         level = sample_values.number(threshold)
-        if level is not None and not self._fixed and 0.0 <= level < math.inf:
-            self._points.threshold = level
+        if level is not None and 0.0 <= level < math.inf:
+            self._learnt = level
+            if not self._fixed:
+                self._points.threshold = level
 
     def add(self, value: object, now: int) -> tuple[bool, Event | None]:
         """One value at the model's time: whether it is one, and what begins or ends with it."""

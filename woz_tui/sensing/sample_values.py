@@ -11,7 +11,7 @@ from functools import lru_cache
 
 from woz_tui.config.visitor_names import VisitorNameError, label_of
 
-#: A face that nobody knows; an identity, but nobody's.
+#: The identity of a face that the recogniser does not know.
 UNKNOWN = "Unknown"
 #: Numbers that JSON has no notation for, as lines of samples spell them.
 SPELT = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}

@@ -1,7 +1,7 @@
 """The store of visitors: one JSON file, `visitors.json`, beside the logs unless told otherwise.
 
-    visitors = Visitors(path)
-    visitors.add("Anna", on=today, age_group="adult", label="face-7")   RefusedError if taken
+    visitors = VisitorStore(path)
+    visitors.add("Anna", on=today, age_group="adult", label="face-7")   VisitorRefusedError if taken
     visitors.find("anna"), visitors.called("face-7")                    -> Visitor | None
     visitors.met("Anna", on=today)
 

@@ -14,8 +14,8 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
 from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import HANDS
-from woz_tui.sensing.engagement_stream import SPEECH
+from woz_tui.protocol.action_messages import BY_ITSELF, HANDS
+from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.session.action_texts import Steps, calls_in, missing_value_error
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.response_delay import ResponseDelay, may_wait
@@ -23,8 +23,6 @@ from woz_tui.session.variables import MissingValueError
 
 #: Runs and commands that can still be labelled as mistakes.
 REMEMBERED = 2000
-#: What the robot does by itself, or does again, nobody's hand has asked for just now.
-_NO_HANDS = frozenset({ENGAGEMENT, "replay"})
 #: Lanes of the gaze and of the face: what is played there goes with what is said.
 _ACCOMPANYING = frozenset({"head", "face", "eyes"})
 
@@ -318,7 +316,7 @@ class ActionRunner:
 
     def _remember(self, played: str, name: str, origin: RequestOrigin) -> None:
         self.played[played] = name
-        if origin.source not in _NO_HANDS:
+        if origin.source not in BY_ITSELF:
             self.by_hand = played
             self.last_over[origin.console] = played
         if len(self.played) > REMEMBERED:
@@ -417,7 +415,7 @@ class ActionRunner:
     def _not_arrived(self, run: ActionRun, message: m.MotionInterrupted) -> m.ActionEnd:
         if message.by:
             return _superseded(run, message.by, self.played.get(message.by, message.by))
-        if self._bus.latched:
+        if message.stopped:
             return m.ActionStopped(run=run.id, action=run.action.name, reason=message.reason)
         reason = f"{message.driver}: {message.reason}"
         return m.ActionFailed(run=run.id, action=run.action.name, reason=reason)
@@ -480,7 +478,7 @@ class ActionRunner:
             if run.id == newer or run.id in self.scheduled:
                 continue
             later = run.still_to_come
-            speaks = any(call.verb in SPEECH for call in later)
+            speaks = any(call.verb in SPEAKING_VERBS for call in later)
             if self._lanes(later) & (self._lanes(calls, leading=True) if speaks else needed):
                 self.end_after_step(run.id, _superseded(run, newer, label))
 
@@ -574,7 +572,7 @@ def _refusal_of(run: ActionRun) -> RequestError | None:
 
 def may_speak(call: Call | m.Command) -> bool:
     """Whether something is said with it; a block of BML may say something."""
-    return call.verb in SPEECH or call.driver == BML
+    return call.verb in SPEAKING_VERBS or call.driver == BML
 
 
 def _left_out(action: Action) -> str:

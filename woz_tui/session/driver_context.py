@@ -107,10 +107,10 @@ class SessionDriverContext(DriverContext):
         """A time of the clock on the axis of the messages' `t`."""
         return self._hub.t(clock_us)
 
-    def publish(self, said: DriverStatement | Shown | Speech) -> None:
+    def publish(self, statement: DriverStatement | Shown | Speech) -> None:
         """Publish it as a message of the session."""
         driver = self._driver
-        match said:
+        match statement:
             case ReadingStatement(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
                 name = self._names.get(sensor, sensor)
                 self._send(reading(name, value, text=text, driver=driver, unit=unit, raw=raw))
@@ -136,7 +136,7 @@ class SessionDriverContext(DriverContext):
                     Notice(level=level, text=text, remedy=remedy, driver=driver, tells=tells)
                 )
             case Shown() | SpeechStarted() | SpeechEnded() | SpeechText():
-                self._send(msgspec.structs.replace(said, driver=driver))
+                self._send(msgspec.structs.replace(statement, driver=driver))
 
     def feed(self, topic: str, of: str = "") -> Feed:
         """A feed of this driver, or of another one of the same robot."""

@@ -93,8 +93,8 @@ class EngagementController:
         self._set_timer()
 
     def close(self) -> None:
-        """The session has ended: nothing is heard any more. Until here its last moments are, too,
-        so that the log has all that the model has seen; only nothing is done about it.
+        """Stop listening. Until this call the model gets the session's last messages too, so that
+        the log holds what it saw; no command comes of them.
         """
         model, self._model = self._model, None
         self._timer.cancel()
@@ -106,7 +106,7 @@ class EngagementController:
             model.attention.close()
 
     async def finish(self) -> None:
-        """The same, and what has been learnt of visitors is saved. Bounded in time."""
+        """Close the model and save what was learnt of visitors. Bounded in time."""
         model = self._model
         self.close()
         if model is not None:
@@ -129,15 +129,15 @@ class EngagementController:
         if self._model is None:
             raise RejectedError("the experiment has no engagement model")
         try:
-            said = engagement_commands.resolved_arguments(
+            arguments = engagement_commands.resolved_arguments(
                 self._model.follower.model, job.verb, job.args
             )
         except ValueError as error:
             raise RejectedError(str(error)) from error
-        if isinstance(name := said.get("code"), str):
-            said["code"] = self._model.visitors.name(name)
+        if isinstance(name := arguments.get("code"), str):
+            arguments["code"] = self._model.visitors.name(name)
         self._verbs[job.command] = job.verb
-        return said
+        return arguments
 
     async def stop(self, scope: Scope) -> None:
         """Do nothing: the model moves nothing."""

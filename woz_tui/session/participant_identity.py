@@ -18,7 +18,7 @@ CODE = re.compile(r"[A-Za-z0-9]{1,16}")
 class RequestError(ValueError):
     """What was asked for cannot be done; `hint` says what would help, or lists `conditions`.
 
-    `command` is the id of the console's key (`experiment.builtins`) that helps.
+    `command` is the id of the console's key (`config/keys/builtin_keys.json`) that helps.
     """
 
     def __init__(

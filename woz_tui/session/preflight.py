@@ -8,8 +8,14 @@ from woz_tui.machine import machine_checks
 from woz_tui.protocol import messages as m
 from woz_tui.session.session import Session
 
-#: A sensor that has said nothing for longer than this is silent (microseconds).
-FRESH_US = 3_000_000
+#: A sensor that has said nothing for longer than this is silent (microseconds), unless its readings
+#: are seldom by nature: then for so many of its own periods.
+FRESH_US, PERIODS = 3_000_000, 3
+#: Sensors, by their driver's names, that speak when something happens: neither silence nor an old
+#: value says that something is wrong.
+_ON_EVENTS = frozenset(
+    {SPEECH, "direction", "frames", "prepared", "synthesiser", "talk", "transcriber"}
+)
 #: What a line of the list can be; what is only worth knowing is in order.
 LEVELS = ("ok", "warning", "error")
 
@@ -72,20 +78,19 @@ def _drivers(session: Session) -> list[Finding]:
 
 def _sensors(session: Session) -> list[Finding]:
     published = published_names(session.experiment.drivers)
-    # Joints and their like, which have a dot in their names, have their driver's own line; speech
-    # comes when somebody speaks.
+    # Joints and their like, which have a dot in their names, have their driver's own line.
     expected = [
         name
         for names in published.values()
         for sensor, name in names.items()
-        if "." not in sensor and sensor != SPEECH
+        if "." not in sensor and sensor not in _ON_EVENTS
     ]
     findings = []
     for sensor in expected:
         message = session.state.readings.get(sensor)
         if message is None:
             findings.append(Finding("warning", sensor, "no value yet"))
-        elif session.hub.now() - message.t > FRESH_US:
+        elif session.hub.now() - message.t > _limit_us(session, sensor):
             findings.append(
                 Finding("warning", sensor, "its last value is too old", "check the device")
             )
@@ -94,11 +99,17 @@ def _sensors(session: Session) -> list[Finding]:
     return findings
 
 
+def _limit_us(session: Session, sensor: str) -> float:
+    changed = session.state.sensors.get(sensor)
+    every_s = changed.every_s if changed is not None else 0.0
+    return max(FRESH_US, PERIODS * every_s * 1_000_000)
+
+
 def _in_words(message: m.Reading) -> str:
     if message.sensor.endswith("identity"):
         return message.text or "nobody identified"
     if message.value is None:
-        return "nothing measured"
+        return message.text or "nothing measured"
     return f"{message.value:.3g} {message.unit}".strip()
 
 

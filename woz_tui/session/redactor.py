@@ -77,7 +77,7 @@ _FOR_PARTICIPANT = (
 
 @dataclass(init=False)
 class PerceptionFilter:
-    """What is not shown (`hidden`), or not legibly (`blurred`): see `experiment.study`."""
+    """What is not shown (`hidden`), or not legibly (`blurred`): see `config.study`."""
 
     hidden: frozenset[str]
     blurred: frozenset[str]

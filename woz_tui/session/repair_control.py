@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_stream import SPEECH
+from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.session.action_runner import ActionRunner, RequestOrigin, may_speak
 from woz_tui.session.action_texts import ActionTexts, Steps
 from woz_tui.session.participant_identity import RequestError
@@ -39,7 +39,7 @@ class RepairController:
         if not isinstance(message, m.Dispatched):
             return
         command = self.commands().get(message.command)
-        if command is None or command.request.verb not in SPEECH:
+        if command is None or command.request.verb not in SPEAKING_VERBS:
             return
         request = command.request
         if request.panel == PANEL and request.action != REWORD:

@@ -15,14 +15,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from woz_tui.bus.hub import Hub
-from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol import messages as m
-
-#: What the robot does by itself or does again is not a wizard's answer.
-_NOBODY = frozenset({ENGAGEMENT, "replay"})
-#: Markers that no human has put: they are no cues.
-_MACHINE = frozenset({"preflight", "action"})
+from woz_tui.protocol.action_messages import BY_ITSELF
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +62,7 @@ class ResponseDelay:
                 self._cued("speech", ended)
             case m.EngagementChanged(t=t):
                 self._cued("engagement", t)
-            case m.Marker(source=source) as marker if source not in _MACHINE:
+            case m.Marker(source=source) as marker if source not in m.AUTOMATIC_MARKERS:
                 self._cued("marker", marker.moment)
 
     def _cued(self, sort: str, t: int) -> None:
@@ -85,7 +80,7 @@ class ResponseDelay:
         """
         last = self._held[-1][0] if self._held else None
         cue = self._cue or last
-        if cue is None or source in _NOBODY:
+        if cue is None or source in BY_ITSELF:
             return False
         if last is not None:  # behind it: the order of the presses is the order of the acts
             cue = replace(cue, until=max(cue.until, last.until))

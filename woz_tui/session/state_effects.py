@@ -21,7 +21,7 @@ from collections.abc import Iterable, Mapping
 from woz_tui.config.experiment import Action, Call, ParallelCalls, Step
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
-from woz_tui.sensing.engagement_stream import SPEECH
+from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import State
 from woz_tui.session.engagement_robot import ORIGIN, EngagementRobot
@@ -211,7 +211,7 @@ def _silent(action: Action) -> Action:
     steps: list[Step] = []
     for step in action.steps:
         if isinstance(step, ParallelCalls):
-            calls = tuple(call for call in step.calls if call.verb not in SPEECH)
+            calls = tuple(call for call in step.calls if call.verb not in SPEAKING_VERBS)
             steps += [ParallelCalls(calls)] if calls else []
         else:
             steps.append(step)

@@ -75,10 +75,10 @@ class RecordingContext(DriverContext):
         """The session began with the clock."""
         return clock_us
 
-    def publish(self, said: DriverStatement | Shown | Speech) -> None:
+    def publish(self, statement: DriverStatement | Shown | Speech) -> None:
         """Keep it; of health and mode what is new."""
         self.published += 1
-        match said:
+        match statement:
             case ReadingStatement(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
                 self.readings.append(reading(sensor, value, text=text, unit=unit, raw=raw))
             case SensorStatement(sensor=sensor, state=state, why=why, every=every):
@@ -93,9 +93,9 @@ class RecordingContext(DriverContext):
             case NoticeStatement(level=level, text=text, remedy=remedy):
                 self.notices.append((level, text, remedy))
             case Shown():
-                self.shown.append(said)
+                self.shown.append(statement)
             case SpeechStarted() | SpeechEnded() | SpeechText():
-                self.told.append(said)
+                self.told.append(statement)
 
     def feed(self, topic: str, of: str = "") -> Feed:
         """A feed that nobody else writes to, by itself."""

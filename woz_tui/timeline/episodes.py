@@ -177,7 +177,7 @@ class ActionEpisode(Episode, frozen=True, kw_only=True):
 
     @property
     def source(self) -> str:
-        """Key, script, palette, midi, program, engagement or replay."""
+        """Who asked for it: see `source` in `messages.ActionRequested`."""
         return self.request.source
 
     @property

@@ -1,4 +1,6 @@
-"""What holds at a moment of a session: everything that a screen or a newcomer must know of it."""
+"""The state of a session, kept up to date by its messages: what a screen or a late console must
+know.
+"""
 
 from __future__ import annotations
 

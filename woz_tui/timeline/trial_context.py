@@ -100,7 +100,7 @@ class Contexts:
 
     def parts(self, begin: int, end: int, seq: int) -> tuple[ContextSpan, ...]:
         """The pieces of the time from `begin` to `end`, each in one context: gapless, in order.
-        Several phases are no several pieces: the context is that of the first.
+        A change of phase alone begins no new piece; a piece has the context of its first phase.
 
         What begins with the line `seq` at `begin` is in that line's context; pieces without length
         are left out, unless all of it has none.

@@ -90,7 +90,7 @@ class Trainer:
         log.error("the training failed", exc_info=error)
         self.end()
         text = f"the training has failed: {type(error).__name__}: {error}"
-        self._hub.publish(m.Notice(level="error", text=text, remedy="ctrl+q ends the session"))
+        self._hub.publish(m.Notice(level="error", text=text, remedy="end the session"))
 
     # -- the course ----------------------------------------------------------------------------
 

@@ -110,7 +110,7 @@ class PictureRequester:
     Args:
         ask: Sends a request.
         clock: Local time, the same as the line's.
-        side: The terminal; None where there is none.
+        terminal: What is known of it; None where there is none.
         draw: Draws a picture; what it raises is told as `why`.
     """
 
@@ -118,7 +118,7 @@ class PictureRequester:
         self,
         ask: Ask,
         clock: Clock,
-        side: PictureTerminal | None,
+        terminal: PictureTerminal | None,
         draw: Callable[[PictureShown], None],
     ) -> None:
         self.pace = PictureBudget()
@@ -128,7 +128,7 @@ class PictureRequester:
         #: The last picture, and why there is none or no newer one; empty while all is well.
         self.last: PictureShown | None = None
         self.why = ""
-        self._ask, self._clock, self._side, self._draw = ask, clock, side, draw
+        self._ask, self._clock, self._terminal, self._draw = ask, clock, terminal, draw
         self._requested_us: int | None = None
         self._generation = 0  # answers to questions of before a change do not count
         self._drawing: _Drawing | None = None
@@ -137,7 +137,7 @@ class PictureRequester:
     @property
     def allowance(self) -> int:
         """Bytes that the next picture may cost."""
-        return self.pace.allowance if self._side is not None else MOST
+        return self.pace.allowance if self._terminal is not None else MOST
 
     @property
     def rate(self) -> float:
@@ -173,7 +173,7 @@ class PictureRequester:
         self._arrive(now)
         if self._requested_us is not None and now - self._requested_us < LOST_S * 1_000_000:
             return
-        idle = self._drawing is None and (self._side is None or not self._side.waiting)
+        idle = self._drawing is None and (self._terminal is None or not self._terminal.waiting)
         if not idle or not self.pace.due(now):
             return
         self._requested_us = now
@@ -203,7 +203,7 @@ class PictureRequester:
         now = self._clock.now_us()
         self._times.append(now)
         self.last = shown
-        self._drawing = _Drawing(now, self._side.written if self._side is not None else 0)
+        self._drawing = _Drawing(now, self._terminal.written if self._terminal is not None else 0)
         try:
             self._draw(shown)
         except ValueError as error:
@@ -223,8 +223,8 @@ class PictureRequester:
         """The picture has been painted: everything of it is on its way."""
         if self._drawing is not None and self._drawing.painted_us is None:
             self._drawing.painted_us = self._clock.now_us()
-            if self._side is not None:
-                self._side.hurry()
+            if self._terminal is not None:
+                self._terminal.hurry()
 
     def _arrive(self, now: int) -> None:
         """Take note that the last picture has reached the terminal."""
@@ -234,11 +234,11 @@ class PictureRequester:
         if drawing is None or drawing.painted_us is None:
             return
         painted, cost, took = drawing.painted_us, 0, 0
-        if self._side is not None:
-            arrived = self._side.arrived_us(painted)
+        if self._terminal is not None:
+            arrived = self._terminal.arrived_us(painted)
             if arrived is None:
                 return
-            cost = self._side.written - drawing.written
-            took = arrived - painted - self._side.shortest_us
+            cost = self._terminal.written - drawing.written
+            took = arrived - painted - self._terminal.shortest_us
         self._drawing = None
         self.pace.drawn(drawing.began_us, cost, took, painted - drawing.began_us)

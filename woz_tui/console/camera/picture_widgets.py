@@ -58,7 +58,7 @@ class PictureView(Widget):
 
     def show(self, shown: PictureShown, allowance: int) -> bool:
         """Draw a picture, or as much of it as `allowance` bytes reach; whether there is anything
-        for Textual to paint. Raises `DamagedError`.
+        for Textual to paint. Raises `PictureError`.
         """
         raise NotImplementedError
 

@@ -30,7 +30,7 @@ class EngagementView:
 
     @property
     def shown(self) -> m.EngagementShown | None:
-        """The model's last picture; None: this session has no model."""
+        """The last `engagement.shown`; None: this session has no model."""
         return self.session.model.shown
 
     @property

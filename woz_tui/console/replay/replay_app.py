@@ -14,7 +14,7 @@ from woz_tui.console.main_screen import MainScreen
 from woz_tui.console.message_feed import Incoming, MessageFeed
 from woz_tui.console.replay.replay_commands import COMMANDS, ReplayKeyboard
 from woz_tui.console.replay.replay_timeline import TimeBar
-from woz_tui.console.screen_app import BEAT, Inbox
+from woz_tui.console.screen_app import PAINT_S, Inbox
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.messages import ActionRequested
 from woz_tui.protocol.requests import Reply, Welcome
@@ -58,13 +58,13 @@ class ReplayConsole(Console):
 
     def _pace(self) -> float:
         """The faster it goes, the more of the screen a painting changes: a slow line gets fewer."""
-        return next(beats for rate, beats in PACES if self.state.rate <= rate) * BEAT
+        return next(beats for rate, beats in PACES if self.state.rate <= rate) * PAINT_S
 
     def beat(self) -> None:
         """As in a session; what hurries is painted as often as it may be."""
         pace = self._pace()
         since = self.clock.now_us() - self._painted
-        if pace > BEAT and since < (pace - BEAT / 2) * 1_000_000:
+        if pace > PAINT_S and since < (pace - PAINT_S / 2) * 1_000_000:
             self.keyboard.tick()
             return
         super().beat()

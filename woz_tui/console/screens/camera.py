@@ -65,9 +65,9 @@ class CameraDialog(Dialog):
             return
         plain = self.glyphs.ascii or self.app.no_color
         depth = depth_of(self.app.console.color_system, plain=plain)
-        self._view = view_for(app.pictures, depth, app.side, app.terminal.multiplexer)
+        self._view = view_for(app.pictures, depth, app.picture_terminal, app.terminal.multiplexer)
         self._watching = PictureRequester(
-            self.requests.ask_picture, app.clock, app.side, self._draw
+            self.requests.ask_picture, app.clock, app.picture_terminal, self._draw
         )
         middle = Vertical(self._view)
         middle.styles.align_horizontal = "center"
@@ -87,8 +87,8 @@ class CameraDialog(Dialog):
     def _room(self) -> CellArea:
         """Cells for a picture, in the size that is chosen."""
         width, height = self.app.size
-        side = self.console_app.side
-        cell = (side.cell if side is not None else None) or CELL
+        terminal = self.console_app.picture_terminal
+        cell = (terminal.cell if terminal is not None else None) or CELL
         share = _SIZES[self._step]
         columns = (width - _FRAME[0]) * share
         rows = (height - _FRAME[1] - _WORDS - _BAR) * share

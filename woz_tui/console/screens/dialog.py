@@ -97,7 +97,7 @@ class ConsoleApp(Protocol):
     caps: Mapping[str, KeyCap]
     #: How a camera's pictures are drawn, and what they need to know of the terminal.
     pictures: str
-    side: PictureTerminal | None
+    picture_terminal: PictureTerminal | None
     #: Starts the robot process again after it was lost; None if nobody can.
     restart: Callable[[], None] | None
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row
+from woz_tui.console.key_caps import key_name
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.trial import TrialDialog
@@ -57,7 +58,9 @@ class BeginDialog(_Training):
     def choices(self) -> Sequence[ListChoice]:
         """Begin, or look at the keys first."""
         begin = ListChoice(Content("Begin"), lambda: self.requests.ask(AskTraining()))
-        return [begin, ListChoice(Content("Look at the keys first; * begins"))]
+        key = key_name(self.console_app.key_of("trial"), self.glyphs)
+        later = f"Look at the keys first; {key} begins" if key else "Look at the keys first"
+        return [begin, ListChoice(Content(later))]
 
 
 class ScoreDialog(_Training):

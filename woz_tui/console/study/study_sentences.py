@@ -73,9 +73,11 @@ def event_text(message: m.Message) -> EventText | None:  # noqa: PLR0911, PLR091
                 return EventText("info", f"Kept from you, {less}")
             return EventText("info", f"Kept from you: {', '.join(hidden)}", less)
         case m.TrainingChanged(state=state):
-            cues = f"{message.planned} cue{'' if message.planned == 1 else 's'}"
             if state == "over":
+                judged = message.right + message.wrong + message.missed
+                cues = f"{judged} cue{'' if judged == 1 else 's'}"
                 return EventText("done", f"Training over: {message.right} of {cues} right")
+            cues = f"{message.planned} cue{'' if message.planned == 1 else 's'}"
             begins = "waits for you" if state == "waits" else "begins"
             return EventText("info", f"Training {begins}: {cues}", "nothing moves")
         case m.CueGiven():

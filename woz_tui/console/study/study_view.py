@@ -12,13 +12,14 @@ import msgspec
 from woz_tui.console.number_text import seconds
 from woz_tui.console.study.questionnaires import OpenQuestionnaire, items_of
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.timeline.session_state import SessionState
 
 #: Sentences for the wizard that may wait to be read.
 _MOST_NEWS = 8
-#: Sources of actions that the wizard plays.
-_HANDS = ("key", "script", "palette")
+#: Sources of actions that a wizard plays by hand.
+_HANDS = HANDS - {"program", "phase"}
 #: What a wizard did with a cue: how it is said, and its look.
 _JUDGED = {
     "right": ("right", "good"),
@@ -160,9 +161,8 @@ class StudyView:
         """Questionnaires that are due or for the end of the session, that nobody has answered or
         declined and that are not being asked.
         """
-        at_end = [one.name for one in self.questionnaires if one.when == "end"]
-        wanted = [*self.due, *(name for name in at_end if name not in self.over)]
         asked = self.open_questionnaire.name if self.open_questionnaire is not None else None
+        wanted = (each.questionnaire for each in self.session.study.open_at_end())
         return [name for name in dict.fromkeys(wanted) if name != asked]
 
     def right_actions(self, told: m.CueAnswered) -> tuple[str, ...]:

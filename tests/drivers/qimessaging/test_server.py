@@ -58,6 +58,8 @@ async def test_signals_and_properties(qi_caller: QiCaller) -> None:
         await qi_caller.do("listen", "Thing", "fired")
         await until(lambda: ours.service.hearers("fired") == 1)
         ours.server.emit("Thing", "fired", "é", 1.5)
+        # One after the other: the package calls back in threads of a pool, in no order.
+        assert await qi_caller.do("heard", "fired", 1) == [["é", 1.5]]
         await qi_caller.do("call", "Thing", "fire", ["again", 2])
 
         assert await qi_caller.do("heard", "fired", 2) == [["é", 1.5], ["again", 2.0]]

@@ -276,6 +276,16 @@ def test_options_change_what_counts(here: Path, capsys: pytest.CaptureFixture[st
         main(["report", str(here), "--window", "soon"])
 
 
+def test_sessions_without_a_code_are_participants_in_the_heading(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for number in (1, 2):
+        name = f"2026-04-0{number}T10-00-00_S0{number}"
+        it = ExampleSession(session=f"S0{number}", participant="", wall=f"{name[:10]}T10:00:00Z")
+        it.act(1).end(9).written(here, name)
+    assert "2 sessions, 2 participants" in told(capsys, "report", here)[1]
+
+
 def test_several_experiments_have_tables_of_their_own(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -426,6 +426,24 @@ def test_what_was_left_stays_due_and_what_was_answered_does_not() -> None:
     assert made.due == []
 
 
+def test_without_participant_and_trial_nothing_is_for_the_end() -> None:
+    last: list[m.Json] = [{"name": "last", "when": "end"}]
+    made = StudyView()
+    made.session.study.settings = studied.typed(studied.told(questionnaires=last))
+    made.adopt()
+    assert made.unasked() == []
+    tell(made, m.SessionChanged(participant="P08", t=NOW))
+    assert made.unasked() == ["last"]
+
+
+@pytest.mark.parametrize(("source", "told"), [("midi", 1), ("gamepad", 1), ("engagement", 0)])
+def test_any_hand_outside_of_a_trial_is_told_once(source: str, told: int) -> None:
+    made = study()
+    for run in ("r1", "r2"):
+        tell(made, m.ActionRequested(run=run, action="Hello", source=source, t=NOW))
+    assert len(made.read_news()) == told
+
+
 def test_another_participant_begins_anew() -> None:
     made = study(studied.trial(1), over(1), studied.ended("quick"), studied.ended())
     assert made.unasked() == []

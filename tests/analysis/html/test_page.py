@@ -202,6 +202,15 @@ def test_slow_sensors_have_curves_without_holes(text: str) -> None:
     assert lanes["distance"]["low"] == 0
 
 
+def test_sensors_of_robots_with_names_have_curves(tmp_path: Path) -> None:
+    story = Story()
+    for place in range(40):
+        for robot in ("left", "right"):
+            story.tell(place / 2, m.reading(f"{robot}.distance", 1.0, unit="m"))
+    lanes = [lane["title"] for lane in data(render([story.report(tmp_path)]), 1)["lanes"]]
+    assert lanes == ["left.distance", "right.distance"]
+
+
 def test_a_sensor_that_was_silent_leaves_a_hole(tmp_path: Path) -> None:
     story = Story()
     for place in [*range(20), *range(80, 100)]:

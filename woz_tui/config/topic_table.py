@@ -179,7 +179,8 @@ class TakenTopic(Section):
         calls: list[tuple[str, TopicVerb | None, Mapping[str, Any]]] = [
             *((f"plays[{at}]", call, self.fields) for at, call in enumerate(self.plays)),
             *((f"sequences.{name}", call, self.fields) for name, call in self.sequences.items()),
-            *(("looks", self.looks, _PLACE), ("eyes", self.eyes, _PLACE)),
+            ("looks", self.looks, _PLACE),
+            ("eyes", self.eyes, _PLACE),
         ]
         found += [
             (f"{where}.args.{name}", text)

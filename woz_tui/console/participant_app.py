@@ -95,12 +95,12 @@ class ParticipantApp(ScreenApp):
         away = self.state.study.open_questionnaire is not None or self.state.lost
         if wanted is not None and wanted != self._begun and not away:
             request = AskQuestionnaire(questionnaire=self._only, source="participant")
-            self._ask(request, self._asked)
+            self._ask(request, self._on_begin_reply)
             self._begun = wanted
         elif wanted is None:
             self._begun = None
 
-    def _asked(self, reply: Reply) -> None:
+    def _on_begin_reply(self, reply: Reply) -> None:
         if not reply.ok and reply.reason == GONE:  # nobody knows whether it came
             self._begun = None
 

@@ -157,8 +157,9 @@ def _life(state: Any) -> tuple[str, str, str]:
     text = f"autonomous life is {word(state)}"
     if state in ("interactive", "safeguard"):
         # From interactive the robot changes to disabled alone.
-        quiet = "disabled" if state == "interactive" else "solitary} or {state: disabled"
-        return "warning", text, f"it may act by itself: set `autonomy: {{state: {quiet}}}`"
+        quiet = ("disabled",) if state == "interactive" else ("solitary", "disabled")
+        settings = " or ".join(f"`autonomy: {{state: {each}}}`" for each in quiet)
+        return "warning", text, f"it may act by itself: set {settings}"
     return "ok", text, ""
 
 

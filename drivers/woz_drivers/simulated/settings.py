@@ -91,8 +91,10 @@ class SimulatedSettings(Section):
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together, as (path of the setting, what is wrong)."""
-        usual = {"yaw_joint": "pan", "pitch_joint": "tilt", "hip_joint": "hip"}
-        usual |= {"hip_roll_joint": "hip-roll"}
+        usual = {
+            **{"yaw_joint": "pan", "pitch_joint": "tilt"},
+            **{"hip_joint": "hip", "hip_roll_joint": "hip-roll"},
+        }
         return [
             (role, f"there is no joint {getattr(self, role)!r}")
             for role, name in usual.items()

@@ -116,9 +116,7 @@ class Speech(Driver):
     @classmethod
     def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:
         """Voice settings that the command of this voice does not take."""
-        ignored: tuple[str, ...] = settings.ignored() if written.verb == "say" else ()
-        if written.verb == "say" and not settings.takes_volume:
-            ignored = (*ignored, "volume")
+        ignored = settings.ignored() if written.verb == "say" else ()
         for name in ignored:
             if written.args.get(name) is not None:
                 what = f"this voice has no {name}: its command lacks {{{name}}}"

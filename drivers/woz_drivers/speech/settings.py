@@ -189,15 +189,11 @@ class SpeechSettings(SynthesisSettings):
     @property
     def takes_volume(self) -> bool:
         """Whether a volume is heard: a program that speaks by itself has to be told it."""
-        try:
-            words = self.speak_words()
-        except DriverError:  # `problems` says so
-            return True
-        return not words or any("{volume}" in word for word in words)
+        return "volume" not in self.ignored()
 
     def ignored(self) -> tuple[str, ...]:
-        """Those of `VOICE_ARGUMENTS` that its command does not take; a program that stays loaded
-        gets all.
+        """Those of `VOICE_ARGUMENTS`, and the volume of a program that speaks by itself, that its
+        command does not take; a program that stays loaded gets all.
         """
         try:
             words = () if self.resident_voice else self.speak_words() or self.synthesise_words()
@@ -206,7 +202,8 @@ class SpeechSettings(SynthesisSettings):
         taken = {name for name in SPEAK_WORDS if any(f"{{{name}}}" in word for word in words)}
         if "voice" in taken:
             taken.add("language")  # it stands for a voice that is not named
-        return tuple(one.name for one in VOICE_ARGUMENTS if words and one.name not in taken)
+        names = [*(one.name for one in VOICE_ARGUMENTS), *(["volume"] if self.speak else [])]
+        return tuple(name for name in names if words and name not in taken)
 
     def values(self, choice: VoiceChoice, volume: float) -> dict[str, str]:
         """What stands for the placeholders, but for {text} and {wav}; {volume} in percent."""

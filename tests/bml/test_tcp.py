@@ -132,6 +132,20 @@ async def test_what_is_no_xml_is_told_and_the_next_planner_is_served(tmp_path: P
         await until(lambda: next_one.heard("b1:end"), PATIENCE_S)
 
 
+async def test_a_planner_hears_nothing_of_the_blocks_of_the_one_before(tmp_path: Path) -> None:
+    async with listening(tmp_path) as it:
+        planner, next_one = await it.planner(), AsapPlanner(it.ports.request, it.ports.feedback)
+        planner.send('<bml id="b1"><wait id="w" end="999"/></bml>')
+        await until(lambda: planner.heard("b1:start"), PATIENCE_S)
+        await planner.leave()
+        await it.said("has gone")
+        it.planners.append(next_one)
+        await next_one.connect()
+        next_one.send(BLOCK.format("b2").replace(' id="b2"', ' id="b2" composition="REPLACE"'))
+        await until(lambda: next_one.heard("b2:end"), PATIENCE_S)
+        assert not [line for line in next_one.lines if "b1" in line]
+
+
 async def test_a_planner_without_a_port_for_feedback_is_played(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -55,6 +55,7 @@ class _Requested:
     block: str
     behaviours: Mapping[str, Behaviour]
     command: str
+    tell: Callable[[Feedback], None]
     plan: BlockPlanned | None = None
     over: asyncio.Event = field(default_factory=asyncio.Event)
 
@@ -64,10 +65,12 @@ class BmlRealizer:
 
     Args:
         client: The session.
-        tell: Gets each feedback.
+        tell: Gets each feedback, unless `perform` names somebody else.
     """
 
-    def __init__(self, client: WozClient, tell: Callable[[Feedback], None]) -> None:
+    def __init__(
+        self, client: WozClient, tell: Callable[[Feedback], None] = lambda feedback: None
+    ) -> None:
         self._client = client
         self._tell = tell
         #: By command; of each id the latest.
@@ -81,14 +84,15 @@ class BmlRealizer:
 
     # -- for the planner -------------------------------------------------------------------------
 
-    async def perform(self, text: str) -> str:
+    async def perform(self, text: str, tell: Callable[[Feedback], None] | None = None) -> str:
         """Hand a block over; returns its id, or nothing if the session did not take it. What is
-        wrong with the block itself comes as feedback.
+        wrong with the block itself comes as feedback. `tell` gets the feedback of this block.
         """
+        tell = tell or self._tell
         try:
             block = read_block(text)
         except BmlError as error:
-            self._warn(error.block or "bml", "PARSING_FAILURE", str(error))
+            tell(_warning(error.block or "bml", "PARSING_FAILURE", str(error)))
             return ""
         name = block.id
         behaviours = {behaviour.id: behaviour for behaviour in block.behaviours}
@@ -96,11 +100,11 @@ class BmlRealizer:
         try:
             run = await self._client.begin(VERB, _args(text))
         except WozRefusedError as error:
-            self._warn(name, "IMPOSSIBLE_TO_SCHEDULE", str(error))
+            tell(_warning(name, "IMPOSSIBLE_TO_SCHEDULE", str(error)))
             return ""
         finally:
             self._asking -= 1
-        requested = _Requested(name, behaviours, run.id)
+        requested = _Requested(name, behaviours, run.id, tell)
         self._requested[run.id] = requested
         before = self._latest.get(name)
         if before is None or before.over.is_set():  # else the session refuses this one
@@ -163,20 +167,21 @@ class BmlRealizer:
             requested.over.set()
 
     def _take(self, requested: _Requested, message: m.Ack) -> None:
+        tell = requested.tell
         match message:
             case m.BlockPlanned():
                 requested.plan = message
                 for problem in message.problems:
                     about = ":".join(filter(None, (message.block, problem.about)))
-                    self._warn(about, problem.sort, problem.text)
-                self._tell(_prediction(message, requested.behaviours))
+                    tell(_warning(about, problem.sort, problem.text))
+                tell(_prediction(message, requested.behaviours))
             case m.BlockTrouble(problem=problem):
-                self._warn(f"{message.block}:{problem.about}", problem.sort, problem.text)
+                tell(_warning(f"{message.block}:{problem.about}", problem.sort, problem.text))
             case m.CommandMark(sort="sync", text=""):
-                self._tell(_progress("block", f"{requested.block}:start", message.t))
+                tell(_progress("block", f"{requested.block}:start", message.t))
             case m.CommandMark(sort="sync", text=point):
                 ident = f"{requested.block}:{point}"
-                self._tell(_progress("syncPoint", ident, message.t, _time(requested.plan, point)))
+                tell(_progress("syncPoint", ident, message.t, _time(requested.plan, point)))
             case m.End():
                 self._end(requested, message)
 
@@ -188,15 +193,16 @@ class BmlRealizer:
         if requested.plan is None:
             wrong = isinstance(end, m.Failed) or (isinstance(end, m.Refused) and end.code == "args")
             sort = "PARSING_FAILURE" if wrong else "IMPOSSIBLE_TO_SCHEDULE"
-            self._warn(requested.block, sort, end.reason or "it was not begun")
+            requested.tell(_warning(requested.block, sort, end.reason or "it was not begun"))
         else:
             if not isinstance(end, m.Done):
-                self._warn(requested.block, "IMPOSSIBLE_TO_SCHEDULE", end.reason)
-            self._tell(_progress("block", f"{requested.block}:end", end.t))
+                requested.tell(_warning(requested.block, "IMPOSSIBLE_TO_SCHEDULE", end.reason))
+            requested.tell(_progress("block", f"{requested.block}:end", end.t))
         requested.over.set()
 
-    def _warn(self, about: str, sort: str, text: str) -> None:
-        self._tell(Feedback("warningFeedback", {"id": about, "type": sort}, text))
+
+def _warning(about: str, sort: str, text: str) -> Feedback:
+    return Feedback("warningFeedback", {"id": about, "type": sort}, text)
 
 
 def _args(text: str) -> dict[str, m.Json]:

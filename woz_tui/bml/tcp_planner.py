@@ -56,8 +56,7 @@ class TcpPlanner:
         self._arrived = asyncio.Queue[tuple[asyncio.StreamReader, asyncio.StreamWriter]](
             _MOST_WAITING
         )
-        self._feedback: asyncio.StreamWriter | None = None
-        self._realizer = BmlRealizer(client, self._tell)
+        self._realizer = BmlRealizer(client)
 
     async def run(self) -> None:
         """Serve. Raises `PlannerPortError`, and `WozConnectionError` when the session has ended."""
@@ -90,24 +89,27 @@ class TcpPlanner:
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self._tell_person("a planner has connected")
+        feedback = None
         try:
-            self._feedback = await self._feedback_connection()
-            elements = XmlElements()
-            while data := await reader.read(1 << 16):
-                for block in elements.feed(data):
-                    await self._realizer.perform(block.decode("utf-8", "replace"))
-        except XmlElementsError as error:
-            self._tell(
-                Feedback("warningFeedback", {"id": "bml", "type": "PARSING_FAILURE"}, str(error))
-            )
+            feedback = _FeedbackLine(await self._feedback_connection(), self._tell_person)
+            await self._play(reader, feedback.tell)
         except OSError:
             pass  # it has gone
         finally:
             self._tell_person("the planner has gone")
-            feedback, self._feedback = self._feedback, None
-            for each in (writer, feedback):
-                if each is not None:
-                    each.close()
+            writer.close()
+            if feedback is not None:
+                feedback.close()
+
+    async def _play(self, reader: asyncio.StreamReader, tell: Callable[[Feedback], None]) -> None:
+        """What comes, until it ends or is no XML."""
+        elements = XmlElements()
+        try:
+            while data := await reader.read(1 << 16):
+                for block in elements.feed(data):
+                    await self._realizer.perform(block.decode("utf-8", "replace"), tell)
+        except XmlElementsError as error:
+            tell(Feedback("warningFeedback", {"id": "bml", "type": "PARSING_FAILURE"}, str(error)))
 
     async def _feedback_connection(self) -> asyncio.StreamWriter | None:
         """For feedback; None, after saying so, if the planner does not listen for it."""
@@ -126,13 +128,31 @@ class TcpPlanner:
             )
             return None
 
-    def _tell(self, feedback: Feedback) -> None:
-        """To the planner, if it is there."""
-        if self._feedback is None:
+
+class _FeedbackLine:
+    """To one planner. What its blocks do after it has gone is told to nobody: the next planner has
+    blocks of its own, perhaps with the same ids.
+    """
+
+    def __init__(
+        self, writer: asyncio.StreamWriter | None, tell_person: Callable[[str], None]
+    ) -> None:
+        self._writer = writer
+        self._tell_person = tell_person
+
+    def tell(self, feedback: Feedback) -> None:
+        """Send it, if the planner is there and reads."""
+        if self._writer is None:
             return
-        if self._feedback.transport.get_write_buffer_size() > _MOST_UNREAD:
-            self._feedback.transport.abort()
-            self._feedback = None
+        if self._writer.transport.get_write_buffer_size() > _MOST_UNREAD:
+            self._writer.transport.abort()
+            self._writer = None
             self._tell_person("the planner does not read its feedback: it gets no more")
             return
-        self._feedback.write(feedback.xml().encode() + b"\n")
+        self._writer.write(feedback.xml().encode() + b"\n")
+
+    def close(self) -> None:
+        """The planner has gone."""
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None

@@ -244,6 +244,10 @@ class FurhatFace(FurhatPart):
                 await self._ramp(self._played, wanted, frame.seconds / speed)
                 if stops != self._stops:
                     return
+        except DeviceLostError:
+            if before != turned == self._head.turned_to:
+                self._head.want(before)
+            raise
         finally:
             self._played.clear()
             if self._link.ready:

@@ -120,6 +120,10 @@ class FurhatHead(FurhatPart):
         else:
             await self.look(yaw, pitch)
 
+    def want(self, to: tuple[str, float, float]) -> None:
+        """Have a robot that is lost look as it did when `turned_to` was `to`, once it is back."""
+        self._followed, self._yaw, self._pitch = to
+
     def sees(self, users: Mapping[str, Place]) -> None:
         """Who is there now, by id."""
         self._seen = users
@@ -142,8 +146,9 @@ class FurhatHead(FurhatPart):
         """Look where it was told to last."""
         if self._followed:
             await self._follow(self._followed)
-        # Not `else`: a stop may have come meanwhile. A robot that was away may still follow.
-        if not self._followed and (self._asked == "user" or (self._yaw, self._pitch) != (0.0, 0.0)):
+        # Not `else`: a stop may have come meanwhile. A robot that was away still looks where it
+        # did, straight on is a direction as well.
+        if not self._followed and self._asked:
             await self.look(self._yaw, self._pitch)
 
     def shown(self) -> Mapping[str, Json]:

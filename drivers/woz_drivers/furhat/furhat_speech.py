@@ -340,13 +340,15 @@ class FurhatSpeech(FurhatPart):
         await self.end_live()
 
     async def _take_voice(self, wish: Mapping[str, str]) -> None:
+        """Raises `DriverError` if the robot speaks with a voice that is not as wished."""
         asked: dict[str, Any] = {**wish, "input_language": False}
-        status = await self._link.ask("request.voice.config", VoiceStatus, **asked)
+        await self._link.ask("request.voice.config", VoiceStatus, **asked)
+        status = await self._link.ask("request.voice.status", VoiceStatus)
         self._voice_id = status.voice_id or ""
-        missing = [part for part in wish.values() if part.lower() not in self._voice_id.lower()]
-        if "name" in wish and wish["name"] in missing:
+        if not _is_as_wished(status, wish):
+            wished = ", ".join(f"{part} {value!r}" for part, value in wish.items())
             raise DriverError(
-                f"the robot has not taken the voice {wish['name']!r}, it speaks with"
+                f"the robot has not taken a voice of {wished}, it speaks with"
                 f" {self._voice_id or 'another one'}",
                 "look up its voices with `woz doctor`",
             )
@@ -424,6 +426,19 @@ class _LiveUtterance:
 def _wish(name: str, language: str, gender: str) -> dict[str, str]:
     wish = {"name": name, "language": language, "gender": gender}
     return {key: value.strip() for key, value in wish.items() if value.strip()}
+
+
+def _is_as_wished(status: VoiceStatus, wish: Mapping[str, str]) -> bool:
+    """By the voice's id and, where the robot lists more than ids, by its language and gender."""
+    used = status.voice_id or ""
+    listed = [each for each in status.voice_list or [] if isinstance(each, dict)]
+    facts = next((each for each in listed if each.get("voice_id") == used), {})
+    name, language, gender = (wish.get(part, "").lower() for part in ("name", "language", "gender"))
+    return (
+        name in used.lower()
+        and language in str(facts.get("language") or language).lower().replace("_", "-")
+        and str(facts.get("gender") or gender).lower().startswith(gender)
+    )
 
 
 def _silent(what: str) -> DriverError:

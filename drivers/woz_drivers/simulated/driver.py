@@ -84,7 +84,7 @@ BLINK = 0.001
 #: The home pose is taken this gently when the robot is left alone, in seconds.
 REST_SECONDS = 1.5
 
-_LOST_REMEDY = "it recovers by itself; `fault: clear` ends the fault at once"
+_LOST_REMEDY = "it recovers by itself when the fault is over"
 
 
 class SimulatedRobot(Driver):
@@ -595,7 +595,7 @@ class SimulatedRobot(Driver):
             )
         self._check_link(lane, now)
         if self._faults.holding("refuse", lane, now):
-            raise RejectedError("refused (simulated fault)", "wait, or `fault: clear`")
+            raise RejectedError("refused (simulated fault)", "wait until the fault is over")
 
     def _check_link(self, lane: str, now: float) -> None:
         if self._faults.holding("disconnect", lane, now):

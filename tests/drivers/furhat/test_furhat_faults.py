@@ -11,6 +11,8 @@ from robot_simulators import furhat as simulator
 from robot_simulators.furhat import FurhatSimulator
 from woz_drivers import web_socket_line
 from woz_drivers.furhat import Furhat, FurhatSettings, furhat_light, furhat_link, furhat_speech
+from woz_drivers.furhat.furhat_head import direction_of
+from woz_drivers.furhat.realtime_events import Place
 from woz_drivers.furhat.settings import FurhatSensesSettings, FurhatVoiceSettings
 
 from tests.drivers.furhat.acted import DEAF, QUIET, Acted, acted
@@ -49,6 +51,22 @@ async def test_what_goes_on_ends_with_the_connection_and_comes_back_by_itself(it
     assert it.robot.face["MOUTH_SMILE_LEFT"] > 0.5
     assert it.robot.attended == "location"
     assert it.robot.face_id == "adult - Isabel"
+
+
+@pytest.mark.parametrize("yaw", [0.0, 20.0])
+async def test_a_robot_that_is_lost_in_a_gesture_of_ours_looks_as_before_when_it_is_back(
+    it: Acted, yaw: float
+) -> None:
+    if yaw:
+        await it.do("gaze", yaw=yaw, pitch=0.0)
+    playing = it.begin("play", move="point-left", speed=0.1)
+    await until(lambda: it.robot.location[0] > 0.6)  # metres to its left: in the gesture
+    it.robot.drop()
+    with pytest.raises(DeviceLostError):
+        await playing
+    await it.is_there()
+    await it.arrived()
+    assert direction_of(Place(*it.robot.location)) == pytest.approx((yaw, 0.0), abs=0.01)
 
 
 async def test_a_robot_that_was_started_anew_gets_everything_again(it: Acted) -> None:

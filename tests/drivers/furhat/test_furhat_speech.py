@@ -199,6 +199,14 @@ async def test_a_voice_that_the_robot_does_not_have_is_told(tmp_path: Path) -> N
             await it.do("voice")
 
 
+@pytest.mark.parametrize("wish", [{"language": "sv-SE"}, {"name": "Amy", "language": "fr-FR"}])
+async def test_a_voice_of_another_language_is_told(tmp_path: Path, wish: dict[str, str]) -> None:
+    async with acted(tmp_path, voice=FurhatVoiceSettings(name="Vicki")) as it:
+        with pytest.raises(DriverError, match="Vicki"):
+            await it.do("voice", **wish)
+        assert (await it.do("voice", language="de", gender="female"))["voice"].startswith("Vicki")
+
+
 async def test_the_volume_is_set_in_per_cent(it: Acted) -> None:
     assert await it.do("volume", level=0.5) == {"level": 0.5}
     await until(lambda: it.robot.volume == 50)

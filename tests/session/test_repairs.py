@@ -50,7 +50,7 @@ def test_the_last_sentence_again_as_it_was_said(tmp_path: Path) -> None:
         await asyncio.sleep(2)
         stage.session.send("say", {"text": "typed {brace}"}, "", KEY)
         await asyncio.sleep(2)
-        stage.session.set("P08")
+        stage.session.set(trial=3)
         stage.session.play(REPEAT, KEY)
         await asyncio.sleep(2)
         stage.session.play(REPEAT, KEY)
@@ -59,6 +59,23 @@ def test_the_last_sentence_again_as_it_was_said(tmp_path: Path) -> None:
     assert spoken(stage)[1:] == ["typed {brace}"] * 3
     requests = [line for line in stage.lines if isinstance(line, m.ActionRequested)]
     assert [(line.action, line.panel) for line in requests[-2:]] == [(REPEAT, PANEL)] * 2
+
+
+def test_the_next_participant_hears_nothing_that_was_said_to_the_one_before(
+    tmp_path: Path,
+) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(2)
+        stage.session.set("P08")
+        for repair in (REPEAT, REWORD):
+            with pytest.raises(RequestError, match="nothing has been said"):
+                stage.session.play(repair, KEY)
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(2)
+        stage.session.play(REPEAT, KEY)
+
+    assert spoken(scene(tmp_path, play)) == ["Hello P07", "Hello P08", "Hello P08"]
 
 
 def test_other_words_until_there_are_none(tmp_path: Path) -> None:

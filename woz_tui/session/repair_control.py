@@ -35,7 +35,9 @@ class RepairController:
     _action: str = ""
 
     def on_message(self, message: m.AnyMessage) -> None:
-        """Remember what was said last; repairs themselves are passed over."""
+        """Remember what was said last to this participant; repairs themselves are passed over."""
+        if isinstance(message, m.SessionChanged) and message.participant is not None:
+            self._last, self._action = None, ""
         if not isinstance(message, m.Dispatched):
             return
         command = self.commands().get(message.command)

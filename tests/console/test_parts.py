@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import msgspec
 import pytest
+from rich.cells import cell_len
 
-from tests.console import scenes
+from tests.console import scenes, studied
 from tests.console.driving import Sitting, sitting
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -28,6 +29,16 @@ def welcome(part: str, *others: m.ConsoleAttached, role: str = "wizard") -> r.We
         msgspec.structs.replace(panel, parts=parts.get(panel.title, [])) for panel in first.panels
     ]
     return msgspec.structs.replace(first, panels=panels, part=part)
+
+
+def named(part: str) -> r.Welcome:
+    """The same with another name for the other wizard's part."""
+    first = welcome("voice", there("con2", part))
+    panels = [
+        msgspec.structs.replace(panel, parts=[part]) if panel.parts == ["body"] else panel
+        for panel in first.panels
+    ]
+    return msgspec.structs.replace(first, panels=panels)
 
 
 def line_with(word: str, seat: Sitting, widget: str = "ActionPanels") -> str:
@@ -53,6 +64,23 @@ async def test_the_other_wizards_panel_is_locked_and_says_whose_it_is() -> None:
         await seat.tell(*scenes.played("a1", "Nod", NOW, None))
         assert "Nod" in seat.text("EventList")
         assert locks(seat, "Nod") == set()
+
+
+@pytest.mark.parametrize("part", ["", "voice"])
+async def test_a_wizard_with_a_part_reads_the_trial_at_80_columns(part: str) -> None:
+    first = studied.welcome(studied.trial())
+    async with sitting(msgspec.structs.replace(first, part=part)) as seat:
+        top = seat.text("StatusLines").splitlines()[0]
+        assert "trial 3/4 02:41" in top
+        assert part in top
+
+
+async def test_columns_stand_below_each_other_whatever_a_part_is_called() -> None:
+    async with sitting(welcome("voice", there("con2", "body"))) as seat:
+        there_was = [cell_len(line) for line in seat.text("ActionPanels").splitlines()]
+    async with sitting(named("身体动作")) as seat:
+        assert "身体" in seat.text("ActionPanels")
+        assert [cell_len(line) for line in seat.text("ActionPanels").splitlines()] == there_was
 
 
 async def test_what_nobody_else_plays_any_more_can_be_played_here() -> None:

@@ -195,6 +195,23 @@ async def test_a_line_outside_of_a_trial_is_named_once(trial: bool) -> None:
         assert "outside of a trial" not in seat.text("StopBar")
 
 
+async def test_what_is_refused_outside_of_a_trial_says_why_and_is_no_act_outside() -> None:
+    study = {"design": {"order": "fixed", "within": True, "trials": 2}}
+    async with sitting(scenes.welcome(settings={"study": study})) as seat:
+        refused = m.ActionRefused(run="a1", action="Hello", reason="no condition is set", seq=5002)
+        await seat.press("h")
+        await seat.tell(
+            m.ActionRequested(run="a1", action="Hello", panel="Speech", source="key", seq=5001),
+            refused,
+            r.Reply(ref=len(seat.feed.asked), ok=False, reason=refused.reason),
+        )
+        assert refused.reason in seat.text("StopBar")
+        assert "outside of a trial" not in seat.text("StopBar")
+        asked = m.ActionRequested(run="a2", action="Nod", panel="x", source="key")
+        await at(seat, asked, 5003)
+        assert "outside of a trial" in seat.text("StopBar")
+
+
 def follows(**more: Any) -> r.Welcome:
     """The guide, with actions that are likely to follow Hello."""
     panels = [
@@ -231,6 +248,31 @@ async def test_what_follows_is_within_reach_until_the_next_act(size: tuple[int, 
         await at(seat, m.ActionDone(run="a1", action="Hello"), 5003)  # late
         await at(seat, m.ActionFailed(run="a2", action="Yes", reason="hot"), 5004)
         assert not row()
+
+
+async def test_what_cannot_be_played_any_more_does_not_follow() -> None:
+    async with sitting(follows()) as seat:
+        await at(seat, m.ActionRequested(run="a1", action="Hello", source="key"))
+        await at(seat, m.ActionDone(run="a1", action="Hello"), 5001)
+        assert " then" in seat.text("StopBar")
+        left = [
+            replace(panel, actions=[each for each in panel.actions if each.name != "Nod"])
+            for panel in follows().panels
+        ]
+        plan = follows()
+        await seat.tell(
+            r.PanelsChanged(
+                title=plan.title,
+                panels=left,
+                script=plan.script,
+                verbs=plan.verbs,
+                conditions=plan.conditions,
+                keyboard=plan.keyboard,
+            )
+        )
+        row = next(x for x in seat.text("StopBar").splitlines() if x.startswith(" then"))
+        assert "Bow" in row
+        assert "Nod" not in row
 
 
 def test_every_command_of_phases_has_a_key() -> None:

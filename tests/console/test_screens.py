@@ -304,7 +304,7 @@ def test_preflight_judges_the_line() -> None:
     assert line_finding(23_000) == Finding("ok", "line", "23 ms there and back")
     assert line_finding(400_000).level == "warning"
     assert line_finding(None).level == "info"
-    assert kind_finding(KITTY).level == "ok"
+    assert kind_finding(KITTY, "?").level == "ok"
 
 
 async def test_preflight_says_why_it_could_not_check() -> None:

@@ -117,6 +117,15 @@ async def test_a_code_brings_its_order_and_enter_accepts_it(size: tuple[int, int
         assert seat.console.dialog is None
 
 
+async def test_a_proposed_order_is_accepted_whatever_its_conditions_are_called() -> None:
+    names = ["slow, calm", "fast"]
+    async with sitting(msgspec.structs.replace(studied.welcome(), conditions=names)) as seat:
+        propose(seat, order=[*names], condition=names[0])
+        await named(seat)
+        await seat.press("enter")
+        assert last(seat).order == names
+
+
 async def test_enter_before_the_proposal_has_come_accepts_it_when_it_comes() -> None:
     async with sitting(studied.welcome()) as seat:
         late: list[int] = []

@@ -84,8 +84,17 @@ async def test_the_score_stands_on_the_screen_at_the_end() -> None:
         wrong = "wrong 1, missed 1, pressed without a cue 2"
         for part in ("60%", "3 of 5 right", wrong, "1.24 s"):
             assert part in drawn
-        await seat.press("enter")
+        await seat.press("down", "enter")
         assert isinstance(seat.feed.last(r.AskEnd), r.AskEnd)
+
+
+async def test_an_enter_for_a_note_does_not_end_the_training() -> None:
+    async with sitting() as seat:
+        await seat.tell(OVER)
+        await seat.until(lambda: isinstance(seat.console.dialog, ScoreDialog))
+        await seat.press("enter")
+        await seat.until(lambda: seat.console.dialog is None)
+        assert seat.feed.last(r.AskEnd) is None
 
 
 async def test_who_watches_is_not_asked() -> None:

@@ -320,10 +320,10 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
     room = width - 3 - cell_len(clean(panel.title)) - cell_len(whose)
     note = _locked(state, panel, room) if state.is_locked(panel) else ""
     note = (note or (" continued" if slot.again else "")) + whose
-    if slot.again and cell_len(clean(panel.title)) > width - 3 - len(note):
+    if slot.again and cell_len(clean(panel.title)) > width - 3 - cell_len(note):
         note = note.replace("continued", glyphs.ellipsis)  # rather than half a title
-    title = fit_most(panel.title, width - 2 - len(note) - 1, glyphs.ellipsis)
-    used = 2 + cell_len(title) + len(note)
+    title = fit_most(panel.title, width - 2 - cell_len(note) - 1, glyphs.ellipsis)
+    used = 2 + cell_len(title) + cell_len(note)
     rule = glyphs.rule * max(0, width - used - 1)
     return ((mark, "title"), (title, "title"), (note, "muted"), (" ", "plain"), (rule, "faint"))
 

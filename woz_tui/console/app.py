@@ -183,11 +183,11 @@ class Console(ScreenApp):
             else:
                 self._work_in(came, local)
         self._follow_training()
+        for tiding in self.state.study.read_news():
+            self.news(self._sentence(tiding), tiding.look)
         if (refusal := self.state.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.state.label(refusal.action)), "warn")
             self._news_driver = refusal.driver
-        for tiding in self.state.study.read_news():
-            self.news(self._sentence(tiding), tiding.look)
         if self.state.stop is not None and not self.state.lost:  # else it is the stop of before
             self._stop_asked = None
         if self.state.edition != self._edition:

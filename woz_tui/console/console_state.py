@@ -132,7 +132,7 @@ class ConsoleState:
     events: deque[EventLine] = field(default_factory=lambda: deque(maxlen=EVENTS))
     #: The last act of the wizard or of a program; once it is done, what is likely to follow.
     act: str = ""
-    then: tuple[str, ...] = ()
+    _then: tuple[str, ...] = ()
     lost: Loss | None = None
     #: Action -> its key, as a cap shows it.
     keys: Mapping[str, str] = field(default_factory=dict)
@@ -487,18 +487,14 @@ class ConsoleState:
             case m.ActionRequested() | m.Command() if message.console in self.others:
                 pass  # another wizard's
             case m.ActionRequested(run=run, source=source) if source in HANDS:
-                self.act, self.then = run, ()
+                self.act, self._then = run, ()
             case m.Command(run="", passing=False, source=source) if source in HANDS:
-                self.act, self.then = message.command, ()
+                self.act, self._then = message.command, ()
             case m.StopPressed(scope="all") | m.TrialStarted() | m.TrialEnded():
-                self.act, self.then = "", ()
+                self.act, self._then = "", ()
             case m.ActionDone(run=self.act, action=name) if self.act:
                 action = self.action(name)
-                names = action.then if action is not None else ()
-                there = {each: self.action(each) for each in names}
-                self.then = tuple(
-                    each for each, view in there.items() if view is not None and not view.locked
-                )
+                self._then = tuple(action.then) if action is not None else ()
 
     def _add_event(
         self,
@@ -554,6 +550,14 @@ class ConsoleState:
         parts = self.session.wizards.values()
         vacant = bool(self.part) and self.part not in parts
         return watches and (vacant or not parts)
+
+    @property
+    def then(self) -> tuple[str, ...]:
+        """Names of the actions that are likely to follow the last one, of those that may be played
+        now.
+        """
+        there = {name: self.action(name) for name in self._then}
+        return tuple(name for name, view in there.items() if view is not None and not view.locked)
 
     def moves(self, now: int) -> bool:
         """Whether a figure on the screen changes by itself."""

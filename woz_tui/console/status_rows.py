@@ -88,11 +88,11 @@ def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     time = elapsed(frame.now) if state.welcomed else "--:--"
     title = clean(state.title) or "woz"
     values = _values(state, frame)
-    badge, watches = _badge(state), state.role == "watcher"
-    spare = room - len(time) - 3 - (length(badge) if watches else 0)
+    badge = _badge(state)
+    spare = room - len(time) - 3 - length(badge)
     if state.study.counts:  # then who and what is worth more than the title
         spare -= sum(cell_len(value) + 3 for value in values[:3])
-        spare = max(spare, 1 if watches else TITLE)
+        spare = max(spare, 1 if badge else TITLE)
     title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
     parts = [badge] if badge else []
     parts.append(((f" {title}  ", "strong"), (time, "plain")))

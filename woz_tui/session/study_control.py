@@ -249,8 +249,8 @@ class StudyController:
         if conditions and condition not in conditions:  # not named: the wizard may be blind
             raise RequestError(
                 f"the file no longer has the condition of trial {number} of {state.participant}",
-                "give it its old name and read the file again, or choose a new order, whose trials"
-                " begin with the first",
+                "choose a new order, whose trials begin with the first, or give the condition its old"
+                " name and read the file again",
                 command="start",
             )
         identity = self._identity()

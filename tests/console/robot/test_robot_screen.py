@@ -86,6 +86,14 @@ async def test_other_keys_play_and_the_opening_key_closes() -> None:
         assert seat.console.dialog is None
 
 
+async def test_space_neither_takes_nor_lets_go_of_a_robot() -> None:
+    async with opened() as seat:
+        for label in ("pepper.local", "Disconnect"):
+            await choose(seat, label)
+            await seat.press("space")
+        assert verbs(seat) == []
+
+
 async def test_a_lost_robots_values_are_old() -> None:
     async with opened(pepper.shown({"volume": 0.1}, ("They fight.",))) as seat:
         await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))

@@ -21,7 +21,7 @@ from woz_tui.config.keys.terminals import Terminal
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_text import has_no_sensor, signs_of
-from woz_tui.console.key_caps import KeyCap
+from woz_tui.console.key_caps import KeyCap, key_name
 from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.screens.dialog import ReportDialog, refusal_text
 from woz_tui.console.status_rows import SLOW_LINE_US
@@ -96,11 +96,12 @@ def line_finding(round_trip_us: int | None) -> Finding:
     return Finding("warning", "line", text, "use a cable or a nearer access point")
 
 
-def kind_finding(terminal: Terminal) -> Finding:
-    """Which keys the terminal can tell apart."""
+def kind_finding(terminal: Terminal, help_key: str) -> Finding:
+    """Which keys the terminal can tell apart. `help_key` opens the list of keys."""
     if terminal.kitty:
         return Finding("ok", "keyboard", "tells all keys apart (kitty keyboard protocol)")
-    return Finding("info", "keyboard", "plain: some chords are sent as other keys; ? lists them")
+    listed = f"; {help_key} lists them" if help_key else ""
+    return Finding("info", "keyboard", f"plain: some chords are sent as other keys{listed}")
 
 
 def terminal_findings(environ: Mapping[str, str]) -> list[Finding]:
@@ -215,7 +216,7 @@ class PreflightDialog(ReportDialog):
             *_findings(reply.data),
             *terminal,
             line_finding(app.feed.round_trip_us),
-            kind_finding(app.terminal),
+            kind_finding(app.terminal, key_name(app.key_of("help"), self.glyphs)),
             *sign_findings(self.state),
             *key_findings(self.state, app.caps),
         ]

@@ -54,7 +54,7 @@ class RobotDialog(DrawingDialog):
     """One of the session's robots; tab shows the next."""
 
     heading = "Robot"
-    hint = "arrows, enter: change · other keys play · tab: next · ctrl+q closes"
+    hint = "arrows, space, enter: change · other keys play · tab: next · ctrl+q closes"
 
     def __init__(self) -> None:
         super().__init__()
@@ -201,14 +201,15 @@ class RobotDialog(DrawingDialog):
             self._change(line, value)
 
     def _enter(self, *, typed: bool) -> None:
-        """Enter or space: do it, change it or type it; only enter asks for a number."""
+        """Enter or space: do it, change it or type it. Only enter asks for a number, takes another
+        robot or lets one go: elsewhere space plays the script.
+        """
         line = self._chosen_line()
         if line is None:
             return
-        if line.kind is LineKind.ROBOT:
-            self._change(line, line.setting.name)
-        elif line.kind is LineKind.DISCONNECT:
-            self._change(line, True)
+        if line.kind in (LineKind.ROBOT, LineKind.DISCONNECT):
+            if typed:
+                self._change(line, line.setting.name if line.kind is LineKind.ROBOT else True)
         elif line.is_typed and (typed or line.setting.kind != "number"):
             self._type(line)
         elif line.is_set:

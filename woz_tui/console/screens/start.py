@@ -288,6 +288,8 @@ class StartDialog(FormDialog):
             condition = self._condition()
             return [condition] if condition is not None else []
         written = self.query_one("#order", Input).value
+        if written == ", ".join(self._proposal.order):  # a condition's name may have commas
+            return list(self._proposal.order)
         return [name.strip() for name in written.split(",") if name.strip()]
 
     def _wrong_order(self) -> str:

@@ -83,6 +83,8 @@ class ScoreDialog(_Training):
         return rows
 
     def choices(self) -> Sequence[ListChoice]:
-        """End the session, to which nobody comes back, or stay."""
+        """Stay, which an enter that was meant for something else does as well, or end the session,
+        to which nobody comes back.
+        """
         end = ListChoice(Content("End the training"), self.requests.end_session)
-        return [end, ListChoice(Content("Stay and read the screen"))]
+        return [ListChoice(Content("Stay and read the screen")), end]

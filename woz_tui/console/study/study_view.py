@@ -40,6 +40,9 @@ class StudyNews(NamedTuple):
     command: tuple[str, str] = ("", "")
 
 
+_OUTSIDE = StudyNews("Played outside of a trial", "warn", command=("trial", "begin one"))
+
+
 class RunningTrial(NamedTuple):
     """The trial under way: since `began`, in microseconds on the axis of `t`."""
 
@@ -59,8 +62,8 @@ class StudyView:
     _cue: m.CueGiven | None = None
     #: What became of it, or of a press without one.
     judged: m.CueAnswered | None = None
-    #: Whether it was said that no trial is under way, since the last one.
-    _warned_outside: bool = False
+    #: The run of which it was said that no trial is under way; empty: not yet since the last one.
+    _outside_run: str = ""
     _news: deque[StudyNews] = field(default_factory=lambda: deque(maxlen=_MOST_NEWS))
 
     # -- reading ------------------------------------------------------------------------------
@@ -188,10 +191,14 @@ class StudyView:
     def apply(self, message: m.Message) -> None:
         """Work a message in that `session` has taken."""
         match message:
-            case m.ActionRequested(source=source) if source in _HANDS:
-                self._outside()
+            case m.ActionRequested(run=run, source=source) if source in _HANDS:
+                self._outside(run)
+            case m.ActionRefused(run=run) if run == self._outside_run:  # nothing was played
+                self._outside_run = ""
+                if _OUTSIDE in self._news:
+                    self._news.remove(_OUTSIDE)
             case m.TrialEnded():
-                self._warned_outside = False
+                self._outside_run = ""
             case m.TrialStarted():
                 missing = self.unticked() if self.last is None else []
                 if missing:
@@ -209,14 +216,13 @@ class StudyView:
                 if self.open_questionnaire is not None:
                     self.open_questionnaire.apply(message)
 
-    def _outside(self) -> None:
+    def _outside(self, run: str) -> None:
         """Say once that what is played belongs to no trial, in a study that has trials."""
         study = self.session.study
-        apart = study.trial is not None or study.in_break is not None or self._warned_outside
+        apart = study.trial is not None or study.in_break is not None or self._outside_run
         if self.designed and not apart:
-            self._warned_outside = True
-            text = "Played outside of a trial"
-            self._news.append(StudyNews(text, "warn", command=("trial", "begin one")))
+            self._outside_run = run
+            self._news.append(_OUTSIDE)
 
     def follow(self) -> None:
         """Ask what `session` asks now; in the same round the sheet that shows it keeps what was

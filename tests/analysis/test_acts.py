@@ -43,6 +43,17 @@ def test_the_robots_own_actions_are_not_by_hand() -> None:
     assert (whole.press.n, whole.gaps.n) == (1, 0)
 
 
+def test_what_a_body_asks_for_by_itself_is_no_act_of_the_wizard() -> None:
+    it = ExampleSession().act(1)
+    for at, source, key in ((2, "body", ""), (3, "driver", ""), (4, "midi", "pad 3")):
+        asked = m.Command(
+            command=f"x{at}", verb="sound", args={}, driver="robot", source=source, key=key
+        )
+        it.add(at, asked)
+    whole = told(it.end(60)).whole
+    assert (whole.acts, whole.direct) == (2, 1)
+
+
 def test_a_press_lasts_until_its_first_command_starts() -> None:
     it = ExampleSession().act(1, latency_ms=2, took=1.0).act(5, latency_ms=4, took=2.0)
     second = m.Command(

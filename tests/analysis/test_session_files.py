@@ -11,6 +11,7 @@ from tests.analysis.example_sessions import SECOND, STEM, ExampleSession
 from woz_tui.analysis.report_tables import people
 from woz_tui.analysis.session_reading import NoSessionError, ReportExtras, read_report
 from woz_tui.analysis.session_sources import sessions_in
+from woz_tui.export.log_sources import find_sources
 from woz_tui.log.log_files import NO_END
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -28,6 +29,18 @@ def test_a_whole_log_has_nothing_to_complain_of(tmp_path: Path) -> None:
     assert report.figures.wholeness.sentences == ()
     assert report.figures.stem == STEM
     assert (report.figures.whole.actions, report.figures.ended) == (3, "enough")
+
+
+def test_what_coders_set_beside_a_log_is_passed_over_in_a_pattern(tmp_path: Path) -> None:
+    log = short().written(tmp_path)
+    codes = log.with_name(f"{log.stem}.coding.jsonl")
+    codes.write_text("{}\n")
+    for named in ([str(tmp_path / "*.jsonl")], [str(log), str(codes)]):
+        assert sessions_in(named) == ([log], [])
+    assert [source.log for source in find_sources([codes, log])] == [log]
+    found, (problem,) = sessions_in([str(codes)])
+    assert not found
+    assert "name the log" in problem
 
 
 def test_a_torn_log_tells_so_and_has_its_figures(tmp_path: Path) -> None:

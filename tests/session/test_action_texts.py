@@ -145,6 +145,19 @@ def test_what_is_refused_uses_no_variant_up(tmp_path: Path) -> None:
     on_stage(tmp_path, scenario)
 
 
+def test_a_press_that_the_robot_has_no_time_for_uses_no_variant_up(tmp_path: Path) -> None:
+    async def scenario(stage: Played) -> None:
+        stage.session.play("Hello", KEY)
+        shown = stage.shown("Filler")
+        with pytest.raises(RequestError):
+            stage.session.play("Filler", KEY, "refuse")
+        assert stage.shown("Filler") == shown
+        await asyncio.sleep(2)
+        assert await stage.play("Filler") == [shown]
+
+    on_stage(tmp_path, scenario)
+
+
 def test_a_part_that_is_played_alone_leaves_the_whole_action_shown(tmp_path: Path) -> None:
     async def scenario(stage: Played) -> None:
         stage.session.set(condition="warm")

@@ -299,6 +299,23 @@ def test_a_stop_that_outlasts_the_handshake_says_how_it_goes_on(tmp_path: Path) 
     assert any("handshake: begin" in notice.remedy for notice in room.of(m.Notice))
 
 
+def test_buttons_say_the_name_of_who_takes_the_place_of_a_visitor(tmp_path: Path) -> None:
+    def shown(room: Room) -> str:
+        filled = room.session.state.filled
+        assert filled is not None
+        step = filled.actions["Greet"][0]
+        assert isinstance(step, list)
+        return str(step[0].args["text"])
+
+    async def scenario(room: Room) -> None:
+        for name in ("Anna", "Bruno"):
+            room.tell("sense", sign="identity", value=name)
+            await asyncio.sleep(2.0)
+            assert (room.session.values()["visitor"], shown(room)) == (name, f"Hello {name}")
+
+    in_room(tmp_path, stranger(scenario))
+
+
 def test_a_store_that_cannot_be_read_costs_a_notice_and_no_name(tmp_path: Path) -> None:
     path = tmp_path / "recordings" / "visitors.json"
     path.parent.mkdir()

@@ -127,6 +127,32 @@ def test_an_interruption_ends_what_is_and_would_be_said_and_nothing_else(tmp_pat
     assert not stage.session.bus.latched
 
 
+def test_an_interruption_lets_go_on_what_is_not_said(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Welcome", KEY)
+        await asyncio.sleep(0.1)
+        stage.session.play(INTERRUPT, KEY)
+
+    stage = scene(tmp_path, play)
+    ends = {line.command: type(line) for line in stage.lines if isinstance(line, m.End)}
+    verbs = {line.command: line.verb for line in stage.lines if isinstance(line, m.Command)}
+    assert {verbs[command]: end for command, end in ends.items()} == {
+        "say": m.Stopped,
+        "play": m.Done,
+    }
+
+
+def test_a_repetition_does_not_cross_a_change_of_condition(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(2)
+        stage.session.set(condition="cold")
+        with pytest.raises(RequestError, match="nothing has been said"):
+            stage.session.play(REPEAT, KEY)
+
+    scene(tmp_path, play)
+
+
 @pytest.mark.parametrize("at_us", [0, 2_000_000])
 def test_an_interruption_ends_what_is_held_back(tmp_path: Path, at_us: int) -> None:
     async def play(stage: Stage) -> None:

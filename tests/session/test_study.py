@@ -188,7 +188,7 @@ def test_refusals(tmp_path: Path) -> None:
             stage.session.set("P06")
         with pytest.raises(RequestError, match="trial 1 is running"):
             study.assign("P06", ["warm", "cold"])
-        stage.session.set("P05", trial=7)
+        stage.session.set("P05")
 
     stage = on_stage(tmp_path, scenario)
     assert said(stage, *TRIALS) == [
@@ -304,6 +304,38 @@ def test_a_questionnaire_that_an_earlier_session_owes_is_told(
     notices = [line.text for line in stage.lines if isinstance(line, m.Notice)]
     owed = [text for text in notices if "has not answered" in text]
     assert owed == ([] if answered else ["P01 has not answered: How was it?"])
+
+
+def test_what_is_owed_is_told_after_a_crash_when_the_session_begins_with_the_participant(
+    tmp_path: Path,
+) -> None:
+    name = "2026-03-01T10-00-00_P01_S01"
+    log(
+        tmp_path / "recordings",
+        name,
+        had("P01", ["warm", "cold"], "d", row=0),
+        title="Made by hand",
+    )
+
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+
+    stage = on_stage(tmp_path, scenario, identity=SessionIdentity(participant="P01"))
+    notices = [line.text for line in stage.lines if isinstance(line, m.Notice)]
+    assert [text for text in notices if "has not answered" in text]
+
+
+def test_no_number_is_set_while_a_trial_runs(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        stage.session.study.trial("begin", "")
+        with pytest.raises(RequestError, match="trial 1 is running"):
+            stage.session.set(trial=3)
+        stage.session.set(trial=1)
+        stage.session.study.trial("done", "")
+        stage.session.set(trial=3)
+
+    assert said(on_stage(tmp_path, scenario), m.TrialStarted) == ["trial.started 1 warm"]
 
 
 def test_participants_of_this_very_session_count(tmp_path: Path) -> None:

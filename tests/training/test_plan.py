@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.session.rig import experiment
+from tests.session.rig import action, call, experiment, together
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Study, Training, TrainingCue
 from woz_tui.training.cue_plan import REQUEST, planned_cues
@@ -44,6 +44,13 @@ def test_without_cues_the_actions_are_asked_for_by_their_labels() -> None:
     assert asked["Welcome"] == "Welcome, please."
     assert "Never" not in asked, "locked"
     assert "Cold" not in asked, "the robot does nothing"
+
+
+def test_a_key_with_a_block_of_bml_is_asked_for() -> None:
+    greeting = action("Greeting", together(call("bml", "bml", file="greet.xml")))
+    panel = replace(MADE.panels[0], actions=(greeting,))
+    (cue,) = planned_cues(replace(MADE, panels=(panel,)), 1, 1)
+    assert cue.expects == ("Greeting",)
 
 
 def test_nothing_to_train_is_said() -> None:

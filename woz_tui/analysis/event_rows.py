@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from woz_tui.config.session_verbs import BML, PERFORMERS
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import is_by_hand
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
@@ -576,8 +577,14 @@ def unanswered(timeline: Timeline) -> Iterator[str]:
 
 def answers(timeline: Timeline) -> Iterator[AnswerRow]:
     """The last answers of each round, in the order in which the items were answered first."""
-    for each, number in _numbered(timeline):
+    rounds = [*_numbered(timeline)]
+    #: Of rounds that were left and of others: the last of a questionnaire about a trial.
+    last = {(_left(each), _about(each)): number for each, number in rounds}
+    for each, number in rounds:
         items = _items(each)
+        about = _about(each)
+        again = _left(each) and ((False, about) in last or number < last[True, about])
+        counted = each.trial != 0 and not again and timeline.counts(each.context)  # 0: practice
         place = context_fields(each.context) | {"trial": -1 if each.trial is None else each.trial}
         for answer in each.answers.values():
             item = items.get(answer.item, {})
@@ -594,8 +601,16 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
                 answered_us=answer.answered_us if answer.answered_us >= 0 else None,
                 low=_number(item.get("low")),
                 high=_number(item.get("high")),
-                counted=each.trial != 0 and timeline.counts(each.context),  # 0: practice
+                counted=counted,
             )
+
+
+def _left(each: e.QuestionnaireEpisode) -> bool:
+    return each.ended is not None and each.ended.reason == "left"
+
+
+def _about(each: e.QuestionnaireEpisode) -> tuple[str, str, int | None]:
+    return each.name, each.context.participant, each.trial
 
 
 def _numbered(timeline: Timeline) -> Iterator[tuple[e.QuestionnaireEpisode, int]]:
@@ -672,6 +687,7 @@ def acts_of(timeline: Timeline) -> list[WizardAct]:
         for each in timeline.episodes
         if (type(each) is e.ActionEpisode or (type(each) is e.CommandEpisode and is_direct(each)))
         and each.request.source not in BY_MACHINE
+        and is_by_hand(each.request.source, each.request.key)
     ]
 
 

@@ -6,7 +6,7 @@ import glob
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from woz_tui.log.file_names import FileName, session_code
+from woz_tui.log.file_names import CODINGS, FileName, session_code, why_no_log
 from woz_tui.protocol import codec
 from woz_tui.system.files import open_regular
 
@@ -31,7 +31,8 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
         for path in paths:
             parsed = FileName.parse(path.name)
             if parsed is None:
-                problems.append(f"{path}: the name of a log must end in .jsonl")
+                if not (path.name.endswith(CODINGS) and len(named) + len(paths) > 2):
+                    problems.append(f"{path}: {why_no_log(path.name)}")
                 continue
             key = (path.parent.resolve(), parsed.stem)
             if key not in found or _rank(path) < _rank(found[key]):

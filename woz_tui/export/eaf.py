@@ -82,7 +82,9 @@ class EafExporter(Exporter):
         if self._options.media is not None:
             relative = os.path.relpath(self._options.media, self._folder.final)
             media.append(Medium(relative, max(0, self._options.offset)))
-        if self._options.sound and self._options.offset >= 0:
+        if self._options.sound and self._options.offset < 0:
+            notes.append("the visitor's sound is left out: ELAN cannot shift it to later")
+        elif self._options.sound:
             name = f"{session.name}.wav"
             length, problems = write_sound(session, self._folder, name)
             notes += problems

@@ -14,7 +14,7 @@ from woz_tui.export.event_extraction import EventExtractor
 from woz_tui.export.event_model import ExportSession, letters
 from woz_tui.export.redaction import redacted
 from woz_tui.log.coding_file import CodingError, Codings, coding_path, read_codings
-from woz_tui.log.file_names import FileName
+from woz_tui.log.file_names import CODINGS, FileName
 from woz_tui.log.log_reader import Damage, LogFiles, LogLine, batches, files_of, merge
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Reading
@@ -84,7 +84,10 @@ def find_sources(given: Iterable[Path]) -> list[LogSource]:
     Raises `ExportError` if there is none.
     """
     sources: dict[tuple[Path, ...], LogSource] = {}
-    for path in given:
+    named = [*given]
+    for path in named:
+        if path.name.endswith(CODINGS) and len(named) > 1:
+            continue  # a pattern names it along with its log
         logs = _logs_in(path) if path.is_dir() else [path]
         if not logs:
             raise ExportError(f"{path}: there is no log in this folder", "name a log, *.jsonl")

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.log.file_names import FileName, check_code
+from woz_tui.log.file_names import CODINGS, FileName, check_code
 from woz_tui.protocol.messages import SessionStart
 from woz_tui.system.files import open_regular
 
@@ -105,7 +105,7 @@ class Codings:
 def coding_path(log: Path) -> Path:
     """The file beside a log; `log` is any file of the session."""
     name = FileName.parse(log.name)
-    return log.with_name(f"{name.stem if name else log.stem}.coding.jsonl")
+    return log.with_name(f"{name.stem if name else log.stem}{CODINGS}")
 
 
 def read_codings(path: Path) -> Codings:

@@ -17,7 +17,8 @@ _STEM = re.compile(
     r"_(?P<session>[A-Za-z0-9]{1,16})(?:-\d+)?",
     re.ASCII,
 )
-#: What coders wrote beside a log (see `coding_file.py`) is none.
+#: What coders wrote beside a log (see `coding_file.py`), which is no log.
+CODINGS = ".coding.jsonl"
 _NAME = re.compile(
     r"(?P<stem>.+?)(?<!\.coding)(?:\.(?P<number>[1-9]\d{0,5}))?(?P<samples>\.samples)?\.jsonl"
 )
@@ -113,6 +114,13 @@ class FileName:
         if not found:
             return None
         return cls(found["stem"], int(found["number"] or 1), bool(found["samples"]))
+
+
+def why_no_log(name: str) -> str:
+    """Why a file of this name is no log."""
+    if name.endswith(CODINGS):
+        return "this is what coders set; name the log beside it"
+    return "the name of a log must end in .jsonl"
 
 
 def media_folder(log: Path) -> Path:

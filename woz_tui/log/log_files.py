@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from woz_tui.log.file_names import FileName, fallback_folders, unique_paths
+from woz_tui.log.file_names import FileName, fallback_folders, unique_paths, why_no_log
 from woz_tui.protocol import codec
 from woz_tui.system.files import open_regular
 
@@ -101,7 +101,7 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
         raise FileNotFoundError(f"{path}: there is no such log")
     name = FileName.parse(path.name)
     if name is None:
-        raise ValueError(f"{path}: the name of a log must end in .jsonl")
+        raise ValueError(f"{path}: {why_no_log(path.name)}")
     folders = unique_paths([path.parent, *(fallback_folders() if places is None else places)])
     real = set(map(os.path.realpath, folders))
     found: dict[Path, FileName] = {}

@@ -20,6 +20,13 @@ HANDS = frozenset(
 BY_ITSELF = frozenset({"engagement", "replay"})
 
 
+def is_by_hand(source: str, key: str) -> bool:
+    """Whether a hand, or a program in its place, is behind what was asked for. A driver names the
+    key, pad or button behind what it asks for; what it does by itself has none.
+    """
+    return bool(key) or source in HANDS
+
+
 class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"):
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 

@@ -14,7 +14,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
 from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import BY_ITSELF, HANDS
+from woz_tui.protocol.action_messages import HANDS, is_by_hand
 from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.session.action_texts import Steps, calls_in, missing_value_error
 from woz_tui.session.participant_identity import RequestError
@@ -94,6 +94,7 @@ class ActionRunner:
         bus: Takes the commands.
         fill: Gives an action's steps with their texts chosen and all variables filled in; raises
             `MissingValueError`.
+        take_back: Called with an action that was filled in and is refused at once.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
         delay: Holds what answers a cue too soon.
     """
@@ -103,6 +104,7 @@ class ActionRunner:
         hub: Hub,
         bus: Bus,
         fill: Callable[[Action], Steps],
+        take_back: Callable[[Action], None],
         deadline: float,
         *,
         delay: ResponseDelay,
@@ -111,6 +113,7 @@ class ActionRunner:
         self._delay = delay
         self._bus = bus
         self._fill = fill
+        self._take_back = take_back
         self.deadline = deadline
         self._runs: dict[str, ActionRun] = {}
         self._actions = 0
@@ -151,6 +154,7 @@ class ActionRunner:
         """
         without = [each.what for each in action.left_out]
         run_id = self._request(action.name, action.panel, origin, without)
+        fills = steps is None
         try:
             # All of them before the first: no action ends half-way because a value is missing.
             steps = self._fill(action) if steps is None else steps
@@ -167,6 +171,8 @@ class ActionRunner:
             self._advance(run)
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
             self._supersede(run.id, action.label, origin, calls)
+        elif fills and isinstance(run.ended, m.ActionRefused):
+            self._take_back(action)
         return run_id, _refusal_of(run)
 
     def _begin_late(self, run: ActionRun, later: LaterStart) -> None:
@@ -316,7 +322,7 @@ class ActionRunner:
 
     def _remember(self, played: str, name: str, origin: RequestOrigin) -> None:
         self.played[played] = name
-        if origin.source not in BY_ITSELF:
+        if is_by_hand(origin.source, origin.key):
             self.by_hand = played
             self.last_over[origin.console] = played
         if len(self.played) > REMEMBERED:
@@ -508,12 +514,14 @@ class ActionRunner:
         return found or run is not None
 
     def cut_speech(self, reason: str) -> None:
-        """End the runs that say something now or would later, and what is held that would."""
+        """End what would be said later: runs that would are over after their present step. What is
+        said now is a command, to be ended as one.
+        """
         for run in list(self._runs.values()):
-            present = run.steps[max(run.at, 0)] if run.steps else ()
-            calls = [*(present if isinstance(present, tuple) else ()), *run.still_to_come]
-            if any(map(may_speak, calls)):
+            if run.at < 0 and any(map(may_speak, calls_in(run.steps))):
                 self.cancel(run.id, reason)
+            elif any(map(may_speak, run.still_to_come)):
+                self.end_after_step(run.id, reason)
         for command, (held, _) in list(self._held.items()):
             if may_speak(held):
                 self.cancel(command, reason)

@@ -95,7 +95,7 @@ AT_ONCE = 100
 #: The variables on which a text may depend and that change during a session.
 _MOVING = ("participant", "condition", "trial", VISITOR)
 #: After these they may have changed.
-_CHANGES = (m.SessionChanged, m.VisitorChanged, m.EngagementChanged)
+_CHANGES = (m.SessionChanged, m.VisitorChanged, m.EngagementChanged, m.EngagementShown)
 
 Steps = list[tuple[Call, ...] | float]
 
@@ -150,6 +150,8 @@ class ActionTexts:
         self._values = values
         #: How often variants were played to this participant, by action and variants.
         self._played: Counter[tuple[str, Sequence[str]]] = Counter()
+        #: Those that the action played last has used.
+        self._used: set[tuple[str, Sequence[str]]] = set()
         self._participant = ""
         self._published: list[str | None] | None = None
         hub.listen(self._on_message)
@@ -161,13 +163,23 @@ class ActionTexts:
         """
         used: set[tuple[str, Sequence[str]]] = set()
         steps = self._steps(action, self._values(), used)
+        self._used = used
         self._played.update(used)
+        self._tell_next(action)
+        return steps
+
+    def take_back(self, action: Action) -> None:
+        """What `play` has just filled in was refused: its variants come again."""
+        self._played.subtract(self._used)
+        self._used = set()
+        self._tell_next(action)
+
+    def _tell_next(self, action: Action) -> None:
         # Of a part of an action that is played alone, all of it is told.
         whole = self._experiment().action(action.name)
         if whole is not None and any(call.choices for call in action.calls):
             # Whatever the condition: that something is told must not depend on it.
             self._publish([whole])
-        return steps
 
     def preview(self, action: Action) -> Steps:
         """The steps of an action as it would be played now; its variants stay where they are.

@@ -178,7 +178,6 @@ def _attribute(
         if not code:
             continue
         past = people.setdefault(code, ParticipantHistory(code))
-        past.due = tuple(each.questionnaire for each in state.study.due)
         match line:
             case m.ConditionsAssigned():
                 order = tuple(line.order)
@@ -186,6 +185,11 @@ def _attribute(
                     past.finished.clear()
                 past.finished.update(line.over or ())
                 past.order, past.method, past.row = order, line.method, line.row
+            case m.QuestionnaireEnded(questionnaire=name, reason=reason) if reason != "left":
+                past.due = tuple(each for each in past.due if each != name)
+        if isinstance(line, m.TrialStarted | m.TrialEnded):  # others leave what is owed as it is
+            past.due = tuple(each.questionnaire for each in state.study.due)
+        match line:
             case m.TrialStarted(trial=trial) if trial > 0:
                 past.begun = True
             case m.TrialEnded(trial=trial, outcome=outcome) if trial > 0:

@@ -10,9 +10,7 @@ from collections.abc import Callable, Mapping
 from woz_tui.config.experiment import Action, Experiment, Profile
 from woz_tui.config.profiles import CONTROL
 from woz_tui.config.session_verbs import BML
-from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.session.action_runner import CommandRefusal
 from woz_tui.session.participant_identity import RequestError
@@ -77,11 +75,6 @@ class ProfileLimits:
                 return None
             what = f"the control {control!r}"
         return CommandRefusal("profile", f"{what} is not in the profile {profile.name}")
-
-
-def is_by_hand(ask: Ask) -> bool:
-    """Whether somebody's hand is behind what a driver asks for; what it does by itself it may."""
-    return bool(ask.key) or ask.source in HANDS
 
 
 def panel_refusal(

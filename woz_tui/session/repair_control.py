@@ -35,8 +35,12 @@ class RepairController:
     _action: str = ""
 
     def on_message(self, message: m.AnyMessage) -> None:
-        """Remember what was said last to this participant; repairs themselves are passed over."""
-        if isinstance(message, m.SessionChanged) and message.participant is not None:
+        """Remember what was said last to this participant under this condition; repairs themselves
+        are passed over.
+        """
+        if isinstance(message, m.SessionChanged) and (
+            message.participant is not None or message.condition is not None
+        ):
             self._last, self._action = None, ""
         if not isinstance(message, m.Dispatched):
             return
@@ -91,5 +95,5 @@ class RepairController:
         why = "interrupted by the wizard"
         self.runner.cut_speech(why)
         for command in list(self.commands().values()):
-            if may_speak(command.request) and not command.request.run:
+            if may_speak(command.request):
                 self.runner.cancel(command.request.command, why)

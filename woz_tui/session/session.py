@@ -31,6 +31,7 @@ from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.session.action_runner import (
     ActionRunner,
@@ -48,7 +49,7 @@ from woz_tui.session.part_limits import PartLimits
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
-from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, lock_on, panel_refusal
+from woz_tui.session.profile_limits import ProfileLimits, lock_on, panel_refusal
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.repair_control import RepairController
 from woz_tui.session.response_delay import ResponseDelay
@@ -203,6 +204,7 @@ class Session:
             self.hub,
             self.bus,
             self.texts.play,
+            self.texts.take_back,
             self.experiment.session.deadline,
             delay=ResponseDelay(self.hub, self.identity.seed),
         )
@@ -464,7 +466,7 @@ class Session:
     def _old(self, ask: Ask) -> str:
         """Why a hand's ask is too old: a driver reads late what waited while nobody read."""
         age_us = max(self.standstill.age_us(), ask.age_us)
-        return self.too_old(age_us) if is_by_hand(ask) else ""
+        return self.too_old(age_us) if is_by_hand(ask.source, ask.key) else ""
 
     def too_old(self, age_us: int) -> str:
         """Why a press of this age is not played; empty if it may be."""
@@ -638,7 +640,7 @@ class Session:
         origin, refusal = RequestOrigin(ask.source, ask.key, driver), None
         if stale := self._old(ask):
             refusal = CommandRefusal("stale", stale)
-        elif is_by_hand(ask):
+        elif is_by_hand(ask.source, ask.key):
             refusal = self._no_verb(call, origin)
 
         def ended(end: m.End) -> None:
@@ -726,6 +728,7 @@ class Session:
         For another participant or trial scripts and phases begin anew.
         """
         before = self.identity.participant, self.identity.trial
+        self.study.allow(participant, other_trial=trial not in (None, before[1]))
         self._set(participant, condition, trial)
         if (self.identity.participant, self.identity.trial) == before:
             return
@@ -735,7 +738,6 @@ class Session:
             self.phases.begin_anew("session")
 
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
-        self.study.allow(participant)
         self.identity = self.identity.changed(self.experiment, participant, condition, trial)
         self.hub.publish(
             m.SessionChanged(participant=participant, condition=condition, trial=trial)
@@ -744,6 +746,7 @@ class Session:
 
     def _set_verb(self, args: Mapping[str, m.Json]) -> None:
         checked: Mapping[str, Any] = args  # by the bus
+        self.study.allow(checked.get("participant"))
         # A step of an action, perhaps a line of the script, which goes on behind it.
         self._set(*(checked.get(name) for name in ("participant", "condition", "trial")))
 

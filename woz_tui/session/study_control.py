@@ -189,9 +189,9 @@ class StudyController:
             )
         )
 
-    def allow(self, participant: str | None) -> None:
-        """Raises `RequestError` if the participant cannot change now."""
-        if participant is not None and participant != self.state.participant:
+    def allow(self, participant: str | None, *, other_trial: bool = False) -> None:
+        """Raises `RequestError` if the participant, or the trial's number, cannot change now."""
+        if other_trial or participant not in (None, self.state.participant):
             self._between_trials()
 
     def _between_trials(self) -> None:
@@ -249,8 +249,8 @@ class StudyController:
         if conditions and condition not in conditions:  # not named: the wizard may be blind
             raise RequestError(
                 f"the file no longer has the condition of trial {number} of {state.participant}",
-                "choose a new order, whose trials begin with the first, or give the condition its old"
-                " name and read the file again",
+                "choose a new order, whose trials begin with the first, or give the condition its"
+                " old name and read the file again",
                 command="start",
             )
         identity = self._identity()

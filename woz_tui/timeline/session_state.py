@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.session_verbs import ENGAGEMENT, SESSION
+from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import DriverHealth
 from woz_tui.timeline.engagement_history import ModelStatus
@@ -330,7 +330,7 @@ class SessionState:
         if (
             action is not None
             and action.dispatched is None
-            and (message.driver or request.driver) not in (SESSION, ENGAGEMENT)
+            and (message.driver or request.driver) not in PERFORMERS
         ):
             self.actions[request.run] = replace(action, dispatched=message)
         return ()

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.experiment import Action, Experiment
-from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.config.session_verbs import ENGAGEMENT, SESSION
 from woz_tui.config.study import Training, TrainingCue
 
 #: An experiment without cues of its own: the visitor asks for an action by its label.
@@ -60,8 +60,8 @@ def requests(experiment: Experiment) -> Iterable[TrainingCue]:
 
 
 def moves_robot(action: Action) -> bool:
-    """Whether the robot does something."""
-    return any(call.driver not in PERFORMERS for call in action.calls)
+    """Whether the robot does something; a block of BML is played by it."""
+    return any(call.driver not in (SESSION, ENGAGEMENT) for call in action.calls)
 
 
 def _order(cues: Sequence[TrainingCue], count: int, chance: random.Random) -> Iterable[TrainingCue]:

@@ -12,9 +12,6 @@ from pathlib import Path
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.protocol.messages import Json
 
-#: How long a sound lasts whose length cannot be read, in seconds.
-UNKNOWN_SOUND = 2.0
-
 COLORS = {
     "black": "#000000",
     "off": "#000000",
@@ -106,13 +103,13 @@ def file(args: Mapping[str, Json], name: str, folder: Path) -> str:
     return str(path)
 
 
-def sound_seconds(path: str) -> float:
-    """How long a WAV file plays; `UNKNOWN_SOUND` where its head cannot be read."""
+def sound_seconds(path: str) -> float | None:
+    """How long a WAV file plays; None where its head cannot be read, as of MP3."""
     try:
         with wave.open(path, "rb") as sound:
             return sound.getnframes() / sound.getframerate()
     except (wave.Error, EOFError, OSError, ZeroDivisionError):
-        return UNKNOWN_SOUND
+        return None
 
 
 def did_you_mean(value: str, choices: list[str]) -> str:

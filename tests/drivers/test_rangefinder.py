@@ -154,9 +154,11 @@ async def test_examine_says_what_it_hears(
     sensor: PluggedSensor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     settings = RangefinderSettings(port=str(sensor.port), framing="tfmini")
+    monkeypatch.setattr(doctor, "_BEGINS_WITHIN_S", 0.5)
     (silent,) = await Rangefinder.examine(Probe("front", settings))
     assert (silent.level, silent.subject) == ("error", "front")
     assert "no data" in silent.text
+    monkeypatch.setattr(doctor, "_BEGINS_WITHIN_S", 40.0)  # such as a board that starts anew
     monkeypatch.setattr(doctor, "_LISTEN_S", 5.0)  # what is sent comes in time
     examined = asyncio.ensure_future(Rangefinder.examine(Probe("front", settings)))
     await until(lambda: _is_locked(sensor.port))

@@ -18,6 +18,7 @@ from woz_drivers.hands.hand_device import HandDevice
 from woz_tui.drivers.contract import DeviceLostError
 
 DEV = Path("/dev/input")
+_SYSFS = Path("/sys/class/input")
 #: struct js_event: time in ms, value, type, number.
 RECORD = struct.Struct("<IhBB")
 BUTTON_TYPE, AXIS_TYPE, INIT = 0x01, 0x02, 0x80
@@ -59,12 +60,21 @@ def axis_names(codes: Sequence[int]) -> dict[int, str]:
     return {number: names[code] for number, code in enumerate(codes) if code in names}
 
 
-def button_names(codes: Sequence[int], device: str) -> dict[int, str]:
-    """Number of a button -> its name. Linux has X and Y of an Xbox pad the wrong way round."""
+def button_names(codes: Sequence[int], device: str, driver: str = "") -> dict[int, str]:
+    """Number of a button -> its name. Linux has X and Y of an Xbox pad the wrong way round, and of
+    every other one that its `driver` xpad serves.
+    """
     names = dict(_BUTTON_NAMES)
-    if "xbox" in device.casefold().replace("-", ""):
+    if driver == "xpad" or "xbox" in device.casefold().replace("-", ""):
         names |= {0x133: "west", 0x134: "north"}
     return {number: names[code] for number, code in enumerate(codes) if code in names}
+
+
+def _kernel_driver(path: str) -> str:
+    """What serves it, such as xpad or hid-generic; empty: unknown, or it is no device."""
+    with contextlib.suppress(OSError):
+        return Path(_SYSFS / Path(path).name / "device/device/driver").readlink().name
+    return ""
 
 
 class Gamepad(HandDevice):
@@ -88,7 +98,7 @@ class Gamepad(HandDevice):
             axes, buttons = _codes(self._fd)
         super().__init__(GAMEPAD, name or Path(path).name, path)
         self._axes = axis_names(axes)
-        self._buttons = button_names(buttons, self.name)
+        self._buttons = button_names(buttons, self.name, _kernel_driver(path))
         #: A trigger that is an axis and a button is read as the axis.
         self._pulled = set(self._axes.values())
         self._rest = b""

@@ -13,7 +13,15 @@ from woz_drivers.midi.learning import MapLearning, begin_learning, map_text
 from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelModel
 from woz_drivers.midi.resolved_map import controls_by_signal, mapped_controls, signal_of
 from woz_drivers.midi.settings import MidiSettings
-from woz_drivers.midi.wire import CC, NOTE, MidiDecoder, MidiMessage, control_change, note_on
+from woz_drivers.midi.wire import (
+    CC,
+    NOTE,
+    PROGRAM,
+    MidiDecoder,
+    MidiMessage,
+    control_change,
+    note_on,
+)
 from woz_tui.drivers.contract import (
     Ask,
     DeviceLostError,
@@ -138,6 +146,8 @@ class MidiPanel(ControlPanel):
         )
         if it is not None:
             self._turned(it.name, message.value)
+            if message.kind == PROGRAM and it.pressed:  # nothing comes when it is let go
+                self._turned(it.name, 0)
 
     def _switch_lights(self, lit: list[str]) -> None:
         if self._with_lights and self._port.ready:

@@ -23,6 +23,8 @@ from woz_tui.drivers.contract import DriverError
 #: A knob is heard as one when it has sent so many different values: nobody touches it by chance.
 _VALUES = 3
 _NUMBERED = {CC: "cc", NOTE: "note", PROGRAM: "program"}
+#: What a map can name: how hard a pad is held answers no question.
+_NAMED = (*_NUMBERED, BEND)
 #: Fields of `ControlMapping` that say what a control sends or looks like, not what it does.
 _PHYSICAL = ("cc", "note", "program", "bend", "channel", "kind", "column", "row", "lamp")
 
@@ -113,6 +115,8 @@ class MapLearning:
         return ""
 
     def _message(self, message: MidiMessage) -> str:
+        if message.kind not in _NAMED:
+            return ""
         signal = MidiSignal(message.kind, message.number, message.channel)
         values = self._heard.setdefault(signal, set())
         values.add(message.value)
@@ -183,7 +187,7 @@ class MapLearning:
         sends: dict[str, object] = {"kind": it.control.kind, "channel": signal.channel}
         if signal.kind == BEND:
             return {**sends, "bend": True}
-        return {**sends, _NUMBERED.get(signal.kind, "cc"): signal.number}
+        return {**sends, _NUMBERED[signal.kind]: signal.number}
 
     def close(self) -> None:
         """Let go of the panel."""

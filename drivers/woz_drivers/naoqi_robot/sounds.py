@@ -76,7 +76,8 @@ class SoundsPart(NaoqiPart):
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """Of a file of this machine."""
         local = local_file(text(args, "file"), self._folder)
-        return Forecast() if local is None else Forecast(sound_seconds(str(local)), ())
+        seconds = None if local is None else sound_seconds(str(local))
+        return Forecast() if seconds is None else Forecast(seconds, ())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Play it; ends when the sound has ended."""
@@ -146,7 +147,8 @@ class SoundsPart(NaoqiPart):
         address = path
         if local is not None:
             address = await self._robot.files.address(local)
-            job.expects(sound_seconds(str(local)))
+            if (seconds := sound_seconds(str(local))) is not None:
+                job.expects(seconds)
         try:
             await self._until_over(path, "playWebStream", address, volume, 0.0)
         except DeviceLostError:

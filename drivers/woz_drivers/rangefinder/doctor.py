@@ -8,33 +8,49 @@ from woz_drivers.rangefinder.settings import RangefinderSettings
 from woz_drivers.rangefinder.wire import Measurement
 from woz_drivers.serial_line import SerialLine
 from woz_tui.drivers.contract import DeviceLostError, Finding, Probe
+from woz_tui.system.tasks import end_tasks
 
-#: How long `woz doctor` listens, in seconds: the slowest sensors speak twice a second.
+#: How long `woz doctor` listens from the first byte on, in seconds: the slowest sensors speak twice
+#: a second.
 _LISTEN_S = 1.5
+#: An Arduino starts anew when its port is opened, and says nothing for so long, in seconds.
+_BEGINS_WITHIN_S = 4.0
 
 
 async def examine(probe: Probe) -> Finding:
     """Open the port, listen for a moment, say what came."""
     settings: RangefinderSettings = probe.settings
     heard = bytearray()
+    begun = asyncio.Event()
+
+    def came(data: bytes) -> None:
+        heard.extend(data)
+        begun.set()
+
     lost: asyncio.Queue[DeviceLostError] = asyncio.Queue()
     line = SerialLine(
         settings.port,
         settings.real_baud,
         on_open=heard.clear,
-        on_bytes=heard.extend,
+        on_bytes=came,
         on_trouble=lost.put_nowait,
     )
     line.start()
+    losing = asyncio.create_task(lost.get())
+    beginning = asyncio.create_task(begun.wait())
     try:
-        async with asyncio.timeout(_LISTEN_S):
-            error = await lost.get()
-        return Finding("error", probe.name, error.what, error.remedy)
-    except TimeoutError:
+        either = (losing, beginning)
+        await asyncio.wait(either, timeout=_BEGINS_WITHIN_S, return_when=asyncio.FIRST_COMPLETED)
+        if begun.is_set():
+            await asyncio.wait([losing], timeout=_LISTEN_S)
+        if losing.done():
+            error = losing.result()
+            return Finding("error", probe.name, error.what, error.remedy)
         decoder = settings.decoder()
         found = decoder.feed(bytes(heard))
         return _finding(probe.name, settings, bytes(heard), found, decoder.bad)
     finally:
+        await end_tasks(losing, beginning)
         await line.close()
 
 

@@ -27,7 +27,7 @@ from woz_drivers.reachy_mini.reachy_pose import ASLEEP, HOME, Pose
 from woz_drivers.reachy_mini.reachy_senses import ReachySenses
 from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
 from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
-from woz_drivers.speech.settings import VOICE_ARGUMENTS
+from woz_drivers.speech.settings import VOICE_ARGUMENTS, voice_remarks
 from woz_drivers.speech.voice_list import voices
 from woz_drivers.web_socket_line import AnswerError
 from woz_tui.drivers.contract import (
@@ -301,7 +301,8 @@ class ReachyMini(Driver):
 
     @classmethod
     def remarks(cls, settings: ReachyMiniSettings, written: Written) -> Iterable[Finding]:
-        """A recorded move that is written as none."""
+        """A recorded move that is written as none; what the voice does not take."""
+        yield from voice_remarks(settings.voice, written)
         move = written.args.get("move") if written.verb == "recorded" else None
         if isinstance(move, str) and UNKNOWN not in move:
             try:

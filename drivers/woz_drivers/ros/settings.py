@@ -215,6 +215,17 @@ def _stop_misfits(
     if bool(stop.publish) == bool(stop.service):
         yield path, "needs one of publish and service"
         return
+    try:
+        found = [*placeholders(stop.message)]
+    except TemplateError as error:
+        yield f"{path}.message", str(error)
+        return
+    for place, argument, _ in found:
+        yield (
+            f"{path}.message.{place}",
+            f"a stop has no arguments: {{{argument}}} stands for nothing",
+        )
+        return
     part = stop.type_ + ("_Request" if stop.service else "")
     for place, wrong in types.misfits(stop.message, part):
         yield f"{path}.message.{place}" if place else f"{path}.message", wrong

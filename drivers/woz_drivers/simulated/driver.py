@@ -70,6 +70,9 @@ FACE_SECONDS, SCREEN_SECONDS = 0.3, 0.1
 #: A face is looked at so long before it is known, in seconds.
 FACE_LEARNT_SECONDS = 1.0
 
+#: A sound lasts so long whose length cannot be read, in seconds.
+UNKNOWN_SOUND = 2.0
+
 #: Joints that lag behind their track get this much longer to arrive, in seconds.
 LAG = 1.5
 #: Readings go out this often while something moves, in seconds.
@@ -310,9 +313,13 @@ class SimulatedRobot(Driver):
         return {"text": spoken.text, "seconds": round(spoken.seconds, 3), "volume": self.volume}
 
     async def _sound(self, job: Job) -> Sent:
-        seconds = sound_seconds(file(job.args, "file", self.context.folder))
+        seconds = self._sound_seconds(job.args)
         await self._spend(job, seconds)
         return {"file": job.args["file"], "seconds": round(seconds, 3)}
+
+    def _sound_seconds(self, args: Mapping[str, Any]) -> float:
+        seconds = sound_seconds(file(args, "file", self.context.folder))
+        return UNKNOWN_SOUND if seconds is None else seconds
 
     async def _set_volume(self, job: Job) -> Sent:
         self.volume = job.args["level"]
@@ -501,7 +508,7 @@ class SimulatedRobot(Driver):
                 seconds = move.seconds / args["speed"]
                 marks = _stroke(move, seconds)
             case "sound":
-                seconds = sound_seconds(file(args, "file", self.context.folder))
+                seconds = self._sound_seconds(args)
                 marks = ()
             case "emotion" | "eyes" | "screen":
                 seconds, marks = FACE_SECONDS if verb == "emotion" else SCREEN_SECONDS, ()

@@ -13,7 +13,7 @@ from woz_drivers import child_process, command_lines, live_talk
 from woz_drivers.child_process import Child
 from woz_drivers.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.speech import doctor
-from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings
+from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings, voice_remarks
 from woz_drivers.speech.synthesis import (
     PreparedUtterance,
     SpeechSynthesis,
@@ -116,11 +116,7 @@ class Speech(Driver):
     @classmethod
     def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:
         """Voice settings that the command of this voice does not take."""
-        ignored = settings.ignored() if written.verb == "say" else ()
-        for name in ignored:
-            if written.args.get(name) is not None:
-                what = f"this voice has no {name}: its command lacks {{{name}}}"
-                yield Finding("warning", name, what)
+        return voice_remarks(settings, written)
 
     @classmethod
     def lacks(cls, settings: Any) -> Mapping[str, str]:

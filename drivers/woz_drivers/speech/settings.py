@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
@@ -10,7 +10,7 @@ from woz_drivers import command_lines
 from woz_drivers.command_lines import Command
 from woz_drivers.live_talk import TalkSettings
 from woz_drivers.resident_program import resident_words
-from woz_tui.drivers.contract import Argument, DriverError
+from woz_tui.drivers.contract import Argument, DriverError, Finding, Written
 from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Section
 
 #: What the commands may hold in braces.
@@ -110,6 +110,12 @@ class SynthesisSettings(Section):
         """The program that stays loaded, or () if there is none. Raises `DriverError`."""
         return resident_words(self.resident_voice, "resident_voice")
 
+    def ignored(self) -> tuple[str, ...]:
+        """Those of `VOICE_ARGUMENTS` that its command does not take; a program that stays loaded
+        gets all.
+        """
+        return () if self.resident_voice else _not_taken(self.synthesise_words)
+
     def choice(self) -> VoiceChoice:
         """The voice of utterances that do not change it."""
         voice = "" if self.voice == _USUAL_VOICE else self.voice
@@ -192,18 +198,10 @@ class SpeechSettings(SynthesisSettings):
         return "volume" not in self.ignored()
 
     def ignored(self) -> tuple[str, ...]:
-        """Those of `VOICE_ARGUMENTS`, and the volume of a program that speaks by itself, that its
-        command does not take; a program that stays loaded gets all.
-        """
-        try:
-            words = () if self.resident_voice else self.speak_words() or self.synthesise_words()
-        except DriverError:  # `problems` says so
-            return ()
-        taken = {name for name in SPEAK_WORDS if any(f"{{{name}}}" in word for word in words)}
-        if "voice" in taken:
-            taken.add("language")  # it stands for a voice that is not named
-        names = [*(one.name for one in VOICE_ARGUMENTS), *(["volume"] if self.speak else [])]
-        return tuple(name for name in names if words and name not in taken)
+        """The same of the program that speaks by itself, and the volume if it does not take it."""
+        if not self.speak:
+            return SynthesisSettings.ignored(self)
+        return _not_taken(self.speak_words, "volume")
 
     def values(self, choice: VoiceChoice, volume: float) -> dict[str, str]:
         """What stands for the placeholders, but for {text} and {wav}; {volume} in percent."""
@@ -212,6 +210,27 @@ class SpeechSettings(SynthesisSettings):
             "device": self.device,
             "volume": str(round(volume * 100)),
         }
+
+
+def voice_remarks(settings: SynthesisSettings, written: Written) -> Iterable[Finding]:
+    """What a written `say` wants of the voice and its command does not take."""
+    for name in settings.ignored() if written.verb == "say" else ():
+        if written.args.get(name) is not None:
+            what = f"this voice has no {name}: its command lacks {{{name}}}"
+            yield Finding("warning", name, what)
+
+
+def _not_taken(command: Callable[[], tuple[str, ...]], *more: str) -> tuple[str, ...]:
+    """Those of `VOICE_ARGUMENTS`, and of `more`, that this command has no placeholder for."""
+    try:
+        words = command()
+    except DriverError:  # `problems` says so
+        return ()
+    taken = {name for name in SPEAK_WORDS if any(f"{{{name}}}" in word for word in words)}
+    if "voice" in taken:
+        taken.add("language")  # it stands for a voice that is not named
+    names = (*(one.name for one in VOICE_ARGUMENTS), *more)
+    return tuple(name for name in names if words and name not in taken)
 
 
 def _checked(command: str | Sequence[str], known: tuple[str, ...], setting: str) -> tuple[str, ...]:

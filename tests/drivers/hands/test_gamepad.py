@@ -132,3 +132,4 @@ def test_x_and_y_of_an_xbox_pad_are_where_they_are_on_the_pad() -> None:
     codes = (0x130, 0x131, 0x133, 0x134)
     assert button_names(codes, "Sony DualSense")[2] == "north"
     assert button_names(codes, "Microsoft X-Box 360 pad")[2] == "west"
+    assert button_names(codes, "Logitech Gamepad F710", "xpad")[2] == "west"

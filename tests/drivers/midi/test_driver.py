@@ -39,6 +39,15 @@ async def test_the_first_touch_of_a_slider_at_its_end_asks_for_nothing(tmp_path:
         assert len(it.desk.notices) == 1
 
 
+async def test_a_pedal_that_sends_programs_stops_the_robot_every_time(tmp_path: Path) -> None:
+    pedal = PanelMap(controls={"pedal": ControlMapping(program=4, kind="button", stop="all")})
+    async with stand(tmp_path, map=pedal) as it:
+        for times in (1, 2, 3):
+            it.panel.send(bytes((0xC0, 4)))
+            await it.asked(times)
+        assert {ask.what for ask in it.desk.asks} == {"stop"}
+
+
 @pytest.mark.toolkit("G7")
 async def test_a_value_changed_by_a_key_must_be_picked_up_again(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:

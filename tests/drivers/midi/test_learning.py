@@ -55,6 +55,14 @@ def test_each_target_gets_the_control_that_was_moved_for_it(tmp_path: Path) -> N
     assert panel.controls["cc-20"].range == (0.1, 0.9)
 
 
+def test_how_hard_a_pad_is_held_answers_no_question() -> None:
+    lesson = MapLearning(PANEL, "", -1)
+    for held in (20, 40, 60, 80):
+        assert lesson.add(bytes((0xD9, held))) == ""
+        assert lesson.add(bytes((0xA9, 36, held))) == ""
+    assert lesson.question == "[1/3] move the knob or slider for: pitch"
+
+
 def test_skip_and_back(tmp_path: Path) -> None:
     lesson = MapLearning(PANEL, "", -1)
     lesson.back()

@@ -18,6 +18,7 @@ from robot_simulators.reachy_mini import ReachyMiniSimulator
 from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link
 from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, MOVES
 from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, reachable
+from woz_drivers.speech.settings import SynthesisSettings
 
 from tests.drivers.reachy_mini.conftest import PACE, VOICE, PlayedReachy, reachy
 from woz_tui.drivers.contract import DriverError, RejectedError, Scope, Written
@@ -385,6 +386,14 @@ def test_woz_check_warns_of_what_is_no_recorded_move() -> None:
     wrong = ReachyMini.remarks(settings, Written("recorded", {"move": "nod"}, Path()))
     right = ReachyMini.remarks(settings, Written("recorded", {"move": "dances/x"}, Path()))
     assert ([one.level for one in wrong], list(right)) == (["warning"], [])
+
+
+def test_woz_check_warns_of_what_its_voice_does_not_take() -> None:
+    args: dict[str, Json] = {"text": "Hi", "pitch": 90}
+    for command, pitches in (("", []), ("piper -m de.onnx -f {wav}", ["pitch"])):
+        made = ReachyMiniSettings(voice=SynthesisSettings(synthesise=command))
+        found = ReachyMini.remarks(made, Written("say", args, Path()))
+        assert [one.subject for one in found] == pitches
 
 
 # -- sound -----------------------------------------------------------------------------------------

@@ -71,6 +71,12 @@ def verb(text: str) -> dict[str, str]:
             "verbs.say.stop.message.date",
             ["did you mean 'data'"],
         ),
+        (
+            "say: {publish: /tts, type: std_msgs/String, "
+            "stop: {publish: /tts, type: std_msgs/String, message: {data: 'stop {text}'}}}",
+            "verbs.say.stop.message.data",
+            ["no arguments", "{text}"],
+        ),
         ("say: {publish: my tts, type: std_msgs/String}", "verbs.say.publish", ["/robot/tts"]),
         ("drive: {publish: /cmd_vel, type: geometry_msgs/Twist}", "verbs.drive", ["beside"]),
         ("nudge: {publish: /h, type: std_msgs/Empty}", "verbs.nudge", ["gaze"]),

@@ -567,6 +567,14 @@ async def test_a_frozen_robot_gets_no_more_velocities_and_a_zero_behind_them(
         assert len(late) <= 2
 
 
+async def test_a_slow_sensor_is_slow_beside_a_fast_one_on_the_same_topic() -> None:
+    slow = "  slow: {subscribe: /sonar, type: sensor_msgs/Range, value: range, throttle: 60 s}\n"
+    both = settings(ROBOT.replace("sensors:\n", f"sensors:\n{slow}"))
+    async with played(both) as it:
+        await until(lambda: len(it.context.of("distance")) > 5)
+        assert len(it.context.of("slow")) == 1
+
+
 async def test_sensors_that_fall_silent_are_stale(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("woz_drivers.ros.driver._STALE_S", 0.2)
     monkeypatch.setattr("woz_drivers.ros.driver._STALE_READINGS", 0)

@@ -10,10 +10,9 @@ from woz_tui.protocol import messages as m
 def test_the_press_of_a_block_lasts_until_a_robot_does_something() -> None:
     it = ExampleSession()
     it.add(1, m.ActionRequested(run="a1", action="Greet", source="key"))
-    whole = {"run": "a1", "source": "key"}
-    it.add(1, m.Command(command="c1", verb="bml", args={}, driver="bml", **whole))
+    it.add(1, m.Command(command="c1", verb="bml", args={}, driver="bml", run="a1", source="key"))
     it.add(1.001, m.Dispatched(command="c1", driver="bml", latency_us=1000))
-    it.add(3, m.Command(command="c2", verb="say", args={}, driver="robot", **whole))
+    it.add(3, m.Command(command="c2", verb="say", args={}, driver="robot", run="a1", source="key"))
     it.add(3.5, m.Dispatched(command="c2", driver="robot", latency_us=500_000))
     assert list(figures_of(in_time(it.end(9))).whole.press.values) == [2.5 * SECOND]
 

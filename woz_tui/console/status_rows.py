@@ -92,7 +92,7 @@ def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     spare = room - len(time) - 3 - length(badge)
     if state.study.counts:  # then who and what is worth more than the title
         spare -= sum(cell_len(value) + 3 for value in values[:3])
-        spare = max(spare, 1 if badge else TITLE)
+        spare = max(spare, 1 if state.role == "watcher" else TITLE)
     title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
     parts = [badge] if badge else []
     parts.append(((f" {title}  ", "strong"), (time, "plain")))

@@ -107,16 +107,43 @@ def test_a_file_that_is_there_is_left_alone(
         (("--robot", "camera.yaml"), "say"),
         (("--language", "xx"), "'xx' is not known"),
         (("--conditions", "a,a"), "appears twice"),
+        (("--robot", "~nobody-of-this-name/a.yaml"), "home"),
     ],
 )
 def test_what_cannot_be_is_said_and_nothing_is_written(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...], said: str
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    options: tuple[str, ...],
+    said: str,
 ) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "camera.yaml").write_text("drivers: {eye: {type: rangefinder, port: /dev/x}}\n")
     before = {*tmp_path.iterdir()}
-    assert made(tmp_path / "e.yaml", *options) == 1
-    assert said in capsys.readouterr().err
-    assert {*tmp_path.iterdir()} == before
+    for file in ("e.yaml", "new/folder/e.yaml"):
+        assert made(tmp_path / file, *options) == 1
+        assert said in capsys.readouterr().err
+        assert {*tmp_path.iterdir()} == before
+
+
+def test_what_is_in_the_way_is_named(tmp_path: Path) -> None:
+    (tmp_path / "notes").write_text("a file")
+    with pytest.raises(OSError, match=r"notes'$"):
+        made(tmp_path / "notes" / "e.yaml")
+
+
+def test_free_play_has_no_conditions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert made(tmp_path / "e.yaml", "--free", "--conditions", "a,b") == 2
+    assert "leave out --free" in capsys.readouterr().err
+
+
+def test_a_robot_file_is_found_from_where_the_command_is_typed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text("drivers: {body: {type: simulated}}\n")
+    assert made(Path("sub/e.yaml"), "--robot", "mine.yaml") == 0
+    assert "../mine.yaml" in (tmp_path / "sub" / "e.yaml").read_text()
 
 
 def test_nobody_who_answers_any_more_writes_nothing(tmp_path: Path) -> None:

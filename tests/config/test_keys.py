@@ -420,3 +420,12 @@ def test_pedals_are_keys_where_they_arrive(number: int) -> None:
         assert token.chord == key
     assert keys.deliver(key, keys.PLAIN).why
     assert keys.deliver(key, keys.TMUX).verdict is keys.KeyOutcome.NEVER
+
+
+def test_a_sign_in_a_keymap_is_written_as_itself(tmp_path: Path) -> None:
+    """An experiment may name another keyboard, on which shift+0 is another sign."""
+    (problem,) = keymap_errors(tmp_path / "k.yaml", "note: shift+0\n")
+    assert "the sign itself" in problem
+    (tmp_path / "k.yaml").write_text("note: shift+n\nsay: shift+f5\n")
+    moved = {item.id: item.chord for item in keys.load_keymap(tmp_path / "k.yaml")}
+    assert (moved["note"], moved["say"]) == ("N", "shift+f5")

@@ -92,9 +92,7 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         every = arguments.robot == robot_fit.ALL
         experiment = load(arguments.file, catalogue, robot="" if every else arguments.robot)
         layout = arguments.layout or experiment.keyboard
-        builtins = (
-            keys.load_keymap(arguments.keymap, layout) if arguments.keymap else keys.BUILTIN_KEYS
-        )
+        builtins = keys.load_keymap(arguments.keymap) if arguments.keymap else keys.BUILTIN_KEYS
     except ExperimentError as error:
         _print_errors(error.problems, arguments)
         return 1

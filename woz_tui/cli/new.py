@@ -19,7 +19,7 @@ import msgspec
 
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.config.bundled_files import ROBOTS, robot_files
+from woz_tui.config.bundled_files import ROBOTS, is_path, robot_files
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.keys import LAYOUTS
 from woz_tui.config.languages import DEFAULT, shipped
@@ -108,9 +108,11 @@ def run(arguments: Namespace) -> int:
 def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | None) -> int:
     """`run` with the drivers of `catalogue`; without `ask` nothing is asked."""
     path: Path = arguments.file
+    if arguments.study is False and arguments.conditions is not None:
+        print("woz: free play has no conditions: leave out --free or --conditions", file=sys.stderr)
+        return 2
     if os.path.lexists(path):
-        print(f"woz: {path} is there already; choose another name", file=sys.stderr)
-        return 1
+        return _taken(path)
     try:
         answers = _answers(arguments, ask, catalogue)
     except EOFError:
@@ -118,24 +120,38 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
         return 1
     with ExitStack() as undo:
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            _make_folder(path.parent, undo)
             robot = _robot(answers["robot"], path.parent, catalogue, undo)
             abilities = _abilities(robot, path.parent, catalogue)
             text = experiment_text(
                 TEMPLATES[arguments.template], {**answers, "robot": robot}, abilities
             )
-            with path.open("x", encoding="utf-8") as file:
-                undo.callback(path.unlink)
+            try:
+                file = path.open("x", encoding="utf-8")
+            except FileExistsError:
+                return _taken(path)
+            undo.callback(path.unlink)
+            with file:
                 file.write(text)
             experiment = load(path, catalogue)
-        except FileExistsError:
-            print(f"woz: {path} is there already; choose another name", file=sys.stderr)
-            return 1
         except ExperimentError as error:
             return _print_refusal(error, answers)
         undo.pop_all()
     _print(path, experiment, abilities)
     return 0
+
+
+def _taken(path: Path) -> int:
+    print(f"woz: {path} is there already; choose another name", file=sys.stderr)
+    return 1
+
+
+def _make_folder(folder: Path, undo: ExitStack) -> None:
+    """With those above it; `undo` takes away those that it made."""
+    for each in reversed([each for each in (folder, *folder.parents) if not each.exists()]):
+        each.mkdir()
+        undo.callback(each.rmdir)
+    folder.mkdir(exist_ok=True)
 
 
 def _print_refusal(error: ExperimentError, answers: Mapping[str, str]) -> int:
@@ -328,12 +344,13 @@ def _robot(
     if file is not None:
         own = folder / ROBOTS / file.name
         if not own.exists():
-            own.parent.mkdir(exist_ok=True)
+            _make_folder(own.parent, undo)
             undo.callback(own.unlink)
             shutil.copy(file, own)
         return json.dumps(f"{ROBOTS}/{file.name}")
     if answer not in catalogue or not catalogue[answer].facts.robot:
-        return json.dumps(answer)
+        here = is_path(answer) and not (folder / answer).exists() and Path(answer).exists()
+        return json.dumps(os.path.relpath(answer, folder) if here else answer)
     example = catalogue[answer].facts.example
     settings = f"type: {answer}{f', {example}' if example else ''}"
     comment = "\n# instead of simulated: your robot's address" if SIMULATED in example else ""

@@ -93,7 +93,8 @@ def _train(arguments: Namespace) -> int:
         return 1
     if result.left != "ended":
         result.launch.abandon()  # nobody comes back to a training
-    return _print_result(arguments, result.robot.log)
+    _print_result(arguments, result.robot.log)
+    return result.code
 
 
 def _host_command(arguments: Namespace) -> list[str]:
@@ -114,14 +115,13 @@ def _host_command(arguments: Namespace) -> list[str]:
     return words
 
 
-def _print_result(arguments: Namespace, log: Path) -> int:
+def _print_result(arguments: Namespace, log: Path) -> None:
     score = score_of(log)
     if score is None:
         print(f"No cue was given. Log: {log}")
-        return 0
+        return
     _print(history(arguments.recordings, arguments.wizard) or [score])
     print(f"Log: {log}")
-    return 0
 
 
 #: Cells of a row without the experiment's title.

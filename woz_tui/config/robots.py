@@ -147,7 +147,12 @@ class RobotReader:
         files = robot_files(self._base)
         file = files.get(name)
         if file is None and is_path(name):
-            near = Path(name).expanduser()
+            try:
+                near = Path(name).expanduser()
+            except RuntimeError as error:  # nobody of this name has a home
+                cursor.error(f"{quoted(name)}: {error}")
+                self._robots.incomplete = True
+                return self._robots
             file = near if near.exists() else self._base / near
             self._robots.label, self._robots.origin = file.stem, str(file.absolute())
         if file is not None:

@@ -341,21 +341,22 @@ def typeable(chord: str, layout: str) -> bool:
 # -- a wizard's own keymap -------------------------------------------------------------------------
 
 
-def load_keymap(path: Path, layout: str = "us") -> tuple[BuiltinKey, ...]:
+def load_keymap(path: Path) -> tuple[BuiltinKey, ...]:
     """The console's keys with this file's changes (`say: ctrl+g`; docs/how-to/keymap.md lists the
-    ids). Raises `ExperimentError` with every problem.
+    ids), which count whatever keyboard an experiment names. Raises `ExperimentError` with every
+    problem.
 
     The stop cannot be moved, and nothing can be put on its bytes.
     """
     report = ProblemReport()
-    moved = _read(path, layout, report)
+    moved = _read(path, report)
     result = tuple(replace(item, chord=moved.get(item.id, item.chord)) for item in BUILTIN_KEYS)
     _no_two_alike(result, moved, report)
     report.raise_errors()
     return result
 
 
-def _read(path: Path, layout: str, report: ProblemReport) -> dict[str, str]:
+def _read(path: Path, report: ProblemReport) -> dict[str, str]:
     source = source_of(path, report)
     root = parse_yaml(source, report) if source is not None else None
     if root is None or (isinstance(root, ScalarNode) and root.is_empty):
@@ -369,7 +370,7 @@ def _read(path: Path, layout: str, report: ProblemReport) -> dict[str, str]:
             cursor.unknown(known, "known are")
         elif not known[name].movable:
             cursor.error("the key of the stop cannot be changed")
-        elif (chord := _chord(cursor, layout)) is None:
+        elif (chord := _chord(cursor)) is None:
             continue
         elif name in _IN_DIALOGS and len(chord) == 1:
             cursor.error(f"{chord!r} could not be typed any more: take a key such as f10 or ctrl+g")
@@ -378,17 +379,24 @@ def _read(path: Path, layout: str, report: ProblemReport) -> dict[str, str]:
     return moved
 
 
-def _chord(cursor: Cursor, layout: str) -> str | None:
+#: Letters and signs stand for themselves: the file is read before an experiment names a keyboard.
+_LAYOUT = "us"
+
+
+def _chord(cursor: Cursor) -> str | None:
     text = read_text(cursor, "a key")
     if text is None:
         return None
     try:
-        chord = normal_key(text, layout)
+        chord = normal_key(text, _LAYOUT)
     except KeyNameError as error:
         cursor.error(str(error))
         return None
-    if is_stop(chord, layout):
+    if is_stop(chord, _LAYOUT):
         cursor.error(f"{quoted(text)} means stop, and nothing else")
+        return None
+    if "shift+" in text.lower() and len(chord) == 1 and not chord.isalpha():
+        cursor.error("write the sign itself: which key has it with shift depends on the keyboard")
         return None
     if " " in chord:
         cursor.error("only one key is possible here, not two after each other")

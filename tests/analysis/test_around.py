@@ -177,7 +177,7 @@ def test_the_last_answer_of_a_round_counts() -> None:
 
 
 def test_answers_of_a_round_that_was_left_beside_a_whole_one_do_not_count() -> None:
-    it = ExampleSession()
+    it = ExampleSession(participant="P01")
     for at, value, reason in ((1, 1.0, "left"), (4, 7.0, "done"), (7, 2.0, "left")):
         it.add(at, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[]))
         given = m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=value)
@@ -185,6 +185,19 @@ def test_answers_of_a_round_that_was_left_beside_a_whole_one_do_not_count() -> N
         it.add(at + 2, m.QuestionnaireEnded(questionnaire="ux", reason=reason, answered=1))
     answers = told(it.end(12)).answers
     assert [(each.value, each.counted) for each in answers] == [(1, False), (7, True), (2, False)]
+
+
+def test_a_round_that_was_left_counts_beside_one_without_answers() -> None:
+    it = ExampleSession(participant="P01")
+    for at, given in ((1, True), (4, False)):
+        it.add(at, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[]))
+        if given:
+            it.add(
+                at + 1,
+                m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0),
+            )
+        it.add(at + 2, m.QuestionnaireEnded(questionnaire="ux", reason="left", answered=1))
+    assert [each.counted for each in told(it.end(12)).answers] == [True]
 
 
 def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:

@@ -142,6 +142,44 @@ def test_an_interruption_lets_go_on_what_is_not_said(tmp_path: Path) -> None:
     }
 
 
+def test_an_interruption_leaves_no_gesture_of_what_still_waits(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.send("play", {"move": "wave"}, "", KEY)
+        stage.session.play("Hello", KEY)
+        stage.session.play("Welcome", KEY)
+        await asyncio.sleep(0.1)
+        stage.session.play(INTERRUPT, KEY)
+
+    stage = scene(tmp_path, play)
+    assert [args for verb, args in stage.puppet().calls if verb == "play"] == [{"move": "wave"}]
+
+
+def test_other_words_that_are_refused_use_no_wording_up(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Filler", KEY)
+        await asyncio.sleep(2)
+        stage.session.play("Hello", KEY)
+        with pytest.raises(RequestError):
+            stage.session.play(REWORD, KEY, "refuse")
+        await asyncio.sleep(2)
+        for _ in range(2):
+            stage.session.play("Filler", KEY)
+            await asyncio.sleep(2)
+
+    said = spoken(scene(tmp_path, play))
+    assert sorted(map(str, [said[0], *said[2:]])) == sorted(HM)
+
+
+def test_who_is_set_once_more_can_still_hear_it_again(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(2)
+        stage.session.set("P07", "warm", 3)
+        stage.session.play(REPEAT, KEY)
+
+    assert spoken(scene(tmp_path, play)) == ["Hello P07"] * 2
+
+
 def test_a_repetition_does_not_cross_a_change_of_condition(tmp_path: Path) -> None:
     async def play(stage: Stage) -> None:
         stage.session.play("Hello", KEY)

@@ -578,12 +578,16 @@ def unanswered(timeline: Timeline) -> Iterator[str]:
 def answers(timeline: Timeline) -> Iterator[AnswerRow]:
     """The last answers of each round, in the order in which the items were answered first."""
     rounds = [*_numbered(timeline)]
-    #: Of rounds that were left and of others: the last of a questionnaire about a trial.
-    last = {(_left(each), _about(each)): number for each, number in rounds}
+    #: Of rounds that were left and of others: the last of a questionnaire that has answers.
+    last = {(_left(each), _about(each)): number for each, number in rounds if each.answers}
     for each, number in rounds:
         items = _items(each)
         about = _about(each)
-        again = _left(each) and ((False, about) in last or number < last[True, about])
+        again = (
+            _left(each)
+            and about[1:] != ("", None)  # nobody knows whether it was the same visitor
+            and ((False, about) in last or number < last.get((True, about), 0))
+        )
         counted = each.trial != 0 and not again and timeline.counts(each.context)  # 0: practice
         place = context_fields(each.context) | {"trial": -1 if each.trial is None else each.trial}
         for answer in each.answers.values():

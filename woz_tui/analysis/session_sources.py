@@ -20,6 +20,7 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     """
     found: dict[tuple[Path, str], Path] = {}
     problems: list[str] = []
+    no_logs: list[Path] = []
     for name in named:
         try:
             paths = list(_paths(name))
@@ -31,12 +32,14 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
         for path in paths:
             parsed = FileName.parse(path.name)
             if parsed is None:
-                if not (path.name.endswith(CODINGS) and len(named) + len(paths) > 2):
-                    problems.append(f"{path}: {why_no_log(path.name)}")
+                no_logs.append(path)
                 continue
             key = (path.parent.resolve(), parsed.stem)
             if key not in found or _rank(path) < _rank(found[key]):
                 found[key] = path
+    # Of a pattern, what coders set lies beside its log.
+    told = [path for path in no_logs if not (found and path.name.endswith(CODINGS))]
+    problems += [f"{path}: {why_no_log(path.name)}" for path in told]
     return sorted(_first_segments(found), key=lambda path: (path.name, str(path))), problems
 
 

@@ -94,7 +94,7 @@ class ActionRunner:
         bus: Takes the commands.
         fill: Gives an action's steps with their texts chosen and all variables filled in; raises
             `MissingValueError`.
-        take_back: Called with an action that was filled in and is refused at once.
+        take_back: Called when what was filled in last is refused at once.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
         delay: Holds what answers a cue too soon.
     """
@@ -104,7 +104,7 @@ class ActionRunner:
         hub: Hub,
         bus: Bus,
         fill: Callable[[Action], Steps],
-        take_back: Callable[[Action], None],
+        take_back: Callable[[], None],
         deadline: float,
         *,
         delay: ResponseDelay,
@@ -172,7 +172,7 @@ class ActionRunner:
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
             self._supersede(run.id, action.label, origin, calls)
         elif fills and isinstance(run.ended, m.ActionRefused):
-            self._take_back(action)
+            self._take_back()
         return run_id, _refusal_of(run)
 
     def _begin_late(self, run: ActionRun, later: LaterStart) -> None:
@@ -518,13 +518,19 @@ class ActionRunner:
         said now is a command, to be ended as one.
         """
         for run in list(self._runs.values()):
-            if run.at < 0 and any(map(may_speak, calls_in(run.steps))):
+            to_come = calls_in(run.steps[max(run.at, 0) :])
+            if (run.at < 0 or self._waits(run)) and any(map(may_speak, to_come)):
                 self.cancel(run.id, reason)
             elif any(map(may_speak, run.still_to_come)):
                 self.end_after_step(run.id, reason)
         for command, (held, _) in list(self._held.items()):
             if may_speak(held):
                 self.cancel(command, reason)
+
+    def _waits(self, run: ActionRun) -> bool:
+        """Whether all commands of its present step wait in queues."""
+        begun = not run.pending or len(run.pending) < run.together
+        return not begun and run.pending <= {*self._bus.waiting}
 
     def end_after_step(self, run_id: str, end: str | m.ActionEnd) -> None:
         """Finish the step that one run has begun, and drop those after it; one whose commands all
@@ -539,7 +545,7 @@ class ActionRunner:
             end = m.ActionStopped(run=run.id, action=run.action.name, reason=end)
         if not run.pending:
             self._finish(run, end)
-        elif len(run.pending) == run.together and run.pending <= {*self._bus.waiting}:
+        elif self._waits(run):
             run.problem = end
             self._bus.cancel(run.id, end.reason)
         elif run.at + 1 < len(run.steps):

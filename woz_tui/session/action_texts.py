@@ -150,8 +150,8 @@ class ActionTexts:
         self._values = values
         #: How often variants were played to this participant, by action and variants.
         self._played: Counter[tuple[str, Sequence[str]]] = Counter()
-        #: Those that the action played last has used.
-        self._used: set[tuple[str, Sequence[str]]] = set()
+        #: What was played last, and the variants that it has used.
+        self._last: tuple[Action, set[tuple[str, Sequence[str]]]] | None = None
         self._participant = ""
         self._published: list[str | None] | None = None
         hub.listen(self._on_message)
@@ -163,16 +163,18 @@ class ActionTexts:
         """
         used: set[tuple[str, Sequence[str]]] = set()
         steps = self._steps(action, self._values(), used)
-        self._used = used
+        self._last = action, used
         self._played.update(used)
         self._tell_next(action)
         return steps
 
-    def take_back(self, action: Action) -> None:
+    def take_back(self) -> None:
         """What `play` has just filled in was refused: its variants come again."""
-        self._played.subtract(self._used)
-        self._used = set()
-        self._tell_next(action)
+        if self._last is not None:
+            action, used = self._last
+            self._last = None
+            self._played.subtract(used)
+            self._tell_next(action)
 
     def _tell_next(self, action: Action) -> None:
         # Of a part of an action that is played alone, all of it is told.

@@ -22,26 +22,24 @@ class RepairController:
     Args:
         experiment: As it is now.
         commands: The commands that are under way.
+        whom: Participant and condition now.
         runner: Plays.
         texts: Chooses among wordings.
     """
 
     experiment: Callable[[], Experiment]
     commands: Callable[[], Mapping[str, CommandEpisode]]
+    whom: Callable[[], tuple[str, str]]
     runner: ActionRunner
     texts: ActionTexts
     _last: m.Command | None = None
+    #: To whom that was said.
+    _told: tuple[str, str] = ("", "")
     #: The action of the file that said it.
     _action: str = ""
 
     def on_message(self, message: m.AnyMessage) -> None:
-        """Remember what was said last to this participant under this condition; repairs themselves
-        are passed over.
-        """
-        if isinstance(message, m.SessionChanged) and (
-            message.participant is not None or message.condition is not None
-        ):
-            self._last, self._action = None, ""
+        """Remember what was said last, and to whom; repairs themselves are passed over."""
         if not isinstance(message, m.Dispatched):
             return
         command = self.commands().get(message.command)
@@ -50,7 +48,7 @@ class RepairController:
         request = command.request
         if request.panel == PANEL and request.action != REWORD:
             return
-        self._last = request
+        self._last, self._told = request, self.whom()
         self._action = self._action if request.action == REWORD else request.action
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
@@ -71,20 +69,22 @@ class RepairController:
             raise RequestError(steps)
         run, refused = self.runner.play(action, origin, when_busy, steps=steps)
         if refused is not None:
+            if action.name == REWORD:
+                self.texts.take_back()
             raise refused
         return run
 
     def _again(self) -> Steps | str:
         """As it was said, to whom it was kept from."""
         last = self._last
-        if last is None:
+        if last is None or self._told != self.whom():
             return "nothing has been said yet"
         call = Call(last.verb, dict(last.args), last.driver)
         return [(replace(call, tells=last.tells, unfilled=dict(last.unfilled)),)]
 
     def _other_words(self) -> Steps | str:
         """The next wording of the call that said it."""
-        if self._last is None:
+        if self._last is None or self._told != self.whom():
             return "nothing has been said yet"
         action = self.experiment().action(self._action)
         steps = self.texts.other(action, self._last) if action is not None else None

@@ -209,7 +209,11 @@ class Session:
             delay=ResponseDelay(self.hub, self.identity.seed),
         )
         self.repairs = RepairController(
-            lambda: self.experiment, lambda: self.state.commands, self.runner, self.texts
+            lambda: self.experiment,
+            lambda: self.state.commands,
+            lambda: (self.identity.participant, self.identity.condition),
+            self.runner,
+            self.texts,
         )
         self.hub.listen(self.repairs.on_message)
         robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
@@ -728,7 +732,6 @@ class Session:
         For another participant or trial scripts and phases begin anew.
         """
         before = self.identity.participant, self.identity.trial
-        self.study.allow(participant, other_trial=trial not in (None, before[1]))
         self._set(participant, condition, trial)
         if (self.identity.participant, self.identity.trial) == before:
             return
@@ -738,6 +741,7 @@ class Session:
             self.phases.begin_anew("session")
 
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
+        self.study.allow(participant, other_trial=trial not in (None, self.identity.trial))
         self.identity = self.identity.changed(self.experiment, participant, condition, trial)
         self.hub.publish(
             m.SessionChanged(participant=participant, condition=condition, trial=trial)
@@ -746,7 +750,6 @@ class Session:
 
     def _set_verb(self, args: Mapping[str, m.Json]) -> None:
         checked: Mapping[str, Any] = args  # by the bus
-        self.study.allow(checked.get("participant"))
         # A step of an action, perhaps a line of the script, which goes on behind it.
         self._set(*(checked.get(name) for name in ("participant", "condition", "trial")))
 

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import DriverHealth
 from woz_tui.timeline.engagement_history import ModelStatus
@@ -327,13 +327,17 @@ class SessionState:
             self.commands[message.command] = replace(command, dispatched=message)
         request = command.request
         action = self.actions.get(request.run)
-        if (
-            action is not None
-            and action.dispatched is None
-            and (message.driver or request.driver) not in PERFORMERS
-        ):
+        if action is not None and self._is_first(message.driver or request.driver, action):
             self.actions[request.run] = replace(action, dispatched=message)
         return ()
+
+    def _is_first(self, driver: str, action: ActionEpisode) -> bool:
+        """Whether a driver is the first that is called for an action: a robot's rather than that
+        of blocks, which has a robot called later.
+        """
+        if action.dispatched is None:
+            return driver not in (SESSION, ENGAGEMENT)
+        return action.dispatched.driver == BML and driver not in PERFORMERS
 
     def _progress(self, message: m.Progress) -> Iterable[Episode]:
         command = self.commands.get(message.command)

@@ -216,15 +216,9 @@ def _stop_misfits(
         yield path, "needs one of publish and service"
         return
     try:
-        found = [*placeholders(stop.message)]
+        fill(stop.message, {})
     except TemplateError as error:
-        yield f"{path}.message", str(error)
-        return
-    for place, argument, _ in found:
-        yield (
-            f"{path}.message.{place}",
-            f"a stop has no arguments: {{{argument}}} stands for nothing",
-        )
+        yield f"{path}.message", f"a stop has no arguments: {error}"
         return
     part = stop.type_ + ("_Request" if stop.service else "")
     for place, wrong in types.misfits(stop.message, part):

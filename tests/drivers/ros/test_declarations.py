@@ -74,8 +74,8 @@ def verb(text: str) -> dict[str, str]:
         (
             "say: {publish: /tts, type: std_msgs/String, "
             "stop: {publish: /tts, type: std_msgs/String, message: {data: 'stop {text}'}}}",
-            "verbs.say.stop.message.data",
-            ["no arguments", "{text}"],
+            "verbs.say.stop.message",
+            ["no arguments", "text"],
         ),
         ("say: {publish: my tts, type: std_msgs/String}", "verbs.say.publish", ["/robot/tts"]),
         ("drive: {publish: /cmd_vel, type: geometry_msgs/Twist}", "verbs.drive", ["beside"]),
@@ -126,6 +126,11 @@ def test_settings_that_make_no_sense_are_refused(wrong: str) -> None:
     made, problems = read(wrong)
     assert made is None
     assert problems
+
+
+def test_a_stop_may_have_braces_of_its_own() -> None:
+    stop = """stop: {publish: /t, type: std_msgs/String, message: {data: '{"cmd": "stop"}'}}"""
+    assert verb(f"say: {{publish: /t, type: std_msgs/String, {stop}}}") == {}
 
 
 def test_the_types_of_a_file_are_checked_like_the_standard_ones() -> None:

@@ -12,6 +12,7 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, Stage, action, call, experiment, together
 from tests.session.test_superseding import Guide
+from woz_tui.bml.behaviour_calls import BmlTable, TableCall
 from woz_tui.config.experiment import Action, Panel, Profile, TextVariants
 from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL
 from woz_tui.drivers.contract import RejectedError
@@ -204,6 +205,61 @@ def test_of_the_wizards_own_block_only_what_is_to_come_gives_way(tmp_path: Path)
     stage = scene(tmp_path, play)
     assert done(stage) == ["Hello you.", "La la la.", "nod"]
     assert [*trouble(stage)] == ["t"]
+
+
+def test_what_the_wizards_own_block_would_take_back_later_gives_way(tmp_path: Path) -> None:
+    gaze = '<bml id="look"><gaze id="g" target="left" start="0" ready="1" relax="6" end="8"/></bml>'
+
+    async def play(stage: Stage) -> None:
+        stage.session.experiment = replace(stage.session.experiment, blocks={"greet.xml": gaze})
+        stage.session.play("Greet", KEY)
+        await asyncio.sleep(3)
+        stage.session.send("gaze", {"yaw": -30.0}, "", KEY)
+
+    stage = scene(tmp_path, play)
+    yaws = [args["yaw"] for verb, args in stage.puppet().calls if verb == "gaze"]
+    assert len(yaws) == 2
+    assert yaws[-1] == -30.0
+    assert [*trouble(stage)] == ["g"]
+
+
+def test_whatever_a_program_calls_its_source_its_blocks_are_looked_at(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        allowed = Profile(name="mute", verbs=frozenset({"play"}))
+        stage.session.experiment = replace(stage.session.experiment, profiles={"mute": allowed})
+        stage.session.use_profile("mute", "key")
+        stage.session.send("bml", {"block": GREET}, "", RequestOrigin("key", "", "con2"))
+
+    assert done(scene(tmp_path, play)) == ["nod"]
+
+
+def test_a_block_that_waits_counts_the_times_of_another_one_from_its_own_beginning(
+    tmp_path: Path,
+) -> None:
+    first = '<bml id="one"><wait id="w" end="5"/></bml>'
+    then = (
+        '<bml id="two" composition="APPEND"><head id="n" lexeme="NOD" start="one:w:end + 1"/></bml>'
+    )
+    stage = scene(tmp_path, planner((0, first), (0.5, then)))
+    nods = [
+        line.t for line in stage.lines if isinstance(line, m.Dispatched) and line.driver == "robot"
+    ]
+    begun = next(line.t for line in stage.lines if isinstance(line, m.Command))
+    assert [(t - begun) / 1e6 for t in nods] == [pytest.approx(6.1, abs=0.2)]
+    assert not trouble(stage)
+
+
+def test_calls_of_one_moment_begin_in_the_order_of_the_table(tmp_path: Path) -> None:
+    moves = [TableCall("play", {"move": name}, "robot") for name in "abcdef"]
+    table = BmlTable(calls={"gesture": {"DANCE": tuple(moves)}})
+    dance = '<bml id="b"><gesture id="d" lexeme="DANCE" start="1.3" end="9"/></bml>'
+
+    async def play(stage: Stage) -> None:
+        stage.session.experiment = replace(stage.session.experiment, bml={"": table})
+        await planner((0, dance))(stage)
+
+    stage = scene(tmp_path, play)
+    assert [args["move"] for verb, args in stage.puppet().calls if verb == "play"] == [*"abcdef"]
 
 
 def test_a_planner_may_do_only_what_a_profile_and_the_locks_allow(tmp_path: Path) -> None:

@@ -44,6 +44,9 @@ from woz_tui.timeline.session_state import SessionState
 GUEST = "program"
 #: From the plan to the beginning, in seconds: so that nothing of it begins late.
 LEAD_S = 0.05
+#: A sync point of another block counts as one of now for so long, in seconds: the end of the block
+#: that was waited for.
+_JUST_S = 0.2
 #: Blocks that were played and whose times others may refer to.
 REMEMBERED = 100
 
@@ -63,18 +66,21 @@ class _Played:
     calls: BehaviourCalls | None = None
     begin: float = 0.0
     over: asyncio.Event = field(default_factory=asyncio.Event)
-    #: What goes on or is still to come, by behaviour; those of them that have begun; the lanes that
-    #: something of it has used.
+    #: What goes on or is still to come, by behaviour; the calls that have begun, and those that are
+    #: not to begin any more (both by `id`); the lanes that something of it has used.
     tasks: dict[str, asyncio.Task[None]] = field(default_factory=dict)
-    begun: set[str] = field(default_factory=set)
+    begun: set[int] = field(default_factory=set)
+    dropped: set[int] = field(default_factory=set)
     lanes: set[tuple[str, str]] = field(default_factory=set)
     #: Why a behaviour is taken from it.
     taken: dict[str, str] = field(default_factory=dict)
 
     @property
     def is_guest(self) -> bool:
-        """Whether a planner asked for it."""
-        return self.request.source == GUEST and not self.request.run
+        """Whether a planner or another program asked for it; what an action plays is the wizard's,
+        and was allowed as that.
+        """
+        return not self.request.run
 
     @property
     def owner_and_id(self) -> tuple[str, str]:
@@ -135,8 +141,11 @@ class BmlPlayer:
             for other in before:
                 await other.over.wait()
             played.plan = await self._plan(block)
-            for other in self._waits_for(played):
-                await other.over.wait()
+            if waits := self._waits_for(played):
+                for other in waits:
+                    await other.over.wait()
+                if any(each.first.block or each.second.block for each in block.constraints):
+                    played.plan = await self._plan(block)  # other blocks' times, counted from now
             await self._play(played, job)
         finally:
             played.over.set()
@@ -246,7 +255,10 @@ class BmlPlayer:
         for played in reversed(self._blocks):
             if played.block.id == ref.block and played.plan is not None and played.begin:
                 time = played.plan.schedule.times.get((ref.behaviour, ref.point))
-                return None if time is None else played.begin + time - self._now() - LEAD_S
+                if time is None:
+                    return None
+                left = played.begin + time - self._now() - LEAD_S
+                return 0.0 if -_JUST_S < left < 0 else left
         return None
 
     def _calls_of(self, character: str) -> BehaviourCalls:
@@ -301,8 +313,7 @@ class BmlPlayer:
             try:
                 async with asyncio.TaskGroup() as group:
                     group.create_task(self._pass_points(played, name, times, job))
-                    for call in played.plan.calls[name]:
-                        group.create_task(self._call(played, name, call, calls, times))
+                    group.create_task(self._begin_calls(group, played, name, calls, times))
             except* _BehaviourError as errors:
                 self._trouble(played, name, "; ".join(map(str, errors.exceptions)))
         except asyncio.CancelledError:
@@ -311,6 +322,21 @@ class BmlPlayer:
             self._trouble(played, name, played.taken[name])
         finally:
             del played.tasks[name]
+
+    async def _begin_calls(
+        self,
+        group: asyncio.TaskGroup,
+        played: _Played,
+        name: str,
+        calls: BehaviourCalls,
+        times: Mapping[str, float],
+    ) -> None:
+        """Begin each call at its moment; those of one moment in the order of their list."""
+        assert played.plan is not None
+        for call in sorted(played.plan.calls[name], key=lambda each: each.span(times)[0]):
+            await self._until(played.begin + call.span(times)[0])
+            if id(call) not in played.dropped:
+                group.create_task(self._call(played, name, call, calls, times))
 
     async def _call(
         self,
@@ -321,15 +347,14 @@ class BmlPlayer:
         times: Mapping[str, float],
     ) -> None:
         assert played.plan is not None
-        begin, seconds = call.span(times)
+        _, seconds = call.span(times)
         _, usual = call.span(played.plan.schedule.timings[name].offsets)
         stretched = calls.stretched(call, seconds, usual)
-        await self._until(played.begin + begin)
         request, lane = played.request, calls.lane(call)
         # What has the lane of its own block before it waits for that, and does not cut it off.
         when_busy = "queue" if lane in played.lanes else request.when_busy
         played.lanes.add(lane)
-        played.begun.add(name)
+        played.begun.add(id(call))
         part = Call(stretched.verb, stretched.args, stretched.driver)
         refusal = None
         if played.is_guest:
@@ -392,12 +417,17 @@ class BmlPlayer:
         assert played.plan is not None
         verb = self.bus.verb(message.driver, message.verb)
         lane = (message.driver, "" if verb is None else verb.lane)
+        why = f'replaced by "{message.action or message.verb}"'
         for name, task in played.tasks.items():
-            if name in played.begun and not played.is_guest:
-                continue
-            if lane in map(calls.lane, played.plan.calls[name]):
-                played.taken[name] = f'replaced by "{message.action or message.verb}"'
+            own = played.plan.calls[name]
+            there = [call for call in own if calls.lane(call) == lane]
+            left = {id(call) for call in there} - played.begun - played.dropped
+            if there and (played.is_guest or not played.begun & {id(call) for call in own}):
+                played.taken[name] = why
                 task.cancel()
+            elif left:  # what has begun goes on, and what it would do there later is left out
+                played.dropped |= left
+                self._trouble(played, name, why)
 
     # -- time --------------------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, is_by_hand
 from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
-from woz_tui.session.action_texts import Steps, calls_in, missing_value_error
+from woz_tui.session.action_texts import ActionTexts, Steps, calls_in, missing_value_error
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.response_delay import ResponseDelay, may_wait
 from woz_tui.session.variables import MissingValueError
@@ -92,9 +92,7 @@ class ActionRunner:
     Args:
         hub: Where everything is published.
         bus: Takes the commands.
-        fill: Gives an action's steps with their texts chosen and all variables filled in; raises
-            `MissingValueError`.
-        take_back: Called when what was filled in last is refused at once.
+        texts: Choose what actions say.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
         delay: Holds what answers a cue too soon.
     """
@@ -103,8 +101,7 @@ class ActionRunner:
         self,
         hub: Hub,
         bus: Bus,
-        fill: Callable[[Action], Steps],
-        take_back: Callable[[], None],
+        texts: ActionTexts,
         deadline: float,
         *,
         delay: ResponseDelay,
@@ -112,8 +109,7 @@ class ActionRunner:
         self._hub = hub
         self._delay = delay
         self._bus = bus
-        self._fill = fill
-        self._take_back = take_back
+        self._texts = texts
         self.deadline = deadline
         self._runs: dict[str, ActionRun] = {}
         self._actions = 0
@@ -157,7 +153,7 @@ class ActionRunner:
         fills = steps is None
         try:
             # All of them before the first: no action ends half-way because a value is missing.
-            steps = self._fill(action) if steps is None else steps
+            steps = self._texts.play(action) if steps is None else steps
         except MissingValueError as error:
             self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
             return run_id, missing_value_error(error)
@@ -172,7 +168,7 @@ class ActionRunner:
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
             self._supersede(run.id, action.label, origin, calls)
         elif fills and isinstance(run.ended, m.ActionRefused):
-            self._take_back()
+            self._texts.take_back()
         return run_id, _refusal_of(run)
 
     def _begin_late(self, run: ActionRun, later: LaterStart) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from woz_tui.config.experiment import Action, Call, Experiment
@@ -12,7 +12,7 @@ from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.session.action_runner import ActionRunner, RequestOrigin, may_speak
 from woz_tui.session.action_texts import ActionTexts, Steps
 from woz_tui.session.participant_identity import RequestError
-from woz_tui.timeline.episodes import CommandEpisode
+from woz_tui.timeline.session_state import SessionState
 
 
 @dataclass
@@ -21,15 +21,13 @@ class RepairController:
 
     Args:
         experiment: As it is now.
-        commands: The commands that are under way.
-        whom: Participant and condition now.
+        state: What goes on, and with whom.
         runner: Plays.
         texts: Chooses among wordings.
     """
 
     experiment: Callable[[], Experiment]
-    commands: Callable[[], Mapping[str, CommandEpisode]]
-    whom: Callable[[], tuple[str, str]]
+    state: SessionState
     runner: ActionRunner
     texts: ActionTexts
     _last: m.Command | None = None
@@ -38,17 +36,22 @@ class RepairController:
     #: The action of the file that said it.
     _action: str = ""
 
+    @property
+    def _whom(self) -> tuple[str, str]:
+        """Participant and condition."""
+        return self.state.study.participant, self.state.study.condition
+
     def on_message(self, message: m.AnyMessage) -> None:
         """Remember what was said last, and to whom; repairs themselves are passed over."""
         if not isinstance(message, m.Dispatched):
             return
-        command = self.commands().get(message.command)
+        command = self.state.commands.get(message.command)
         if command is None or command.request.verb not in SPEAKING_VERBS:
             return
         request = command.request
         if request.panel == PANEL and request.action != REWORD:
             return
-        self._last, self._told = request, self.whom()
+        self._last, self._told = request, self._whom
         self._action = self._action if request.action == REWORD else request.action
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
@@ -77,14 +80,14 @@ class RepairController:
     def _again(self) -> Steps | str:
         """As it was said, to whom it was kept from."""
         last = self._last
-        if last is None or self._told != self.whom():
+        if last is None or self._told != self._whom:
             return "nothing has been said yet"
         call = Call(last.verb, dict(last.args), last.driver)
         return [(replace(call, tells=last.tells, unfilled=dict(last.unfilled)),)]
 
     def _other_words(self) -> Steps | str:
         """The next wording of the call that said it."""
-        if self._last is None or self._told != self.whom():
+        if self._last is None or self._told != self._whom:
             return "nothing has been said yet"
         action = self.experiment().action(self._action)
         steps = self.texts.other(action, self._last) if action is not None else None
@@ -94,6 +97,6 @@ class RepairController:
         """End what is said or is still to be said; everything else goes on."""
         why = "interrupted by the wizard"
         self.runner.cut_speech(why)
-        for command in list(self.commands().values()):
+        for command in list(self.state.commands.values()):
             if may_speak(command.request):
                 self.runner.cancel(command.request.command, why)

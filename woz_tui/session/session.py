@@ -200,20 +200,12 @@ class Session:
             self.values,
             self.blocks.calls_in,
         )
+        delay = ResponseDelay(self.hub, self.identity.seed)
         self.runner = ActionRunner(
-            self.hub,
-            self.bus,
-            self.texts.play,
-            self.texts.take_back,
-            self.experiment.session.deadline,
-            delay=ResponseDelay(self.hub, self.identity.seed),
+            self.hub, self.bus, self.texts, self.experiment.session.deadline, delay=delay
         )
         self.repairs = RepairController(
-            lambda: self.experiment,
-            lambda: self.state.commands,
-            lambda: (self.identity.participant, self.identity.condition),
-            self.runner,
-            self.texts,
+            lambda: self.experiment, self.state, self.runner, self.texts
         )
         self.hub.listen(self.repairs.on_message)
         robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts

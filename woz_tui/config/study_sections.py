@@ -208,9 +208,7 @@ def _problems(design: Design, conditions: Sequence[str]) -> Iterator[tuple[str, 
             "with one condition for each participant there is no order; write order: blocks",
         )
     elif count < 2 and (design.order != "fixed" or not design.within):
-        instead = (
-            "write order: fixed" if design.within else "write order: fixed without within: false"
-        )
+        instead = f"write order: fixed{'' if design.within else ' without within: false'}"
         yield "order", f"needs at least two conditions, not {count}; list more, or {instead}"
     if design.block is not None and design.order != "blocks":
         yield "block", "only order: blocks has blocks"

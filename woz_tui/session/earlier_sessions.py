@@ -187,12 +187,16 @@ def _attribute(
                 past.order, past.method, past.row = order, line.method, line.row
             case m.QuestionnaireEnded(questionnaire=name, reason=reason) if reason != "left":
                 past.due = tuple(each for each in past.due if each != name)
-        if isinstance(line, m.TrialStarted | m.TrialEnded):  # others leave what is owed as it is
-            past.due = tuple(each.questionnaire for each in state.study.due)
-        match line:
-            case m.TrialStarted(trial=trial) if trial > 0:
-                past.begun = True
-            case m.TrialEnded(trial=trial, outcome=outcome) if trial > 0:
-                past.done |= outcome == EpisodeOutcome.DONE
-                if outcome in OVER:
-                    past.finished.add(trial)
+            case m.TrialStarted(trial=trial) | m.TrialEnded(trial=trial):
+                past.due = tuple(each.questionnaire for each in state.study.due)
+                if trial > 0:
+                    _count(line, past)
+
+
+def _count(line: m.TrialStarted | m.TrialEnded, past: ParticipantHistory) -> None:
+    if isinstance(line, m.TrialStarted):
+        past.begun = True
+        return
+    past.done |= line.outcome == EpisodeOutcome.DONE
+    if line.outcome in OVER:
+        past.finished.add(line.trial)

@@ -6,6 +6,7 @@ a tick holds only while it computes.
 
 from __future__ import annotations
 
+import functools
 import logging
 import threading
 import time
@@ -14,6 +15,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 
 from woz_drivers.body.settings import BodySettings
+from woz_drivers.rate_limit import RateLimit
 from woz_tui.drivers.contract import Ask, DriverContext, DriverError, Health
 from woz_tui.motion.body_feeds import (
     FACE,
@@ -211,20 +213,7 @@ PUNCTUAL_S = 1.0
 SLACK_S = 0.002
 
 
-class RateLimit:
-    """Whether something may be said again."""
-
-    def __init__(self, every: float) -> None:
-        self._every = every
-        self._next = float("-inf")
-
-    def __call__(self, now: float) -> bool:
-        """Whether it is time; then the next time is `every` seconds later."""
-        if now + SLACK_S < self._next:
-            return False
-        after = self._next + self._every
-        self._next = after if after > now else now + self._every
-        return True
+_limit = functools.partial(RateLimit, slack=SLACK_S)
 
 
 class TickPublisher:
@@ -233,9 +222,9 @@ class TickPublisher:
     def __init__(self, settings: BodySettings, context: DriverContext) -> None:
         self._context = context
         self._alone = not settings.servos
-        self._readings, self._faces = RateLimit(READING_S), RateLimit(FACE_S)
+        self._readings, self._faces = _limit(READING_S), _limit(FACE_S)
         #: When it is time to look at the body's values again, and to say how punctual ticks are.
-        self.values_due, self.lateness_due = RateLimit(VALUES_S), RateLimit(PUNCTUAL_S)
+        self.values_due, self.lateness_due = _limit(VALUES_S), _limit(PUNCTUAL_S)
         self._face: tuple[LightFrame, str, float, float] | None = None
         self._values: Mapping[str, Json] | None = None
         self._unheard: set[str] = set()
@@ -338,7 +327,7 @@ class BodyLoop:
         self._detail = _detail(settings)
         self._lock = threading.Lock()
         self._waiting: list[Future[None]] = []
-        self._state_due = RateLimit(STATE_S)
+        self._state_due = _limit(STATE_S)
         self._touched = False
         self._setpoints, self._face = context.feed(SETPOINTS), context.feed(FACE)
         self._state = context.feed(STATE)

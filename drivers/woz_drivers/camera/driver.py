@@ -13,6 +13,7 @@ from woz_drivers.camera.blob import BlobFinder
 from woz_drivers.camera.frame_files import FrameFiles
 from woz_drivers.camera.picture_feed import PictureFeed
 from woz_drivers.camera.settings import CameraSettings
+from woz_drivers.rate_limit import RateLimit
 from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
@@ -62,7 +63,7 @@ class Camera(PassiveDriver):
         self._layout = settings.layout
         self._cutter = ChunkCutter(self._layout.size, self._came)
         self._frame = 0
-        self._due_us = 0
+        self._may_publish = RateLimit(1 / settings.publish)
         self._film: deque[bytes] = deque()
         self._projector: asyncio.TimerHandle | None = None
         self._due = 0.0
@@ -180,11 +181,8 @@ class Camera(PassiveDriver):
 
     def _publish(self, now_us: int, values: tuple[float | None, float | None, float]) -> None:
         """`publish` times a second on average, as far as pictures come so often."""
-        if now_us < self._due_us:
+        if not self._may_publish(now_us / 1_000_000):
             return
-        every_us = round(1_000_000 / self.settings.publish)
-        began_us = self._due_us if now_us < self._due_us + every_us else now_us
-        self._due_us = began_us + every_us
         for sensor, value in zip(SENSORS, values, strict=True):
             self.context.reading(sensor, value)
 

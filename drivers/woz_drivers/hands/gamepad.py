@@ -73,7 +73,7 @@ def button_names(codes: Sequence[int], device: str, driver: str = "") -> dict[in
 def _kernel_driver(path: str) -> str:
     """What serves it, such as xpad or hid-generic; empty: unknown, or it is no device."""
     with contextlib.suppress(OSError):
-        return Path(_SYSFS / Path(path).name / "device/device/driver").readlink().name
+        return (_SYSFS / Path(path).name / "device/device/driver").readlink().name
     return ""
 
 

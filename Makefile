@@ -43,10 +43,8 @@ screenshots: $(DEV)  ## draw the pictures of the documentation again
 	@$(BIN)/python -m tools.report_picture
 	@$(BIN)/python -m tools.robot_pictures
 
-bench: $(DEV)  ## measure what benchmarks/ measures
-	@for file in benchmarks/[a-z]*.py; do \
-	  echo "== $$file"; $(BIN)/python "$$file" || exit 1; \
-	done
+bench: $(DEV)  ## measure what benchmarks/ measures; ARGS=--quick only sees that they run
+	@$(BIN)/python -m benchmarks $(ARGS)
 
 constraints: $(DEV)  ## look up the newest versions of all dependencies and pin them
 	@$(BIN)/python .ci/pin.py

@@ -1,6 +1,6 @@
 """What one line costs the caller, beside what the operating system alone costs.
 
-    python benchmarks/log_append.py [--lines 2000] [--rate 200] [--folder DIR]
+    python benchmarks/log_append.py [--lines 2000] [--rate 200] [--folder DIR] [--quick]
 
 Three ways to put the same lines into a file, in turns within one run so that they meet the same
 machine: the recorder, a bare loop of write(2), and write(2) followed by fdatasync(2) for every
@@ -18,6 +18,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from benchmarks.figures import machine
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -105,7 +106,11 @@ def main() -> None:
     parser.add_argument("--rate", type=float, default=200, help="lines a second; 0: at once")
     parser.add_argument("--turns", type=int, default=4, help="parts into which the run is cut")
     parser.add_argument("--folder", type=Path, default=None, help="where to write")
+    parser.add_argument("--quick", action="store_true", help="a few lines: does it run at all?")
     arguments = parser.parse_args()
+    if arguments.quick:
+        arguments.lines, arguments.rate = 200, 0
+    print(machine())
     times: dict[str, list[float]] = {"recorder": [], "write": [], "write + fdatasync": []}
     lag = 0.0
     with tempfile.TemporaryDirectory(dir=arguments.folder) as name:

@@ -9,7 +9,7 @@ RUN := $(VENV)/.installed-run
 DEV := $(VENV)/.installed-dev
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: help demo test peers fuzz check generated screenshots bench constraints clean
+.PHONY: help demo test quick peers fuzz check generated screenshots bench constraints clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -19,6 +19,9 @@ demo: $(RUN)  ## play the simulated robot
 
 test: $(DEV)  ## run the tests; ARGS="-k stop" passes options on
 	@.ci/test $(ARGS)
+
+quick: $(DEV)  ## run the tests of the core and of what you changed, in under a minute
+	@$(BIN)/python -m tools.quick_tests
 
 peers: $(DEV)  ## install robots' own programs and run the tests against them; ARGS="-k goto"
 	@.ci/peers $(ARGS)

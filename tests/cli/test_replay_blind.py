@@ -23,6 +23,8 @@ from woz_tui.replay.experiment_origin import _places
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.session_start import experiment_files
 
+pytestmark = pytest.mark.safety
+
 EXPERIMENT = """\
 title: Small
 robot: simulated

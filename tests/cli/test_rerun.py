@@ -154,6 +154,7 @@ def test_it_asks_and_only_the_whole_word_counts(tmp_path: Path) -> None:
     assert len([each for each in tmp_path.glob("*.jsonl") if "samples" not in each.name]) == 2
 
 
+@pytest.mark.safety
 def test_escape_stops_it(tmp_path: Path) -> None:
     commands = [line for n in range(50) for line in one(1 + n * 3, f"c{n}")]
     path = log(tmp_path, *commands, (999, END))

@@ -18,6 +18,8 @@ from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.session.redactor import Redactor, mark_legacy
 
+pytestmark = pytest.mark.safety
+
 NOW = studied.NOW
 #: What must not stand anywhere: the conditions, and what only one of them has the robot say.
 SECRETS = ("warm", "cold", "How lovely", "Good day")

@@ -53,6 +53,7 @@ def test_keys_sequences_arrows_and_the_script(host: FakeHost, terminal: FakeTerm
 
 
 @pytest.mark.parametrize("opens", ["/", ":", ",", "?", "\x11", "\x14", "\x17"])
+@pytest.mark.safety
 def test_escape_stops_from_every_dialog_and_the_keys_are_free_again(
     host: FakeHost, terminal: FakeTerminal, opens: str
 ) -> None:

@@ -91,6 +91,7 @@ def test_the_terminal_is_closed_with_the_loop_blocked(host: FakeHost, tmp_path: 
         assert terminal.wait_exit() == 128 + signal.SIGHUP
 
 
+@pytest.mark.safety
 def test_an_interrupt_is_the_stop_and_not_the_end(host: FakeHost, terminal: FakeTerminal) -> None:
     terminal.process.send_signal(signal.SIGINT)
     host.wait(AskStop)
@@ -150,6 +151,7 @@ def test_ctrl_z_where_nobody_could_continue_it_does_not_freeze_it(
     assert host.wait(AskAction).action == "A"
 
 
+@pytest.mark.safety
 def test_an_escape_right_behind_ctrl_z_stops(host: FakeHost, terminal: FakeTerminal) -> None:
     for count, reads in enumerate(([b"\x1a\x1b"], [b"\x1a", b"\x1b"], [b"\x1a", b"a\x03"]), 1):
         for data in reads:
@@ -169,6 +171,7 @@ def test_continued_after_sigstop_it_draws_anew(host: FakeHost, terminal: FakeTer
     assert host.wait(AskAction).action == "A"
 
 
+@pytest.mark.safety
 def test_a_frozen_terminal_blocks_neither_keys_nor_stop_nor_screen(
     host: FakeHost, terminal: FakeTerminal
 ) -> None:
@@ -184,6 +187,7 @@ def test_a_frozen_terminal_blocks_neither_keys_nor_stop_nor_screen(
     terminal.wait_for(lambda text: "pressed:escape" in text and "flood " not in text)
 
 
+@pytest.mark.safety
 def test_a_frozen_terminal_stops_driving_and_it_goes_on_when_thawed(
     host: FakeHost, terminal: FakeTerminal
 ) -> None:

@@ -15,7 +15,7 @@ from woz_tui.console.cells import clean_paste
 from woz_tui.protocol.messages import Marker
 from woz_tui.protocol.requests import AskAction, AskMarker, AskNote, AskStop
 
-pytestmark = pytest.mark.real_clock
+pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
 #: Bytes of keys -> the chord an experiment binds.
 KEYS = {

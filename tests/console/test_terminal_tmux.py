@@ -15,7 +15,7 @@ from tests.fakes.host import FakeHost
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.protocol.requests import AskAction, AskStop
 
-pytestmark = [pytest.mark.tmux, pytest.mark.real_clock]
+pytestmark = [pytest.mark.tmux, pytest.mark.real_clock, pytest.mark.safety]
 
 KEYS = ["a", "Z", "5", "!", "é", "#"]
 

@@ -106,6 +106,7 @@ class TestLedFace(DriverTests):
 
 
 @pytest.mark.real_clock
+@pytest.mark.safety
 class TestDynamixel(DriverTests):
     driver = DynamixelServos
     settings = head(Path(NOWHERE))

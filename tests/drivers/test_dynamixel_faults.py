@@ -82,6 +82,7 @@ async def test_port_that_comes_late_is_found(tmp_path: Path) -> None:
         await driver.close()
 
 
+@pytest.mark.safety
 async def test_no_torque_goes_on_while_the_stop_is_pressed(tmp_path: Path) -> None:
     heard = Heard(tmp_path)
     link = tmp_path / "servos"
@@ -96,6 +97,7 @@ async def test_no_torque_goes_on_while_the_stop_is_pressed(tmp_path: Path) -> No
         await driver.close()
 
 
+@pytest.mark.safety
 async def test_a_stop_while_the_torque_goes_on_waits_for_the_servos(tmp_path: Path) -> None:
     def late(bus: ServoBus) -> None:
         bus.faults.latency = 0.03
@@ -124,6 +126,7 @@ async def test_port_in_use_names_the_other_program(tmp_path: Path) -> None:
         await other.close()
 
 
+@pytest.mark.safety
 async def test_stop_without_a_line_is_confirmed_only_if_nothing_held(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
         it.bus.pull()
@@ -197,6 +200,7 @@ async def test_servo_missing_from_the_start(
         assert (report.confirmed, report.missing) == (("pan", "roll"), ())
 
 
+@pytest.mark.safety
 async def test_an_alarm_from_before_does_not_keep_a_stop_from_being_confirmed(
     tmp_path: Path,
 ) -> None:
@@ -290,6 +294,7 @@ async def test_a_move_whose_only_joint_fails_says_why(tmp_path: Path) -> None:
             await running
 
 
+@pytest.mark.safety
 async def test_bus_watchdog_stops_the_servos_when_the_thread_hangs(tmp_path: Path) -> None:
     hang, hangs = threading.Event(), threading.Event()
 

@@ -140,6 +140,7 @@ async def test_a_body_that_falls_silent_leaves_the_joints_where_they_are(tmp_pat
 
 
 @pytest.mark.toolkit("M4")
+@pytest.mark.safety
 async def test_a_stop_holds_and_a_release_follows_again_slowly(tmp_path: Path) -> None:
     async with stand(tmp_path, follows="body", rest_speed=SLOW, torque=True) as it:
         say(it, {"pan": 40.0})

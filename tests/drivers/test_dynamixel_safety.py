@@ -15,7 +15,7 @@ from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import DriverError, Scope
 from woz_tui.protocol.messages import DriverFaulted
 
-pytestmark = pytest.mark.real_clock
+pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
 TORQUE, WATCHDOG = 64, 98
 

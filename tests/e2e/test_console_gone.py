@@ -12,7 +12,7 @@ from tests.e2e import scenes
 from tests.e2e.lab import Lab, Log, end_session, stopped, until
 from tests.fakes.terminal import FakeTerminal
 
-pytestmark = pytest.mark.real_clock
+pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from tests.e2e import scenes
 from tests.e2e.lab import Lab, end_session, until
 from woz_tui.log import log_reader
 
-pytestmark = pytest.mark.real_clock
+pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
 FREE = (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
 

@@ -7,7 +7,7 @@ import pytest
 from tests.e2e import scenes
 from tests.e2e.lab import Lab
 
-pytestmark = pytest.mark.real_clock
+pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
 PROFILES = """\
 profiles:

@@ -162,6 +162,7 @@ def test_the_servos_go_through_the_same_setpoints_in_the_same_order_twice(
     assert (done.returncode, told["same"], told["by"]) == (0, True, "commands"), told
 
 
+@pytest.mark.safety
 def test_a_stop_on_the_way_ends_it_and_nothing_moves_after(
     lab: Lab, servos: Servos, original: Log
 ) -> None:
@@ -184,6 +185,7 @@ def test_a_stop_on_the_way_ends_it_and_nothing_moves_after(
     assert log.lines("session.end")
 
 
+@pytest.mark.safety
 def test_in_the_console_escape_ends_it_and_the_session_stays(
     lab: Lab, servos: Servos, original: Log
 ) -> None:

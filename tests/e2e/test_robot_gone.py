@@ -29,6 +29,7 @@ def started_again(lab: Lab, terminal: FakeTerminal) -> Log:
     return Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
 
 
+@pytest.mark.safety
 def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
     servos = Servos(lab, sys.executable)
     terminal = lab.run(lab.file("bench.yaml", scenes.head(servos.port)), columns=120)
@@ -125,6 +126,7 @@ def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
     assert damage.sentences() == []
 
 
+@pytest.mark.safety
 def test_what_waited_while_it_stood_still_is_not_played_and_the_stop_is(lab: Lab) -> None:
     text = scenes.guide()
     assert "stale_after: 30 s" in text
@@ -155,6 +157,7 @@ def test_what_waited_while_it_stood_still_is_not_played_and_the_stop_is(lab: Lab
 
 
 @pytest.mark.timeout(300)  # six robot processes one after the other
+@pytest.mark.safety
 def test_crashes_lose_nothing_that_was_acknowledged(lab: Lab) -> None:
     found = crashes.run(lab, rounds=6, seed=1)
     assert (found.rounds, found.complaints) == (6, [])

@@ -19,7 +19,7 @@ from tests.replay.logs import KeptSamples
 from woz_tui.log import log_reader
 from woz_tui.replay.recording import Recording
 
-pytestmark = pytest.mark.real_clock
+pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
 STUDY = """\
 title: Blind

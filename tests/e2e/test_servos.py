@@ -69,6 +69,7 @@ def press(
     return str(request.fields["command"]), begin
 
 
+@pytest.mark.safety
 def test_keys_move_servos_within_limits_and_are_recorded_first(
     lab: Lab, servos: Servos, terminal: FakeTerminal
 ) -> None:
@@ -120,6 +121,7 @@ def test_leaving_takes_the_rest_pose_and_switches_the_torque_off(
     until(lambda: not lab.sockets(), "the socket's end")
 
 
+@pytest.mark.safety
 def test_the_stop_works_while_the_robot_takes_its_rest_pose(lab: Lab, servos: Servos) -> None:
     text = scenes.head(servos.port).replace("rest_speed: 120", "rest_speed: 3")
     terminal = lab.run(lab.file("bench.yaml", text))

@@ -16,7 +16,7 @@ from tests.e2e.computers import Computer, Network
 from tests.e2e.lab import Log, recording
 from tests.fakes.terminal import ROOT, FakeTerminal
 
-pytestmark = [pytest.mark.real_clock, pytest.mark.namespaces]
+pytestmark = [pytest.mark.real_clock, pytest.mark.safety, pytest.mark.namespaces]
 
 PAGE = (ROOT / "docs/how-to/several-computers.md").read_text(encoding="utf-8")
 STUDY, KAREL = re.findall(r"^```yaml\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)

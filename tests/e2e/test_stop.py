@@ -10,7 +10,7 @@ from tests.e2e.stops import DIALOGS, KEYS, Stopping
 from tests.fakes.terminal import FakeTerminal
 
 #: Hundreds of keys one after the other: on a busy machine that takes its time.
-pytestmark = [pytest.mark.timeout(300), pytest.mark.real_clock]
+pytestmark = [pytest.mark.timeout(300), pytest.mark.real_clock, pytest.mark.safety]
 
 #: The dialogs are shared out among so many sessions.
 SESSIONS = 4

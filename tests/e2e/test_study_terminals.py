@@ -31,6 +31,7 @@ def participant(lab: Lab) -> FakeTerminal:
     return terminal
 
 
+@pytest.mark.safety
 def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     wizard = lab.run(lab.file("guide.yaml", scenes.guide() + STUDY))
     log = lab.log

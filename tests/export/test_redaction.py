@@ -26,6 +26,8 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.welcome import Questionnaire
 
+pytestmark = pytest.mark.safety
+
 GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
 #: Whatever else is decided one day: these are never left.
 NEVER = {

@@ -130,6 +130,7 @@ def robot(
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.safety
 def test_a_signal_ends_the_session_in_order(tmp_path: Path, number: int) -> None:
     with robot(tmp_path) as host:
         host.announced()
@@ -168,6 +169,7 @@ def test_a_driver_that_blocks_the_end_does_not_keep_the_process(tmp_path: Path) 
         assert "a driver does not stop" in log.read_text()
 
 
+@pytest.mark.safety
 def test_a_driver_that_never_falls_silent_neither_holds_up_the_stop_nor_the_end(
     tmp_path: Path,
 ) -> None:
@@ -197,6 +199,7 @@ def test_a_driver_that_cannot_be_made_is_named(tmp_path: Path) -> None:
         assert told == "woz: the driver 'voice' cannot be created: LookupError: no such thing\n"
 
 
+@pytest.mark.safety
 def test_closed_standard_streams_are_no_place_for_a_log_or_a_socket(tmp_path: Path) -> None:
     with robot(tmp_path, closed=True) as host:
         host.listening()

@@ -15,6 +15,8 @@ from woz_tui.host import request_handlers
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import RealClock, boot_id
 
+pytestmark = pytest.mark.safety
+
 S = 1_000_000
 
 

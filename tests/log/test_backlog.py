@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.log.log_segment import UnsyncedLines
 from woz_tui.log.recorder import ALARM_US, CALM_US, LEVELS, LogHealth, level_of, worse
+
+pytestmark = pytest.mark.safety
 
 STEPS = st.lists(
     st.one_of(

@@ -10,8 +10,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.log.bench import STEM, until
 from woz_tui.log.log_reader import Damage, read
+
+pytestmark = pytest.mark.safety
 
 ROOT = Path(__file__).parents[2]
 ROUNDS = 30

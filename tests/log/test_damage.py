@@ -19,6 +19,8 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import SCHEMA
 
+pytestmark = pytest.mark.safety
+
 Found = tuple[list[int], list[str]]
 
 

@@ -17,6 +17,8 @@ from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.log.recorder import Recorder
 from woz_tui.system.clock import ManualClock
 
+pytestmark = pytest.mark.safety
+
 
 @pytest.fixture
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:

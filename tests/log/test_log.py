@@ -12,6 +12,8 @@ from tests.log.wounds import note, sample, written
 from woz_tui.log.log_reader import Damage, LogLine, files_of, merge, read
 from woz_tui.protocol import messages as m
 
+pytestmark = pytest.mark.safety
+
 
 def taken(path: Path) -> tuple[list[int], Damage]:
     damage = Damage()

@@ -16,6 +16,8 @@ from woz_tui.log.log_reader import Damage, messages, read
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 
+pytestmark = pytest.mark.safety
+
 FIRST, SECOND = f"{STEM}.jsonl", f"{STEM}.2.jsonl"
 LEFT = ["full", "sync"]
 """The first file takes no further byte; it takes a last line."""

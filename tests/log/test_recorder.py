@@ -13,6 +13,8 @@ from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import ManualClock
 
+pytestmark = pytest.mark.safety
+
 
 def test_actions_and_samples_go_to_two_files(tmp_path: Path) -> None:
     with bench(tmp_path) as it:

@@ -2,9 +2,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tests.log.bench import Bench, bench
 from woz_tui.log.verify import Verification, verify
 from woz_tui.protocol import messages as m
+
+pytestmark = pytest.mark.safety
 
 
 def end(it: Bench) -> None:

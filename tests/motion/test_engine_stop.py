@@ -15,6 +15,8 @@ from woz_tui.motion import engine as engines
 from woz_tui.motion.modes import Mode
 from woz_tui.protocol.messages import Json
 
+pytestmark = pytest.mark.safety
+
 
 @pytest.mark.parametrize("mode", Mode)
 def test_a_frozen_body_stands_still_in_every_mode(mode: Mode) -> None:

@@ -83,6 +83,7 @@ class RemoteRobot(RemoteDriver):
 
 
 @pytest.mark.real_clock
+@pytest.mark.safety
 class TestServedRobot(DriverTests):
     driver = RemoteRobot
     settings = SimulatedRobot.Settings()
@@ -228,6 +229,7 @@ async def test_a_driver_that_does_not_stop_is_no_lost_one(tmp_path: Path) -> Non
 
 
 @pytest.mark.real_clock
+@pytest.mark.safety
 async def test_a_stop_that_does_not_arrive_is_unreached(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -325,6 +327,7 @@ async def test_after_a_stop_nothing_moves_by_itself_when_the_line_is_back(tmp_pa
 
 
 @pytest.mark.real_clock
+@pytest.mark.safety
 async def test_a_frozen_network_stops_the_driver_and_delivers_nothing_late(tmp_path: Path) -> None:
     async with pair(tmp_path) as two:
         lifting = asyncio.create_task(two.remote.perform(LIFT))
@@ -342,6 +345,7 @@ async def test_a_frozen_network_stops_the_driver_and_delivers_nothing_late(tmp_p
 
 
 @pytest.mark.real_clock
+@pytest.mark.safety
 async def test_a_slow_network_refuses_what_comes_late_and_lets_the_stop_through(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

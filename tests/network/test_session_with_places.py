@@ -37,6 +37,7 @@ panels:
 
 
 @pytest.mark.real_clock
+@pytest.mark.safety
 async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,6 +8,8 @@ from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.secret_arguments import hidden, without_passwords
 from woz_tui.protocol.messages import Json
 
+pytestmark = pytest.mark.safety
+
 
 def without_pin(text: str) -> str:
     return text.replace("1234", "***")

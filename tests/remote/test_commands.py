@@ -167,6 +167,7 @@ async def test_a_voice_goes_on_when_a_cut_line_is_back(bench: Bench) -> None:
     assert b"Traceback" not in await asyncio.wait_for(running.stderr.read(), 30)
 
 
+@pytest.mark.safety
 async def test_who_is_revoked_is_told_and_the_command_ends(bench: Bench) -> None:
     loudspeaker(bench.two.robot, on=True)
     running = await bench.woz("talk", "program", bench.two.address, stdin=PIPE)
@@ -225,6 +226,7 @@ async def test_hands_join_and_are_let_go_with_the_line(bench: Bench) -> None:
     await says(b"no panel for a gamepad")
 
 
+@pytest.mark.safety
 async def test_hands_of_a_role_that_may_not_are_turned_away(bench: Bench) -> None:
     running = await bench.woz("hands", "wizard", bench.two.address, stdout=PIPE)
     said, _ = await asyncio.wait_for(running.communicate(), 30)

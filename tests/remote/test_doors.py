@@ -33,6 +33,8 @@ from woz_tui.system import session_sockets
 from woz_tui.system.clock import RealClock
 from woz_tui.testing import PlainJob, RecordingContext, until
 
+pytestmark = pytest.mark.safety
+
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "how-to" / "network.md"
 CERTIFICATE = "-----BEGIN CERTIFICATE-----"

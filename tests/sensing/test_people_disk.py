@@ -20,6 +20,8 @@ from woz_tui.sensing.visitor_store import (
     VisitorStore,
 )
 
+pytestmark = pytest.mark.safety
+
 ROOT = Path(__file__).parents[2]
 TODAY = date(2026, 3, 2)
 HEAD = '{"format": "woz-tui visitors", "version": 1, "visitors": '

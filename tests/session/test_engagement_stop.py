@@ -22,6 +22,8 @@ from woz_tui.drivers.contract import Health, Job
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
+pytestmark = pytest.mark.safety
+
 EVERYTHING = EngagementSettings(
     handshake=HandshakeSettings(by="robot", seconds=60.0, silence=2.0),
     attention=AttentionSettings(look=True, seconds=2.0),

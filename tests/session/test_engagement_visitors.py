@@ -19,6 +19,8 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import VisitorStore
 
+pytestmark = pytest.mark.safety
+
 KNOWN = "EngagedWithKnown"
 ASKING = replace(PLAIN, handshake=HandshakeSettings(by="robot", seconds=40.0, silence=4.0))
 

@@ -22,6 +22,8 @@ from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 
+pytestmark = pytest.mark.safety
+
 LOCKED = "the panel 'Movement' is locked, and with it 'drive'"
 ARROW = RequestOrigin("key", "alt+up", "con1")
 FILE = panel("{key: h, label: Hello, say: Hi}") + "  - {title: Movement, covers: [screen]}\n"

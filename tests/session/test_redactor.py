@@ -13,6 +13,8 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.session.redactor import NAMES, ParticipantRedactor, Redactor
 
+pytestmark = pytest.mark.safety
+
 BLIND = Redactor(StudySettings(blind={"warm": "A", "cold": "B"}))
 SECRET = "so warm"
 KINDS = [kind for kind in get_args(m.AnyMessage) if issubclass(kind, m.RestrictedMessage)]

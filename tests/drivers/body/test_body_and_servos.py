@@ -161,6 +161,7 @@ async def test_servos_keep_the_last_safe_pose_when_the_body_dies(tmp_path: Path)
 
 @pytest.mark.toolkit("M4", "E4")
 @pytest.mark.parametrize("pace", [1.0, 0.1], ids=["in time", "far behind their goals"])
+@pytest.mark.safety
 async def test_a_stop_reaches_the_servos_and_a_release_brings_them_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, pace: float
 ) -> None:

@@ -39,6 +39,8 @@ from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
+pytestmark = pytest.mark.safety
+
 PIXELS = 96
 SIZE = 3 * PIXELS * PIXELS
 FINDER = (sys.executable, "-S", face_program.__file__, str(SIZE))

@@ -20,6 +20,8 @@ from woz_tui.drivers.contract import DeviceLostError, DriverError, Scope, StopRe
 from woz_tui.protocol.messages import AnyMessage, Command, DriverConnected, Json, StopConfirmed
 from woz_tui.testing import until
 
+pytestmark = pytest.mark.safety
+
 LONG = "A very long story that nobody wants to hear to its end. " * 10
 PARTS = ("gaze", "gesture", "speech")
 

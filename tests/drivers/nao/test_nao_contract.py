@@ -16,6 +16,7 @@ from woz_tui.testing import Device, DriverTests, PlainJob
 
 
 @pytest.mark.real_clock
+@pytest.mark.safety
 class TestNao(DriverTests):
     driver = Nao
     settings = NaoSettings(address="127.0.0.1:1")

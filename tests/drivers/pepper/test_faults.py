@@ -87,6 +87,7 @@ async def test_a_killed_robot_is_told_of_and_found_again(
 
 
 @KINDS
+@pytest.mark.safety
 async def test_a_frozen_robot_wakes_and_is_silenced_first(
     tmp_path: Path, kind: str, name: str, silence: set[str]
 ) -> None:
@@ -203,6 +204,7 @@ async def test_a_robot_that_does_not_answer_one_call_is_not_lost(tmp_path: Path)
         assert it.went == 0
 
 
+@pytest.mark.safety
 async def test_a_silent_robot_is_asked_to_stop_even_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -24,6 +24,8 @@ from woz_tui.protocol.messages import (
     StopConfirmed,
 )
 
+pytestmark = pytest.mark.safety
+
 LONG = "A very long story that nobody wants to hear to its end. " * 60
 MUSIC = "/home/nao/sounds/music.mp3"
 #: What a stop always ends, whoever began it.

@@ -58,6 +58,7 @@ SETTINGS: list[tuple[str, Any]] = [
     ("simulated", simulated.SimulatedSettings(joints={})),
     ("simulated", simulated.SimulatedSettings(moves={"hop": 1})),
     ("speech", SpeechSettings(synthesise=("no-such-program",))),
+    ("speech", SpeechSettings(synthesise=("no-such-program",), play=("no-such-program", "{wav}"))),
 ]
 
 

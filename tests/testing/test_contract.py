@@ -137,6 +137,25 @@ class Obliging(Right):
         return {}
 
 
+class HardwareFirst(Right):
+    """Decides what it is asked only where its hardware is there."""
+
+    missing = False
+
+    async def open(self) -> None:
+        self.context.health(Health.CONNECTING)
+        asyncio.get_running_loop().call_later(0.02, self.looked)
+
+    def looked(self) -> None:
+        self.missing = True
+        self.context.health(Health.LOST)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        if self.missing:
+            raise DeviceLostError("it is not there")
+        return await super().perform(job)
+
+
 class Clumsy(Right):
     async def perform(self, job: Job) -> Mapping[str, Json]:
         raise KeyError(job.verb)
@@ -247,6 +266,11 @@ async def test_remarks_about_arguments_are_right() -> None:
         (Mute, "open: said nothing about its health"),
         (Patient, "open: took more than 0.5 s"),
         (Obliging, "perform of an unknown verb: raised nothing"),
+        (
+            HardwareFirst,
+            "perform of an unknown verb, once it has looked: raised"
+            " DeviceLostError('it is not there')",
+        ),
         (Clumsy, "perform of an unknown verb: raised KeyError('no-such-verb')"),
         (Stubborn, "stop(ALL) with nothing running: took more than 0.5 s"),
         (
@@ -313,7 +337,9 @@ class Spinner(Driver):
 
     async def open(self) -> None:
         self.context.health(Health.CONNECTING)
-        if self.settings.cable is not None:
+        if self.settings.cable is None:
+            self.told(Health.LOST)
+        else:
             self.settings.cable.listeners.append(self.told)
             self.told(Health.CONNECTED)
 
@@ -414,6 +440,15 @@ class Cancels(Spinner):
         await self.answer
 
 
+class LooksFirst(Spinner):
+    """Decides what it is asked only while its cable is in."""
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        if self.settings.cable is not None and self.settings.cable.out.is_set():
+            raise DeviceLostError("it is not there")
+        return await super().perform(job)
+
+
 class GivesUp(Spinner):
     """Never finds again what it has lost."""
 
@@ -434,6 +469,7 @@ class GivesUp(Spinner):
         (Optimistic, "an unplugged device: health is not LOST"),
         (Waiting, "an unplugged device: perform goes on"),
         (Cancels, r"an unplugged device: perform raised CancelledError\(\)"),
+        (LooksFirst, "perform of an unknown verb without a device: raised DeviceLostError"),
         (GivesUp, "a device that is back: is not CONNECTED"),
     ],
 )

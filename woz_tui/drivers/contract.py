@@ -441,7 +441,8 @@ class Performer(Protocol):
         re-raise within 0.25 s; a lane that takes longer is faulted.
 
         Raises:
-            RejectedError: The command makes no sense; nothing was sent.
+            RejectedError: The command makes no sense, whether the hardware is there or not; nothing
+                was sent.
             DeviceLostError: The hardware is not there, or went away meanwhile.
             DriverError: It was tried and did not work.
         """

@@ -294,7 +294,7 @@ async def loses(driver_class: type[Driver], device: Devices) -> list[Finding]:
     """What is wrong when the device is unplugged in the middle of a command, and plugged in again.
 
     Whatever is under way ends with `DeviceLostError`, health is LOST (or FAULTED), further commands
-    are refused at once with `DeviceLostError`.
+    are refused at once with `DeviceLostError`, and an unknown verb is rejected as before.
     """
     async with device as there, _Life(driver_class, there.settings) as life:
         await life.until_connected()
@@ -315,8 +315,10 @@ async def loses(driver_class: type[Driver], device: Devices) -> list[Finding]:
                 )
         if not await life.healthy(Health.LOST, Health.FAULTED):
             life.wrong("an unplugged device", f"health is not LOST after {NOTICE_S:g} s")
-        elif there.command is not None:
-            await life.refuses("perform without a device", DeviceLostError, there.command)
+        else:
+            await life.refuses("perform of an unknown verb without a device", RejectedError)
+            if there.command is not None:
+                await life.refuses("perform without a device", DeviceLostError, there.command)
         if there.plug is not None and not life.findings:
             there.plug()
             if not await life.healthy(Health.CONNECTED):
@@ -346,7 +348,7 @@ class _Life:
         await self.quiet("close", self.driver.close(), limit=CLOSE_S)
 
     async def lived(self, found: bool = False) -> list[Finding]:
-        """Stop and release, open, refuse, stop, close twice."""
+        """Stop and release, open, refuse before and after it has looked, stop, close twice."""
         context, driver = self._context, self.driver
         await self.quiet("stop(ALL) before open", driver.stop(Scope.ALL))
         await self.quiet("resume before open", driver.resume())
@@ -354,9 +356,13 @@ class _Life:
         await asyncio.sleep(0)
         if not context.healths:
             self.wrong("open", "said nothing about its health", "context.health(Health.CONNECTING)")
+        await self.refuses("perform of an unknown verb", RejectedError)
         if found:
             await self.until_connected()
-        await self.refuses("perform of an unknown verb", RejectedError)
+        else:
+            # A driver may look for as long as it likes: one that says nothing is not waited for.
+            await self.healthy(Health.CONNECTED, Health.LOST, Health.FAULTED, within=PROMPT_S)
+        await self.refuses("perform of an unknown verb, once it has looked", RejectedError)
         for scope in Scope:
             await self.quiet(f"stop({scope.name}) with nothing running", driver.stop(scope))
         await self.quiet("close", driver.close(), limit=CLOSE_S)
@@ -374,11 +380,12 @@ class _Life:
             )
         return self.findings
 
-    async def healthy(self, *wanted: Health) -> bool:
-        """Whether the driver's health is one of these in time."""
+    async def healthy(self, *wanted: Health, within: float | None = None) -> bool:
+        """Whether the driver's health is one of these within so many seconds, or NOTICE_S."""
         healths = self._context.healths
+        within = NOTICE_S if within is None else within
         with contextlib.suppress(TimeoutError):
-            await until(lambda: bool(healths) and healths[-1][0] in wanted, NOTICE_S)
+            await until(lambda: bool(healths) and healths[-1][0] in wanted, within)
             return True
         return False
 

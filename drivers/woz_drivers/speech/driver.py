@@ -84,6 +84,7 @@ class Speech(Driver):
 
     def __init__(self, name: str, settings: SpeechSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
+        self._offered = {verb.name for verb in self.verbs(settings)}
         self._volume = settings.volume
         self._voice = SpeechSynthesis(settings, context.folder, self._resident_moved)
         #: Why the program that stays loaded makes no sound; None: it does, or there is none.
@@ -196,6 +197,8 @@ class Speech(Driver):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Speak, play or set the volume; returns when the sound has ended."""
+        if job.verb not in self._offered:
+            raise RejectedError(f"{self.name} cannot {job.verb}")
         if job.verb == "volume":
             return self._set_volume(job.args.get("level"))
         if self._talk is not None and job.verb == "end_talk":
@@ -210,9 +213,8 @@ class Speech(Driver):
                     return await self._say(job, spoken_text(str(job.args["text"])))
                 case "sound":
                     return await self._play_file(job, str(job.args["file"]))
-                case "talk" if self._talk is not None:
-                    return await self._talk.talk()
-        raise RejectedError(f"{self.name} cannot {job.verb}")
+            assert self._talk is not None  # else `talk` is not offered
+            return await self._talk.talk()
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """An utterance or a file: made ready, and measured. Programs that speak by themselves do

@@ -32,8 +32,9 @@ from tests.drivers.servo_stand import head
 from tests.fakes.led_face import PluggedFace
 from tests.fakes.rangefinder import PluggedSensor
 from tests.fakes.servos import ServoBus
+from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.plugins import installed
-from woz_tui.testing import Device, DriverTests, PlainJob, check
+from woz_tui.testing import Device, DriverTests, PlainJob, RecordingContext, check
 
 NOWHERE = "/dev/no-such-port"
 SILENT = SynthesisSettings(synthesise=("no-such-program",))
@@ -89,6 +90,12 @@ class TestRangefinder(DriverTests):
             settings = RangefinderSettings(str(sensor.port))
             yield Device(settings, sensor.unplug, sensor.plug)
             sensor.unplug()
+
+
+async def test_a_picture_that_is_not_there_is_rejected_without_lights() -> None:
+    face = LedFace("lights", LedFaceSettings(NOWHERE), RecordingContext())
+    with pytest.raises(RejectedError):
+        await face.perform(PlainJob("pattern", {"picture": "no-such-picture", "seconds": 1.0}))
 
 
 @pytest.mark.cpp

@@ -162,10 +162,10 @@ class LedFace(PassiveDriver):
         """Show a test picture for a while."""
         if job.verb != _PATTERN.name:
             raise RejectedError(f"{self.name} is a face of lights; it cannot {job.verb}")
-        self._need_face()
         picture, seconds = job.args["picture"], job.args["seconds"]
         if not isinstance(seconds, int | float) or picture not in PATTERNS:
             raise RejectedError(f"there is no test picture {picture!r} of {seconds!r} seconds")
+        self._need_face()
         job.expects(seconds)
         self._pattern = FacePicture(
             self._mounted(PATTERNS[str(picture)](self.settings.width, self.settings.height)),

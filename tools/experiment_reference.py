@@ -71,6 +71,7 @@ EXAMPLES: dict[str, Any] = {
     "robots": {"left": "robots/eyepi.yaml", "right": "robots/eyepi.yaml"},
     "robot.name": "Sophie",
     "session.stale_after": "2 s",
+    "session.driving": "held",
     "panels.locked": True,
     "panels.covers": ["drive", "nudge"],
     "panels.for": "voice",

@@ -127,6 +127,14 @@ FIELDS: dict[str, tuple[str, str]] = {
     "panel": ("", "title of the panel"),
     "panels": ("", "the panels with their actions, as consoles show them"),
     "participant": ("", "participant's code"),
+    "line": (
+        "",
+        "what stands between a console and its terminal: tmux, screen, mosh; absent: nothing",
+    ),
+    "driving": (
+        "",
+        "whether a wizard's keys drive while `held` or once `pressed`; absent: no wizard",
+    ),
     "part": ("", "which part of the panels its wizard plays; absent: none in particular"),
     "parts": ("", "driver -> its parts that confirmed the stop: `speech`, `motion` ..."),
     "path": ("", "the file, the home folder as `~`"),

@@ -102,9 +102,9 @@ def begin(lab: Lab, terminal: FakeTerminal) -> Stopping:
     return Stopping(terminal, log)
 
 
-def experiment(lab: Lab) -> list[str]:
-    """The arguments of `woz run`."""
-    path = lab.file("guide.yaml", scenes.guide())
+def experiment(lab: Lab, text: str = "") -> list[str]:
+    """The arguments of `woz run`; without a `text` of the file the guide's."""
+    path = lab.file("guide.yaml", text or scenes.guide())
     return ["run", str(path), *lab.session()]
 
 
@@ -115,15 +115,15 @@ def plain(lab: Lab) -> FakeTerminal:
     return terminal
 
 
-def in_tmux(lab: Lab, escape_ms: int) -> FakeTerminal:
-    """The same session inside tmux."""
+def in_tmux(lab: Lab, escape_ms: int, text: str = "") -> FakeTerminal:
+    """The same session inside tmux, or another experiment."""
     config = lab.file(
         "tmux.conf",
         f"set -s escape-time {escape_ms}\nset -g status off\n"
         "set -g default-terminal screen-256color\n",
     )
     words = ["tmux", "-S", str(lab.folder / "tmux"), "-f", str(config), "new-session", "-x", "80"]
-    words += ["-y", "24", sys.executable, "-m", "woz_tui", *experiment(lab)]
+    words += ["-y", "24", sys.executable, "-m", "woz_tui", *experiment(lab, text)]
     terminal = lab.program(words)
     recording(terminal)
     return terminal

@@ -38,6 +38,8 @@ from woz_tui.system.tasks import TaskSet, wait_at_most
 CAPACITY = 16
 #: Commands of a verb that do not wait for each other, at the most; further ones wait.
 MOST_TOGETHER = 64
+#: What helps where nobody watches.
+ATTACH = "attach a wizard's console"
 #: How long drivers have to confirm a stop, in seconds.
 STOP_WAIT_S = 0.5
 
@@ -96,8 +98,8 @@ class Bus:
         self.latched = False
         #: Why the robot may not drive at this moment; empty while a wizard watches.
         self.unwatched = ""
-        #: The same of one command that drives; empty: whoever asked for it watches.
-        self.watch: Callable[[Command], str] = lambda command: ""
+        #: The same of one command that drives, and what to do about it; empty: it may drive.
+        self.watch: Callable[[Command], tuple[str, str]] | None = None
 
     def offer(self, driver: str, verbs: Iterable[Verb]) -> None:
         """`driver` offers these verbs from now on: the same, perhaps with other choices."""
@@ -128,8 +130,8 @@ class Bus:
             pending.refuse("stopped", "the stop is pressed", "release the stop first")
         elif verb is None:
             pending.refuse("unknown", self._unknown(command))
-        elif verb.drives and (why := self.unwatched or self.watch(recorded)):
-            pending.refuse("unwatched", why, "attach a wizard's console")
+        elif verb.drives and (unwatched := self._unwatched(recorded))[0]:
+            pending.refuse("unwatched", *unwatched)
         else:
             try:
                 args = checked(verb, command.args)
@@ -157,6 +159,12 @@ class Bus:
         for offered in self.verbs.values():
             args = hidden(offered.get(verb), args)
         return dict(args)
+
+    def _unwatched(self, command: Command) -> tuple[str, str]:
+        """Why a command may not drive now, and what to do about it; empty: it may."""
+        if self.unwatched:
+            return self.unwatched, ATTACH
+        return ("", "") if self.watch is None else self.watch(command)
 
     def _unknown(self, command: Command) -> str:
         if command.driver not in self._drivers:

@@ -90,6 +90,7 @@ def make_console(options: ScreenOptions) -> Console:
     from woz_tui.console.app import Console  # noqa: PLC0415
     from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
+    from woz_tui.machine.hidden_line import hidden_line  # noqa: PLC0415
 
     look, stops = detect_appearance(options.theme)
     link = HostConnection(
@@ -99,6 +100,7 @@ def make_console(options: ScreenOptions) -> Console:
         take_over=options.take_over,
         part=options.part,
         explain=options.explain,
+        line=hidden_line(os.environ),
     )
     app = Console(
         link,

@@ -319,6 +319,15 @@ class SessionSettings:
     dead_man: Annotated[
         float, Seconds(1.0, 60.0), Doc("driving stops after this time without the console")
     ] = 3.0
+    #: How keys drive. `auto`: by a held key where the console is inside tmux, screen or mosh, which
+    #: hide that the wizard's line is lost, and by one press elsewhere.
+    driving: Annotated[
+        Literal["auto", "held", "pressed"],
+        Doc(
+            "keys drive while they are `held`, or as far as one press says (`pressed`); `auto`:"
+            " `held` inside tmux, screen and mosh, else `pressed`"
+        ),
+    ] = "auto"
     #: Name of an access file -> as what its owner may join from another machine.
     access: Annotated[
         Mapping[str, AccessRole],

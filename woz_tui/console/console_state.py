@@ -156,6 +156,12 @@ class ConsoleState:
     # -- what holds -------------------------------------------------------------------------
 
     @property
+    def line(self) -> str:
+        """What stands between this console and its terminal: tmux, screen or mosh, or nothing."""
+        attached = self.session.consoles.get(self.console)
+        return attached.line if attached is not None else ""
+
+    @property
     def participant(self) -> str:
         """The participant's code; empty while nobody has set one."""
         return self.session.study.participant

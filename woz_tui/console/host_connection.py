@@ -14,16 +14,20 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from woz_tui.console.message_feed import Incoming, Loss, LostPart, OnLost, OnMessages
+from woz_tui.machine.hidden_line import HiddenLine
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Notice, SessionEnd
 from woz_tui.protocol.requests import PROTOCOL, AnyRequest, AskStop, Beat, Hello, Reply, Welcome
 from woz_tui.system.clock import Clock, RealClock, boot_id
 
 BEAT_S = 0.5
+#: How often it is asked who is attached to what stands between console and terminal.
+LOOK_S = 1.0
 #: The host pulses every second; after so long without a byte from it something is wrong.
 SILENCE_S = 3.0
 #: How often a lost host is looked for.
@@ -58,6 +62,7 @@ class HostConnection:
             this one.
         clock: For the host's silence and the stamps of requests.
         silence_s: Seconds without a byte from the host after which it counts as lost.
+        line: What stands between this console and its terminal; None: nothing.
     """
 
     def __init__(
@@ -71,11 +76,23 @@ class HostConnection:
         explain: Callable[[Loss], Loss] | None = None,
         clock: Clock | None = None,
         silence_s: float = SILENCE_S,
+        line: HiddenLine | None = None,
     ) -> None:
+        #: What the terminal says of its line, by what it answers itself.
         self.line_ok = True
+        #: Whether anybody is attached to what stands between, as far as that is known.
+        self.attached = True
+        self._line = line or HiddenLine()
         self.round_trip_us: int | None = None
         self._path = path
-        self._hello = Hello(role=role, name=name, protocol=PROTOCOL, take_over=take_over, part=part)
+        self._hello = Hello(
+            role=role,
+            name=name,
+            protocol=PROTOCOL,
+            take_over=take_over,
+            part=part,
+            line=self._line.name,
+        )
         self._clock = clock or RealClock()
         self._silence_us = round(silence_s * 1_000_000)
         self._on_messages: OnMessages = lambda batch: None
@@ -119,9 +136,13 @@ class HostConnection:
         if self._opened is None:
             self.connect()
         connection, self._opened = self._opened, None
-        for work, argument in ((self._run, (connection,)), (self._write, ()), (self._beat, ())):
+        work: list[tuple[Callable[..., None], tuple[Any, ...]]]
+        work = [(self._run, (connection,)), (self._write, ()), (self._beat, ())]
+        if self._line.ask:
+            work.append((self._watch_line, ()))
+        for target, argument in work:
             threading.Thread(
-                target=work, args=argument, name=f"link{work.__name__}", daemon=True
+                target=target, args=argument, name=f"link{target.__name__}", daemon=True
             ).start()
 
     def ask(self, request: AnyRequest) -> int:
@@ -207,7 +228,21 @@ class HostConnection:
         """Thread: say that the console lives, and whether the line to its terminal does."""
         while not self._closed.wait(BEAT_S):
             if self._pending() is None:  # to a host that does not read it would say nothing
-                self.ask(Beat(line_ok=self.line_ok))
+                self.ask(Beat(line_ok=self.line_ok and self.attached))
+
+    def _watch_line(self) -> None:
+        """Thread: whoever leaves the multiplexer may have been the wizard, so that driving ends;
+        where nobody is left the line is lost.
+        """
+        before: frozenset[str] = frozenset()
+        while not self._closed.is_set():
+            clients = self._line.clients()
+            if clients is not None:
+                left, before = before - clients, clients
+                self.attached = bool(clients)
+                if left:
+                    self.ask(Beat(line_ok=False))
+            self._closed.wait(LOOK_S)
 
     # -- in ----------------------------------------------------------------------------------
 

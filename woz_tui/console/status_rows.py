@@ -54,7 +54,7 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     glyphs, width = frame.glyphs, frame.width
     vitals = _log(state, glyphs) or (
         *(("  ", "plain"), *_recorder(state, frame)),
-        *(("  ", "plain"), *_line(line, frame)),
+        *(("  ", "plain"), *_line(state, line, frame)),
     )
     vitals = (*_profile(state, frame), *vitals)
     failures = (
@@ -198,11 +198,18 @@ def _alarm(lag_us: int) -> str:
     return f"{millis(lag_us)} LATE" if lag_us >= LATE_US else "TROUBLE"
 
 
-def _line(line: StatusInfo, frame: PaintFrame) -> Row:
-    """How the terminal is reached; its round trip, where there is room or it is too long."""
+def _line(state: ConsoleState, line: StatusInfo, frame: PaintFrame) -> Row:
+    """How the terminal is reached; its round trip, where there is room or it is too long. Inside
+    tmux, screen or mosh it is they who answer: then nobody knows it.
+    """
     glyphs, round_trip = frame.glyphs, line.round_trip_us
     if not line.well:
         return ((f" {glyphs.error} CONNECTION STALLED ", "alarm"),)
+    if own := state.line:
+        if state.settings.driving == "pressed":
+            return ((f"{glyphs.warning} via {own}: a lost line drives on ", "warn"),)
+        wide = frame.width >= WORDY
+        return ((f"via {own}{', hold a key to drive' if wide else ''} ", "muted"),)
     if round_trip is not None and round_trip >= SLOW_LINE_US:
         look = "bad" if round_trip >= BAD_LINE_US else "warn"
         return ((f"{glyphs.warning} connection {millis(round_trip)} ", look),)

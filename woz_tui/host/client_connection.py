@@ -187,6 +187,8 @@ class ClientConnection(asyncio.Protocol):
         self.beat_us = 0
         #: Why it does not watch the robot at the moment; empty: it does, as far as is known.
         self.silent = ""
+        #: Whether its terminal is there, as its last beat says.
+        self.line_ok = True
         #: Done when the connection has ended.
         self.closed: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._hub = hub

@@ -4,12 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from woz_tui.bus.bus import ATTACH
 from woz_tui.host.client_connection import ClientConnection
+from woz_tui.host.held_driving import SWITCHES, Driving, HeldDriving
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskAction, AskVerb
 from woz_tui.session.session import Session
 
 #: Why nobody drives.
 NOBODY = "no wizard's console is attached"
+
+
+#: What helps where only a held key drives.
+HOLD = "give it a key of its own and hold that; session: {driving: pressed} takes the risk"
+
+
+def _line_of(client: ClientConnection) -> str:
+    """What a sentence calls a console by the line that it has."""
+    line = client.hello.line if client.hello is not None else ""
+    console = console_of(client.part)
+    return f"{console}, inside {line}," if line else console
 
 
 def console_of(part: str) -> str:
@@ -20,9 +34,10 @@ def console_of(part: str) -> str:
 class DeadManSwitch:
     """Allows to drive, and ends it.
 
-    What a wizard has asked for drives while the player of that wizard's part watches. What nobody's
-    part has asked for (a program, a control panel) drives while one of those watches whose part
-    drives (see `PartLimits.drivers`).
+    Where a wizard's line may be lost without anybody seeing it (`driving_of`), only a held key
+    drives, and a control that says when it is let go. What a wizard has asked for drives while the
+    player of that wizard's part watches. What nobody's part has asked for (a program, a control
+    panel) drives while one of those watches whose part drives (see `PartLimits.drivers`).
 
     Args:
         session: Whose bus drives.
@@ -38,6 +53,7 @@ class DeadManSwitch:
         self._drove: set[str | None] = set()
         #: Parts that watched over what belongs to none.
         self._watching: set[str] = set()
+        self._held = HeldDriving(session)
         session.bus.unwatched = NOBODY
         session.bus.watch = self._why_not
 
@@ -69,17 +85,59 @@ class DeadManSwitch:
             return f"{console_of(part)} is not attached any more"
         return players[0].silent or f"{console_of(part)} does not drive any more"
 
-    def _why_not(self, command: m.Command) -> str:
-        """Why nobody watches over a command that drives; empty: somebody does."""
-        part = self._part_of(command)
-        if part is not None and all(each.silent or each.part != part for each in self._wizards()):
-            return f"{console_of(part)} is not attached, or does not respond"
-        self._drove.add(part)
-        return ""
+    def driving_of(self, client: ClientConnection) -> Driving:
+        """How keys of this console drive."""
+        said = self._session.experiment.session.driving
+        if said != "auto":
+            return said
+        return "held" if client.hello is not None and client.hello.line else "pressed"
 
-    def _part_of(self, command: m.Command) -> str | None:
+    def play(
+        self, client: ClientConnection, request: AskAction | AskVerb, play: Callable[[], str]
+    ) -> str:
+        """Carry a press out by `play`; the run. One that drives only while its key is held begins
+        once: repeats go on with what the press has begun.
+        """
+        key = request.key if request.source == "key" else ""
+        if not key or client.role != "wizard" or not self._drives_held(client, request):
+            return play()
+        return self._held.repeat(client.name, key) or self._held.press(client.name, key, play)
+
+    def let_go(self, client: ClientConnection, key: str) -> None:
+        """A key of this console is up."""
+        self._held.let_go(client.name, key)
+
+    def _drives_held(self, client: ClientConnection, request: AskAction | AskVerb) -> bool:
+        if self.driving_of(client) == "pressed":
+            return False
+        if isinstance(request, AskVerb):
+            return request.verb in self._driving_verbs()
+        action = self._session.experiment.action(request.action)
+        calls = action.calls if action is not None else ()
+        return not self._driving_verbs().isdisjoint(call.verb for call in calls)
+
+    def _why_not(self, command: m.Command) -> tuple[str, str]:
+        """Why a command does not drive now, and what to do about it; empty: it may."""
+        console = self._console_of(command)
+        part = self._parts.get(console)
+        watching = [
+            each for each in self._wizards() if not each.silent and part in (None, each.part)
+        ]
+        if part is not None and not watching:
+            return f"{console_of(part)} is not attached, or does not respond", ATTACH
+        held = [each for each in watching if self.driving_of(each) == "held"]
+        own = next((each for each in held if each.name == console), None)
+        if own is not None and command.source == "key" and command.key:
+            if why := self._held.drive(console, command.key, command.command):
+                return why, "hold the key as long as it is to drive"
+        elif held and len(held) == len(watching) and command.source not in SWITCHES:
+            return f"{_line_of(held[0])} drives only while a key is held", HOLD
+        self._drove.add(part)
+        return "", ""
+
+    def _console_of(self, command: m.Command) -> str:
         run = self._session.state.actions.get(command.run)
-        return self._parts.get(run.request.console if run is not None else command.console)
+        return run.request.console if run is not None else command.console
 
     def _driving_verbs(self) -> frozenset[str]:
         offered = self._session.bus.verbs.values()

@@ -6,6 +6,7 @@ import asyncio
 import dataclasses
 import logging
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import msgspec
 from msgspec.structs import replace
@@ -14,6 +15,7 @@ from woz_tui.config.experiment import Call, Experiment, ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding, HandInput
 from woz_tui.host.client_connection import ClientConnection, part_text, take_over_hint
+from woz_tui.host.dead_man_switch import DeadManSwitch
 from woz_tui.host.picture_service import PictureService
 from woz_tui.host.sound_service import SoundService
 from woz_tui.protocol.messages import (
@@ -40,6 +42,7 @@ from woz_tui.protocol.requests import (
     AskEmptyQueue,
     AskEnd,
     AskKeepTyped,
+    AskLetGo,
     AskLock,
     AskMarker,
     AskMistake,
@@ -109,6 +112,8 @@ class RequestHandlers:
         self._slow: dict[tuple[ClientConnection, type[Slow]], list[Slow]] = {}
         self._reading = asyncio.Lock()  # what was read last is what counts
         self._looking = asyncio.Lock()  # into the earlier logs, one after the other
+        #: Knows which keys drive only while they are held; of the server that has these handlers.
+        self.switch: DeadManSwitch
         self.on_end: Callable[[str], None] = lambda reason: None
         self.on_training: Callable[[], None] | None = None
         self.on_panels: Callable[[], None] = lambda: None
@@ -197,9 +202,13 @@ class RequestHandlers:
         match request:
             case AskAction(action=action, source=source, key=key, when_busy=when_busy):
                 origin = RequestOrigin(source, key, client.name)
-                run = session.play(action, origin, when_busy, stale, request.at)
+                play = partial(session.play, action, origin, when_busy, stale, request.at)
+                run = play() if stale else self.switch.play(client, request, play)
             case AskVerb():
-                run = self._verb(client, request, stale)
+                send = partial(self._verb, client, request, stale)
+                run = send() if stale else self.switch.play(client, request, send)
+            case AskLetGo(key=key):
+                self.switch.let_go(client, key)
             case AskScript():
                 run = self._script(client, request, stale)
             case AskRelease(source=source, missing=missing):

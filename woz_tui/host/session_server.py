@@ -92,7 +92,7 @@ class SessionServer:
         handlers.on_panels = self._panels_changed
         handlers.on_reload = self._restrict
         handlers.can_take_over = lambda client: self._free_part(client) is not None
-        self._switch = DeadManSwitch(session, lambda: self.wizards)
+        self._switch = handlers.switch = DeadManSwitch(session, lambda: self.wizards)
 
     # -- running -----------------------------------------------------------------------------
 
@@ -213,13 +213,13 @@ class SessionServer:
         return not any(map(self._keeps_up, self._clients))
 
     def _keeps_up(self, client: ClientConnection) -> bool:
-        """Consoles keep it up. Programs do until the first wizard has come: then they expect one,
-        and would go on with a robot that nobody minds. Somebody who answers questions, or listens,
-        minds no robot.
+        """Consoles keep it up, a wizard's while it has its terminal. Programs do until the first
+        wizard has come: then they expect one, and would go on with a robot that nobody minds.
+        Somebody who answers questions, or listens, minds no robot.
         """
         match client.role:
             case "wizard":
-                return True
+                return client.line_ok
             case "watcher":
                 return client.hello is not None and client.hello.stream != "nothing"
             case "program":
@@ -286,6 +286,8 @@ class SessionServer:
                 sees="all" if sees_all else "",
                 via=hello.via[:LONGEST_VIA],
                 part=client.part,
+                line=hello.line,
+                driving=self._switch.driving_of(client) if client.role == "wizard" else "",
             )
         )
         client.send(self._welcome(client))
@@ -337,9 +339,16 @@ class SessionServer:
         client.role, client.part, client.silent = "wizard", part, ""
         self._wizard_came = True
         client.beat_us = self.session.hub.now()
-        via = client.hello.via[:LONGEST_VIA] if client.hello is not None else ""
+        assert client.hello is not None  # a watcher has said it
         self.session.hub.publish(
-            m.ConsoleAttached(console=client.name, role="wizard", via=via, part=part)
+            m.ConsoleAttached(
+                console=client.name,
+                role="wizard",
+                via=client.hello.via[:LONGEST_VIA],
+                part=part,
+                line=client.hello.line,
+                driving=self._switch.driving_of(client),
+            )
         )
         self._switch.update()
         client.send(Reply(ref=request.ref, ok=True))
@@ -372,8 +381,10 @@ class SessionServer:
         if view is not None:
             whole, recent = view.redactor.welcome(whole), view.recent
             state = [view.redactor.message(line) for line in session.state.messages(plan=False)]
+        driving = self._switch.driving_of(client)
         return msgspec.structs.replace(
             whole,
+            settings=msgspec.structs.replace(whole.settings, driving=driving),
             protocol=client.protocol,
             state=_raw(state),
             recent=_raw(recent),
@@ -388,7 +399,8 @@ class SessionServer:
         news = panels_changed(plan_of(shown))
         for client in self._clients:
             view = client.view
-            client.send(news if view is None else view.redactor.panels(news))
+            own = msgspec.structs.replace(news, driving=self._switch.driving_of(client))
+            client.send(own if view is None else view.redactor.panels(own))
         self._switch.update()
 
     def _on_close(self, client: ClientConnection, why: str) -> None:
@@ -409,6 +421,9 @@ class SessionServer:
 
     def _beat(self, client: ClientConnection, line_ok: bool) -> None:
         client.beat_us = self.session.hub.now()
+        was_alone, client.line_ok = self.alone, line_ok
+        if self.alone and not was_alone:
+            self._alone_us = self.session.hub.now()
         why = "" if line_ok else f"the terminal of {console_of(client.part)} is not connected"
         if client.silent != why:
             client.silent = why

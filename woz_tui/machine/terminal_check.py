@@ -15,6 +15,7 @@ import tty
 from collections.abc import Iterator, Mapping
 
 from woz_tui.drivers.contract import Finding
+from woz_tui.machine.hidden_line import hidden_line
 from woz_tui.machine.machine_checks import output_of
 
 #: Smallest screen the console is laid out for.
@@ -102,12 +103,14 @@ def _in_front(descriptor: int) -> bool:
 
 
 def conversation(descriptor: int, seconds: float = 1.0) -> list[Finding]:
-    """Ask the terminal which keys it can tell apart and time its answers.
+    """Ask the terminal which keys it can tell apart and time its answers, which inside tmux, screen
+    or mosh would be theirs.
 
     `seconds` bounds each answer. Keys typed meanwhile are thrown away.
     """
     with _raw(descriptor):
-        return [keyboard(descriptor, seconds), line(descriptor, seconds)]
+        keys = keyboard(descriptor, seconds)
+        return [keys] if hidden_line(os.environ).name else [keys, line(descriptor, seconds)]
 
 
 @contextlib.contextmanager
@@ -177,8 +180,13 @@ def _ask(descriptor: int, question: bytes, until: re.Pattern[bytes], seconds: fl
 
 
 def multiplexers(environ: Mapping[str, str]) -> list[Finding]:
-    """Whether tmux or screen hold back the escape key, which is the stop."""
-    findings = []
+    """What tmux, screen and mosh hide: the escape key, which is the stop, and a lost line."""
+    line, findings = hidden_line(environ), list[Finding]()
+    if line.name:
+        seen = "is asked who is attached" if line.ask else "cannot be asked who is attached"
+        text = f"{line.name} answers in your terminal's place, and {seen}; a line that stands still"
+        remedy = "hold a key to drive; outside of it the line itself is watched"
+        findings.append(Finding("info", "line", f"{text} is not seen", remedy))
     if environ.get("TMUX"):
         wait = output_of(["tmux", "show", "-gv", "escape-time"])
         findings.append(tmux_escape(wait, output_of(["tmux", "-V"])))

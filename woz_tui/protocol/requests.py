@@ -53,10 +53,14 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     does. `sees`: a program sees `all`, also what is kept from the wizard, unless it says `wizard`.
     `protocol`: the version that the client speaks; one that does not say so speaks the first.
     `via`: set for clients from other machines, by the process that has examined their certificate.
+    `line`: what stands between a console and its terminal and answers in the terminal's place
+    (tmux, screen or mosh): there a lost line is seen late or never, and keys drive while they are
+    held.
     """
 
     role: str
     name: str = ""
+    line: Literal["", "tmux", "screen", "mosh"] = ""
     protocol: int = OLDEST_PROTOCOL
     stream: str = "everything"
     take_over: bool = False
@@ -99,6 +103,14 @@ class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
     stale: bool = False
     when_busy: WhenBusy = ""
     at: int = 0
+
+
+class AskLetGo(Request, frozen=True, kw_only=True, tag="let_go"):
+    """The key `key` is up, from a console whose terminal says so: what it drove ends. Elsewhere it
+    ends when no further press of the key has come for a moment.
+    """
+
+    key: str
 
 
 class AskControls(Request, frozen=True, kw_only=True, tag="controls"):
@@ -385,6 +397,7 @@ AnyRequest = (
     | AskAction
     | AskVerb
     | AskControls
+    | AskLetGo
     | AskStop
     | AskRelease
     | AskScript
@@ -446,21 +459,22 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     recorder state, position of each script, phase, locks); a client treats them like any other.
     `recent` is the tail of the log, oldest first, for the console's list. `seq` is the last one
     contained.
-    `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
-    -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
-    what it looks like (see `docs/reference/protocol.md`), `values`: variable -> its value at this
-    moment, `steps`: how far one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive`
-    in m), `lanes`: driver -> verb -> the lane in which it is queued, `repairs`: moves that save a
-    dialogue, actions of their own,
-    `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
-    names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
-    `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
-    whole `handshake` and how many `attempts` it has; `phases`: those of the file; `study`: what the
-    file says of the study, and how it stands (see `docs/reference/protocol.md`). `boot_id`: of
-    the robot process's machine; a client with the same one may stamp its requests with `sent_us`.
-    `clock_us`: CLOCK_MONOTONIC of that machine at `t` = 0, in microseconds. `part`: as in the
-    hello; who plays which is in the lines `console.attached` of `state`. `robot_at`: the address of
-    the robot's computer, in a session that was joined from another machine.
+    `settings`: `stale_after` and `dead_man` in seconds, `driving` (whether keys of this console
+    drive while they are `held`, or as far as one press says, `pressed`), `participant_pattern`, and
+    `joints`: joint -> [lowest, highest angle] in degrees, for those whose driver tells them,
+    `outlines`: driver -> what it looks like (see `docs/reference/protocol.md`), `values`: variable
+    -> its value at this moment, `steps`: how far one press of an arrow goes (`head`, `hip`, `turn`
+    in degrees, `drive` in m), `lanes`: driver -> verb -> the lane in which it is queued, `repairs`:
+    moves that save a dialogue, actions of their own, `profiles`: their names, `profile`: the one in
+    use, or nothing, and `allows`: profile -> what it names (`panels`, `actions`, `controls`,
+    `verbs`), and `hide` where the rest is not shown; `engagement`, in a session with that model:
+    its `timeouts` (seconds, or null), the seconds of a whole `handshake` and how many `attempts` it
+    has; `phases`: those of the file; `study`: what the file says of the study, and how it stands
+    (see `docs/reference/protocol.md`). `boot_id`: of the robot process's machine; a client with the
+    same one may stamp its requests with `sent_us`. `clock_us`: CLOCK_MONOTONIC of that machine at
+    `t` = 0, in microseconds. `part`: as in the hello; who plays which is in the lines
+    `console.attached` of `state`. `robot_at`: the address of the robot's computer, in a session
+    that was joined from another machine.
     """
 
     protocol: int
@@ -541,6 +555,7 @@ class PanelsChanged(Answer, frozen=True, kw_only=True, tag="panels"):
     study: StudySettings | None = None
     stale_after: float | None = None
     dead_man: float | None = None
+    driving: str | None = None
     participant_pattern: str | None = None
 
 

@@ -98,7 +98,9 @@ def test_tmux_must_not_hold_the_stop_back(
 
 
 def test_screen_holds_the_stop_back() -> None:
-    [finding] = terminal_check.multiplexers({"STY": "4711.pts-0.robot"})
+    hidden, finding = terminal_check.multiplexers({"STY": "4711.pts-0.robot"})
+    assert hidden.subject == "line"
+    assert "hold a key to drive" in hidden.remedy
     assert (finding.level, finding.subject) == ("warning", "screen")
     assert "maptimeout" in finding.remedy
 

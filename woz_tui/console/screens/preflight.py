@@ -215,7 +215,7 @@ class PreflightDialog(ReportDialog):
         self._findings = [
             *_findings(reply.data),
             *terminal,
-            line_finding(app.feed.round_trip_us),
+            *([] if self.state.line else [line_finding(app.feed.round_trip_us)]),
             kind_finding(app.terminal, key_name(app.key_of("help"), self.glyphs)),
             *sign_findings(self.state),
             *key_findings(self.state, app.caps),

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from woz_tui.config.keys.terminals import PLAIN, TMUX, merged_chords
 from woz_tui.console.byte_scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
-from woz_tui.console.escape_sequences import Key, Paste, Raw, StopToken, TerminalReply, Token
+from woz_tui.console.escape_sequences import Key, KeyUp, Paste, Raw, StopToken, TerminalReply, Token
 
 PRESSES = {
     b"a": "a",
@@ -151,7 +151,7 @@ def test_a_press_has_the_normal_form_of_its_chord(data: bytes, chord: str) -> No
 
 @pytest.mark.parametrize("data", OTHERS)
 def test_what_is_no_key_presses_nothing_and_stops_nothing(data: bytes) -> None:
-    assert all(isinstance(token, TerminalReply | Raw) for token in scan(data))
+    assert all(isinstance(token, TerminalReply | Raw | KeyUp) for token in scan(data))
 
 
 def test_replies_carry_their_numbers() -> None:
@@ -348,3 +348,22 @@ def test_an_escape_folded_into_the_key_behind_it_is_a_stop(sequence: bytes) -> N
     assert inside.feed(sequence) == [StopToken("escape", sequence)]
     assert isinstance(Scanner(merged_chords(PLAIN)).feed(sequence)[0], Key)
     assert inside.feed(b"\x1b[1;3A") == [Key("alt+up", b"\x1b[1;3A", b"\x1b[1;3A")]
+
+
+@pytest.mark.parametrize(
+    ("data", "chord"),
+    [
+        (b"\x1b[97;1:3u", "a"),
+        (b"\x1b[97:65;2:3u", "A"),
+        (b"\x1b[1;3:3A", "alt+up"),
+        (b"\x1b[57376;1:3u", "f13"),
+        (b"\x1b[15;1:3~", "f5"),
+    ],
+)
+def test_a_key_that_is_let_go_is_no_press(data: bytes, chord: str) -> None:
+    assert scan(data) == [KeyUp(chord, data)]
+
+
+@pytest.mark.parametrize("data", [b"\x1b[27;1:3u", b"\x1b[99;5:3u"])
+def test_a_stop_key_that_is_let_go_is_no_second_stop(data: bytes) -> None:
+    assert not [token for token in scan(data) if isinstance(token, StopToken | KeyUp)]

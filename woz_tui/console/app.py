@@ -301,6 +301,7 @@ class Console(ScreenApp):
         glyphs = self.look.glyphs
         state.keys = {name: caption(cap, glyphs) for name, cap in self.caps.items() if cap.chord}
         self.keyboard.bind(self.keymap.table, self._own_keys())
+        self.keyboard.holds = state.settings.driving == "held"
         self._bind_arrows()
         self.requests.arrows.adopt(state.settings.steps)
         if self.keymap.warnings != warned and self.keymap.warnings:

@@ -31,6 +31,14 @@ class Key:
 
 
 @dataclass(frozen=True, slots=True)
+class KeyUp:
+    """A key was let go, from a terminal that was asked to say so."""
+
+    chord: str
+    raw: bytes
+
+
+@dataclass(frozen=True, slots=True)
 class Paste:
     """Text pasted in one go, between the terminal's marks; never a key press."""
 
@@ -60,7 +68,7 @@ class Raw:
     raw: bytes
 
 
-Token = StopToken | Key | Paste | TerminalReply | Raw
+Token = StopToken | Key | KeyUp | Paste | TerminalReply | Raw
 
 
 _SHIFT, _ALT, _CTRL = 1, 2, 4
@@ -158,6 +166,11 @@ def _rxvt(raw: bytes, body: bytes, final: str) -> Token:
 
 def _plain(raw: bytes, fields: list[list[int]], final: str) -> Token:
     """Sequences without a private mark."""
+    if _released(fields):
+        pressed = _plain(raw, [fields[0], fields[1][:1], *fields[2:]], final)
+        if isinstance(pressed, Key):
+            return KeyUp(pressed.chord, raw)
+        return TerminalReply("unknown", (), raw)
     if final == "u":
         return _kitty(raw, fields)
     if final == "~" and fields[0][0] == 27 and len(fields) == 3:
@@ -184,7 +197,7 @@ def _function_key(raw: bytes, fields: list[list[int]], final: str) -> Token:
     if final in "abcd" and len(raw) == 3:  # rxvt
         return _key(_LETTERS[final.upper()], _SHIFT, raw)
     key = _TILDES.get(first) if final == "~" else _LETTERS.get(final)
-    if key is None or _released(fields):
+    if key is None:
         return TerminalReply("unknown", (), raw)
     # Old tmux: CSI 5 A is ctrl+up, the modifier being the only number.
     modifier = fields[1][0] if len(fields) > 1 else (first if final != "~" else 0)
@@ -219,7 +232,7 @@ def _kitty(raw: bytes, fields: list[list[int]]) -> Token:
     if stop is not None:
         return stop
     codes = fields[2] if len(fields) > 2 and fields[2] != [0] else []
-    if _released(fields) or not all(map(_character, codes)):
+    if not all(map(_character, codes)):
         return TerminalReply("unknown", (), raw)
     if len(codes) > 1:  # put together by an input method: text, not keys
         return Paste("".join(map(_character, codes)), raw)

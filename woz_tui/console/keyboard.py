@@ -18,6 +18,7 @@ from woz_tui.console.message_feed import MessageFeed
 from woz_tui.protocol.requests import (
     AnyRequest,
     AskAction,
+    AskLetGo,
     AskPhase,
     AskScript,
     AskStop,
@@ -125,6 +126,9 @@ class Keyboard:
         self.kept: frozenset[str] = frozenset()
         #: The stop has come with a key right behind it, as alt and that key do.
         self.on_alt: Callable[[], None] = lambda: None
+        #: Keys drive only while they are held: a terminal that can is to say when one is let go.
+        self.on_holds: Callable[[bool], None] = lambda holds: None
+        self._holds = False
         #: What the key for suspending does; set by the terminal.
         self.on_suspend: Callable[[], None] | None = None
         self._clock = clock or RealClock()
@@ -173,7 +177,23 @@ class Keyboard:
         if not free:
             self._set_prefix("")
 
+    @property
+    def holds(self) -> bool:
+        """Whether keys drive only while they are held."""
+        return self._holds
+
+    @holds.setter
+    def holds(self, holds: bool) -> None:
+        if holds != self._holds:
+            self._holds = holds
+            self.on_holds(holds)
+
     # -- keys -----------------------------------------------------------------------------------
+
+    def let_go(self, chord: str) -> None:
+        """A key is up, as the terminal says."""
+        if self._holds:
+            self.feed.ask(AskLetGo(key=chord))
 
     def arrive(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
         """A key straight from the terminal. Like `press`, but in order with the screen.

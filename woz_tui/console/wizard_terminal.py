@@ -32,7 +32,7 @@ from woz_tui.config.keys.terminals import KITTY, PLAIN, Terminal, detect_termina
 from woz_tui.console.byte_scanner import INTRODUCER_S, Scanner
 from woz_tui.console.camera.picture_terminal import PictureTerminal, question
 from woz_tui.console.cells import clean, clean_paste
-from woz_tui.console.escape_sequences import Key, Paste, Raw, StopToken, TerminalReply, Token
+from woz_tui.console.escape_sequences import Key, KeyUp, Paste, Raw, StopToken, TerminalReply, Token
 from woz_tui.console.exit_handler import GONE, ExitHandler, run_aside
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.terminal_monitor import QUESTION, TerminalMonitor
@@ -48,6 +48,9 @@ RESTORE_S = 0.3
 LAST_READS = 16
 #: Which keyboard flags are set (kitty), and who are you: every terminal answers the second.
 _WHO = "\x1b[?u\x1b[c"
+#: Keyboard flags of kitty's protocol: keys told apart as Textual has asked for, with and without
+#: their release.
+_RELEASES, _NO_RELEASES = "\x1b[=3;1u", "\x1b[=1;1u"
 #: Undoes all that start_application_mode does, in whichever state it was left.
 _RESTORE = (
     "\x1b[?2026l\x1b[0m"  # show what is being drawn, plain characters
@@ -77,8 +80,11 @@ class WizardDriver(LinuxDriver):
         super().__init__(app, **options)
         self._keyboard = cast(KeyboardApp, app).keyboard
         self._keyboard.on_suspend = _suspend
+        self._keyboard.on_holds = self._ask_for_releases
         self._line = TerminalMonitor(self._keyboard.feed, RealClock())
         self._kitty = 0
+        #: Whether the terminal was asked to say when a key is let go.
+        self._releases = False
         self._output: Output | None = None
         self._wake_in, self._wake_out = os.pipe()
         os.set_blocking(self._wake_in, False)
@@ -102,9 +108,16 @@ class WizardDriver(LinuxDriver):
         try:
             super().start_application_mode()  # type: ignore[no-untyped-call]
             self.write(question(os.environ) + _WHO)
+            self._ask_for_releases(self._keyboard.holds)
         except BaseException:
             self.restore()
             raise
+
+    def _ask_for_releases(self, holds: bool) -> None:
+        """Have a terminal that can say when a key is let go; others take no notice."""
+        if holds or self._releases:
+            self.write(_RELEASES if holds else _NO_RELEASES)
+        self._releases = holds
 
     def stop_application_mode(self) -> None:
         """Give the terminal back."""
@@ -300,6 +313,8 @@ class WizardDriver(LinuxDriver):
             match token:
                 case Key():
                     self._key(token, stale)
+                case KeyUp(chord=chord):
+                    self._keyboard.let_go(chord)
                 case Paste(text=text):
                     self.process_message(events.Paste(clean_paste(text)))
                 case Raw(raw=raw):

@@ -88,6 +88,62 @@ async def test_several_turns_with_a_homing_offset_are_named(tmp_path: Path) -> N
         assert warning.subject == "tilt (id 12)" and "homing offset (-300)" in warning.text
 
 
+def placed(bus: ServoBus, number: int, position: int, mode: int = 3) -> None:
+    motor = bus.servo(number)
+    motor.position = float(position)
+    motor.put(132, 4, position)
+    motor.put(11, 1, mode)
+
+
+@pytest.mark.parametrize(
+    ("position", "mode", "text", "remedy"),
+    [
+        (6144, 4, "at 360 degrees, 270 outside -90 to 90: its count is wrong by 1", "reboot"),
+        (2048 - 8192, 5, "count is wrong by 2 turns", "Operating Mode (11) 3"),
+        (4039, 3, "stands at 175 degrees, 85 outside", "turn it back by hand"),
+        (2048, 16, "operating mode 16", "set Operating Mode (11) to 3"),
+    ],
+)
+async def test_a_joint_that_is_not_where_it_can_be_is_named(
+    tmp_path: Path, position: int, mode: int, text: str, remedy: str
+) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        placed(bus, 11, position, mode)
+        findings = await examined(bus.link, watchdog=500)
+        (error,) = [one for one in findings if one.level == "error"]
+        assert error.subject == "pan (id 11)"
+        assert text in error.text
+        assert remedy in error.remedy
+        assert bus.writes == []
+
+
+async def test_a_joint_that_sags_a_little_out_of_its_range_is_well(tmp_path: Path) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        placed(bus, 12, 2048 + round(38 / (360 / 4096)))  # its range ends at 30
+        assert said(await examined(bus.link, watchdog=500), "error") == ""
+
+
+async def test_position_limits_that_are_narrower_than_the_joint_are_named(tmp_path: Path) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        bus.servo(11).put(48, 4, 2148)
+        bus.servo(11).put(52, 4, 1948)
+        findings = await examined(bus.link, watchdog=500)
+        assert "pan (id 11): goes from -8.789 to 8.789 degrees, and not from -90 to 90" in said(
+            findings, "warning"
+        )
+
+
+@pytest.mark.parametrize(("gear", "named"), [(1.0, False), (2.0, True)])
+async def test_turns_that_cannot_be_told_from_each_other_are_named(
+    tmp_path: Path, gear: float, named: bool
+) -> None:
+    joints = {"pan": ServoJointSettings(id=11, min=-90, max=90, gear=gear)}
+    with ServoBus([11], tmp_path / "servos") as bus:
+        placed(bus, 11, 2048, 4)
+        findings = await examined(bus.link, joints=joints, watchdog=500)
+        assert ("one is 180 degrees of the joint" in said(findings, "warning")) is named
+
+
 async def test_wrong_baud_is_found(tmp_path: Path) -> None:
     joints = {name: HEAD[name] for name in ("pan", "tilt")}
     with ServoBus([11, 12], tmp_path / "servos", baud=57_600) as bus:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
+from woz_drivers.dynamixel import ServoJointSettings
 from woz_drivers.dynamixel.chain import PlannedMove
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
 
 from tests.drivers.heard import until
-from tests.drivers.servo_stand import SILENT_MS, stand
+from tests.drivers.servo_stand import HEAD, SILENT_MS, stand
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import DriverError, Scope
-from woz_tui.protocol.messages import DriverFaulted
+from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
+from woz_tui.protocol.messages import DriverFaulted, Notice
 
 pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
@@ -44,6 +49,105 @@ async def test_a_pose_that_cannot_be_held_is_not_left_by_force(tmp_path: Path) -
         await it.ticks(3)
         assert not it.bus.servo(11).torque
         assert it.bus.servo(11).position == 1500.0
+
+
+def a_turn_away(bus: ServoBus) -> None:
+    bus.servo(11).put(11, 1, 4)
+    bus.servo(11).position = 2048.0 + 4096
+    bus.servo(11).put(132, 4, 2048 + 4096)
+
+
+#: Every command that begins a movement, with the turned joint alone.
+MOVEMENTS: list[tuple[str, dict[str, Any]]] = [
+    ("pose", {"joints": {"pan": 30.0}}),
+    ("poses", {"poses": [{"joints": {"pan": 30.0}}]}),
+    ("play", {"move": "left"}),
+    ("gaze", {"yaw": 30.0}),
+    ("nudge", {"yaw": 5.0}),
+]
+
+
+@pytest.mark.parametrize("given", [{}, {"torque": True}])
+async def test_a_joint_a_turn_away_is_not_driven_back(
+    tmp_path: Path, given: dict[str, Any]
+) -> None:
+    poses = {"left": {"pan": 30.0}}
+    changes = {"pan": "pan", "poses": poses, "rest_on_close": True, **given}
+    async with stand(tmp_path, prepare=a_turn_away, **changes) as it:
+        if given:
+            await it.noticed("no torque on pan: it stands at 360 degrees, 270 outside -90 to 90")
+            remedies = [each.remedy for each in it.heard.all(Notice) if "no torque" in each.text]
+            assert "reboot" in remedies[0]
+        with pytest.raises(DriverError, match="its count is wrong by 1 turn") as refused:
+            await it.do("torque", on=True, joint="pan")
+        assert "reboot" in refused.value.remedy
+        for verb, args in MOVEMENTS:
+            with pytest.raises(DriverError):
+                await it.do(verb, **args)
+        await it.driver.stop(Scope.ALL)
+        await it.driver.resume()
+        await it.do("torque", on=True)
+        sent = await it.do("home", seconds=0.1)
+        assert "pan" in sent["left_out"]  # type: ignore[operator]
+        await it.driver.rest()
+        assert it.bus.goals(11) == []
+        assert not it.bus.servo(11).torque
+        await it.do("reboot", joint="pan")
+        await it.do("torque", on=True, joint="pan")
+        await it.do("pose", joints={"pan": 30.0}, seconds=0.1)
+        assert max(it.bus.goals(11)) == 2048 + round(30 / (360 / 4096))
+
+
+async def test_a_joint_that_is_held_far_outside_its_range_is_not_driven_back(
+    tmp_path: Path,
+) -> None:
+    """Pushed away by force, it holds there after a stop; hands take it back."""
+    async with stand(tmp_path, pan="pan", torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        it.bus.servo(11).put(112, 4, 1)  # so slow that it stays where it was pushed
+        it.bus.servo(11).position = 3500.0
+        await it.ticks(2)
+        await it.driver.stop(Scope.ALL)
+        await it.driver.resume()
+        before = len(it.bus.goals(11))
+        for verb, args in MOVEMENTS:
+            if verb != "play":
+                with pytest.raises(DriverError, match="128 degrees, 38 outside") as refused:
+                    await it.do(verb, **args)
+                assert "torque off and turn it back by hand" in refused.value.remedy
+        assert set(it.bus.goals(11)[before:]) <= {it.bus.goals(11)[-1]}
+
+
+async def test_a_joint_that_sags_a_little_out_of_its_range_comes_in_with_its_next_movement(
+    tmp_path: Path,
+) -> None:
+    def sagging(bus: ServoBus) -> None:
+        bus.servo(12).position = 2048.0 + 432  # 38 degrees; its range ends at 30
+        bus.servo(12).put(132, 4, 2048 + 432)
+
+    async with stand(tmp_path, prepare=sagging) as it:
+        await it.do("torque", on=True, joint="tilt")
+        await it.ticks(3)
+        assert set(it.bus.goals(12)) == {2048 + 432}
+        await it.do("pose", joints={"tilt": 20.0}, seconds=0.5)
+        goals = it.bus.goals(12)
+        assert goals[-1] == 2048 + round(20 / (360 / 4096))
+        assert max(abs(b - a) for a, b in itertools.pairwise(goals)) < 150
+
+
+async def test_a_body_neither_moves_a_joint_a_turn_away_nor_hears_of_its_place(
+    tmp_path: Path,
+) -> None:
+    async with stand(tmp_path, prepare=a_turn_away, follows="body") as it:
+        setpoints = Setpoints(round((time.monotonic() + 1000) * 1e6), {"pan": 30.0})
+        it.heard.context.feed(SETPOINTS, of="body").put(setpoints)
+        sent = await it.do("torque", on=True)
+        assert "count is wrong" in sent["left_out"]["pan"]  # type: ignore[index,call-overload]
+        await it.ticks(3)
+        told = it.heard.context.feed(PRESENT).latest().value
+        assert isinstance(told, JointPositions)
+        assert sorted(told.joints) == ["roll", "tilt"]
+        assert it.bus.goals(11) == []
 
 
 async def test_stop_is_not_confirmed_for_a_servo_that_fell_silent_holding(tmp_path: Path) -> None:

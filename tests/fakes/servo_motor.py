@@ -200,11 +200,14 @@ class Motor:
     ) -> None:
         """Restart after `seconds` without power; it answers again `boot` seconds after that.
 
-        Limp meanwhile, it sags by `fall` counts.
+        Limp meanwhile, it sags by `fall` counts. One that counts turns has forgotten them.
         """
         self.alarm = 0
         self.booting_until = now + seconds + boot
-        self.position = min(max(self.position + fall, 0.0), self.counts - 1.0)
+        self.position += fall
+        if self.protocol == 2 and self.memory[11] in (4, 5):
+            self.position %= self.counts
+        self.position = min(max(self.position, 0.0), self.counts - 1.0)
         self._forget()
 
     def error_byte(self, code: int = 0) -> int:

@@ -100,8 +100,16 @@ class BodyFollower:
         return newest.zeros.get(joint, 0.0) if isinstance(newest, Setpoints) else 0.0
 
     def publish_positions(self, servos: Iterable[Servo], now: float) -> None:
-        """Let the body know where its joints are, and which of them are held."""
-        ready = [servo for servo in servos if servo.status is ServoStatus.READY]
+        """Let the body know where its joints are, and which of them are held.
+
+        Of one that is not where it can be believed to be, it hears nothing.
+        """
+        ready = [
+            servo
+            for servo in servos
+            if servo.status is ServoStatus.READY
+            and (servo.calibration is None or servo.calibration.stray(servo.present) is None)
+        ]
         self._present.put(
             JointPositions(
                 round(now * 1e6),

@@ -14,7 +14,14 @@ from woz_drivers.dynamixel import servo as servos
 from woz_drivers.dynamixel.body_following import BodyFollower
 from woz_drivers.dynamixel.control_tables import ControlTable
 from woz_drivers.dynamixel.port import slow_answers
-from woz_drivers.dynamixel.servo import MISSES, Servo, ServoStatus, SilentError, UnfitError
+from woz_drivers.dynamixel.servo import (
+    MISSES,
+    TORQUE_REMEDY,
+    Servo,
+    ServoStatus,
+    SilentError,
+    UnfitError,
+)
 from woz_drivers.dynamixel.servo_health import ServoUpkeep
 from woz_drivers.dynamixel.setpoint_planning import (
     ARRIVED,
@@ -34,7 +41,6 @@ REFRESH_S = 0.5
 CATCH_UP = 2.0
 #: Silent servos are asked again one by one, one every so many seconds.
 PROBE_S = 1.0
-TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`torque: on`)"
 
 
 @dataclass(eq=False, slots=True)
@@ -131,11 +137,7 @@ class ServoChain(ServoUpkeep):
         nothing can move.
         """
         wanted = {name for frame in frames for name in frame.joints}
-        move.left_out = {
-            name: self._reason_not_to_move(self.servos[name])
-            for name in sorted(wanted)
-            if not self.servos[name].moves
-        }
+        move.left_out = self._obstacles(sorted(wanted))
         able = sorted(wanted - set(move.left_out))
         if not able:
             raise self._refusal(move.left_out)
@@ -152,17 +154,13 @@ class ServoChain(ServoUpkeep):
 
     def follow(self, targets: Mapping[str, float], *, relative: bool) -> dict[str, float]:
         """Let joints follow targets in degrees, or step by them; returns the targets as bounded."""
-        left_out = {
-            name: self._reason_not_to_move(self.servos[name])
-            for name in targets
-            if not self.servos[name].moves
-        }
+        left_out = self._obstacles(targets)
         if len(left_out) == len(targets):
             raise self._refusal(left_out)
         accepted = {}
         for name, value in targets.items():
             servo = self.servos[name]
-            if not servo.moves:
+            if name in left_out:
                 continue
             if servo.follow is None:
                 self._take_over(name)
@@ -201,13 +199,13 @@ class ServoChain(ServoUpkeep):
                 "switch the power off if it moves",
             )
 
-    def set_torque(self, names: Iterable[str], on: bool) -> dict[str, str]:
+    def set_torque(self, names: Iterable[str], on: bool) -> dict[str, DriverError]:
         """Switch joints; returns what went wrong, by joint."""
-        failed = {}
+        failed: dict[str, DriverError] = {}
         for name in names:
             servo = self.servos[name]
             if servo.status is not ServoStatus.READY:
-                failed[name] = servo.trouble
+                failed[name] = UnfitError(servo.trouble, servo.remedy)
                 continue
             self._take_over(name, "" if on else "had its torque switched off")
             try:
@@ -216,7 +214,7 @@ class ServoChain(ServoUpkeep):
                 else:
                     servos.torque_off(self.wire, servo)
             except (SilentError, UnfitError) as error:
-                failed[name] = error.what
+                failed[name] = error
         return failed
 
     def reboot(self, names: Iterable[str]) -> list[str]:
@@ -296,7 +294,7 @@ class ServoChain(ServoUpkeep):
             wanted = servo.setpoint
             if servo.track is not None:
                 wanted = servo.track.at(now - servo.track_began)
-            elif self._following is not None:
+            elif self._following is not None and servo.obstacle is None:
                 wanted = self._following.setpoint_for(servo, elapsed)
             elif servo.follow is not None:
                 wanted = servo.follow.step(servo.setpoint, elapsed)
@@ -400,8 +398,10 @@ class ServoChain(ServoUpkeep):
         else:
             move.done.set_result(None)
 
-    def _reason_not_to_move(self, servo: Servo) -> str:
-        return servo.trouble if servo.status is not ServoStatus.READY else "torque is off"
+    def _obstacles(self, names: Iterable[str]) -> dict[str, str]:
+        """Joints that no movement may begin with, and why."""
+        found = {name: self.servos[name].obstacle for name in names}
+        return {name: why.what for name, why in found.items() if why is not None}
 
     def _refusal(self, left_out: Mapping[str, str]) -> DriverError:
         reasons = sorted(set(left_out.values()))
@@ -409,5 +409,6 @@ class ServoChain(ServoUpkeep):
         if reasons == ["torque is off"]:
             return RejectedError(f"the torque of {names} is off", TORQUE_REMEDY)
         detail = "; ".join(f"{name} {why}" for name, why in sorted(left_out.items()))
-        remedies = [self.servos[name].remedy for name in sorted(left_out)]
-        return DriverError(detail, next((text for text in remedies if text), ""))
+        known = [self.servos[name].obstacle for name in sorted(left_out)]
+        remedies = [each.remedy for each in known if each is not None and each.remedy]
+        return DriverError(detail, next(iter(remedies), ""))

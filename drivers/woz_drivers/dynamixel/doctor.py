@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from woz_drivers.dynamixel import control_tables
+from woz_drivers.dynamixel import servo as servos
 from woz_drivers.dynamixel.port import (
     AMPLE_MS,
     ServoPort,
@@ -163,6 +164,7 @@ def _condition(
     yield Finding("info", subject, f"{volts:.1f} V, firmware {version}")
     if settings.watchdog and table.watchdog is not None:
         yield from _watchdog_doubts(wire, subject, joint, model, firmware)
+    yield from _place(wire, subject, joint, model)
     bits = voltage.error if table.alarm is None else wire.number(joint.id, table.alarm) or 0
     for alarm in control_tables.alarms(table, bits):
         yield Finding("error", subject, f"alarm: {alarm}", "let it cool, then restart it")
@@ -173,6 +175,38 @@ def _condition(
             subject,
             f"waits {delay * 2} us before it answers",
             "set `return_delay: 0` to have it answer at once",
+        )
+
+
+def _place(
+    wire: ServoWire, subject: str, joint: ServoJointSettings, model: control_tables.ServoModel
+) -> Iterator[Finding]:
+    """Whether the servo, as it is set and where it stands, can be this joint."""
+    line = servos.ServoRegisters(wire, joint.id, model.table)
+    try:
+        calibration = servos.read_calibration(line, joint, model)
+        stray = calibration.stray(calibration.degrees(line.number(model.table.present)))
+        if stray is not None:
+            raise stray
+    except (servos.SilentError, servos.UnfitError) as unfit:
+        yield Finding("error", subject, unfit.what, unfit.remedy)
+        return
+    low, high = calibration.low, calibration.high
+    if max(low - joint.min, joint.max - high) > servos.HOLDABLE:
+        yield Finding(
+            "warning",
+            subject,
+            f"goes from {low:.4g} to {high:.4g} degrees, and not from {joint.min:g} to"
+            f" {joint.max:g}: the position limits stored in the servo are narrower",
+            "correct them with the maker's tool, or correct zero, min and max",
+        )
+    if calibration.several_turns and calibration.turn < high - low + 2 * servos.STRAY:
+        yield Finding(
+            "warning",
+            subject,
+            f"counts turns, and forgets them without power: one is {calibration.turn:.4g} degrees"
+            " of the joint, so that a wrong count cannot be told from a right one",
+            "after each loss of power compare the joint with its reading before `torque: on`",
         )
 
 

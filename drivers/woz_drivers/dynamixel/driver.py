@@ -197,10 +197,10 @@ class DynamixelServos(Driver):
         failed = await self._ask(lambda chain, _now: chain.set_torque(names, on))
         done: list[Json] = [name for name in names if name not in failed]
         if not done:
-            raise DriverError("; ".join(f"{name} {why}" for name, why in failed.items()))
+            raise DriverError(*_told(failed))
         sent: dict[str, Json] = {"on": on, "joints": done}
         if failed:
-            sent["left_out"] = dict(failed)
+            sent["left_out"] = {name: why.what for name, why in failed.items()}
         return sent
 
     async def _reboot(self, job: Job) -> dict[str, Json]:
@@ -261,7 +261,7 @@ class DynamixelServos(Driver):
             return {
                 name: abs(angle - chain.servos[name].setpoint)
                 for name, angle in rest.items()
-                if chain.servos[name].moves
+                if chain.servos[name].obstacle is None
             }
 
         if not rest and self.loop.following is not None:
@@ -295,7 +295,7 @@ class DynamixelServos(Driver):
             held = [name for name in names if _may_hold(chain.servos[name])]
             failed = chain.set_torque(held, on=False)
             if failed:
-                text = "; ".join(f"{name} {why}" for name, why in failed.items())
+                text, _ = _told(failed)
                 self.context.notice("error", f"torque is still on: {text}", "switch the power off")
 
         await self._ask(limp)
@@ -309,6 +309,12 @@ class DynamixelServos(Driver):
 def _held(chain: ServoChain, _now: float) -> dict[str, float]:
     """Setpoints of the joints that are held."""
     return {servo.name: servo.setpoint for servo in chain.servos.values() if servo.moves}
+
+
+def _told(failed: Mapping[str, DriverError]) -> tuple[str, str]:
+    """What went wrong with which joints, and what to do."""
+    remedies = dict.fromkeys(why.remedy for why in failed.values() if why.remedy)
+    return "; ".join(f"{name} {why.what}" for name, why in failed.items()), "; ".join(remedies)
 
 
 def _named(job: Job) -> list[str]:

@@ -139,7 +139,8 @@ class ServoLoop:
             for servo in chain.servos.values():
                 if servo.status is ServoStatus.READY and not self.stopped:
                     for name, why in chain.set_torque([servo.name], on=True).items():
-                        self._context.notice("error", f"no torque on {name}: {why}")
+                        text = f"no torque on {name}: it {why.what}"
+                        self._context.notice("error", text, why.remedy)
         ready = [one for one in chain.servos.values() if one.status is ServoStatus.READY]
         limp = [one.name for one in ready if not one.torque]
         if (wanted or not first) and limp:

@@ -11,11 +11,29 @@ from woz_drivers.dynamixel.control_tables import ControlTable, Register, ServoMo
 from woz_drivers.dynamixel.setpoint_planning import JointTrack, TargetFollower
 from woz_drivers.dynamixel.settings import ServoJointSettings, ServoSettings
 from woz_drivers.dynamixel.wire import ServoWire, refusal
-from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.motion.safety import Limits
+
+
+class UnfitError(DriverError):
+    """The servo answers but must not be moved."""
+
+
+class SilentError(DriverError):
+    """It did not answer."""
+
+    def __init__(self) -> None:
+        super().__init__("does not answer", "check its cable, its power and its id")
+
 
 # -- calibration ----------------------------------------------------------------------------------
 # Degrees of a joint <-> counts of its servo.
+
+#: A joint found so far outside its range, in degrees, comes in with its next movement: limp joints
+#: sag to a stop a little beyond it, and hands are not exact. One further out is not where it is
+#: believed to be (another turn, a wrong `zero`), or has passed its stop: nobody knows what is in
+#: the way back.
+STRAY = 10.0
 
 #: Counts that extended position control accepts to either side.
 MULTI_TURN = 1_048_575
@@ -37,6 +55,41 @@ class Calibration:
     high: float
     low_raw: int
     high_raw: int
+
+    @property
+    def several_turns(self) -> bool:
+        """Whether the servo counts turns, which it forgets without power."""
+        return self.low_raw == -MULTI_TURN
+
+    @property
+    def turn(self) -> float:
+        """Degrees of the joint in one turn of the servo."""
+        return 360.0 / self.model.degrees_per_step * abs(self.degrees_per_count)
+
+    def stray(self, degrees: float) -> UnfitError | None:
+        """What to say of a joint that stands too far outside its range to be moved; None: it may
+        be moved, also if it first has to come in.
+        """
+        excess = max(self.low - degrees, degrees - self.high)
+        if excess <= STRAY:
+            return None
+        what = (
+            f"stands at {degrees:.0f} degrees, {excess:.0f} outside"
+            f" {self.low:.4g} to {self.high:.4g}"
+        )
+        turns = round((degrees - (self.low + self.high) / 2) / self.turn)
+        inside = self.low <= degrees - turns * self.turn <= self.high
+        if self.several_turns and turns and inside:
+            return UnfitError(
+                f"{what}: its count is wrong by {abs(turns)} turn{'s' if abs(turns) > 1 else ''}",
+                "`reboot` it, or switch its power off and on: it then forgets the turns it has"
+                " counted; in Operating Mode (11) 3 it counts none",
+            )
+        return UnfitError(
+            what,
+            "switch its torque off and turn it back by hand, then `torque: on`; if it stands where"
+            " it should, correct `zero`, `direction`, `gear`, min and max",
+        )
 
     def degrees(self, raw: int) -> float:
         """The joint's angle at the servo's count `raw`."""
@@ -91,6 +144,7 @@ MISSES = 3
 #: A servo this far beyond its own limits, in degrees of the joint, is still taken to its limit
 #: when its torque goes on: gears have play, and the limit may be the joint's mechanical stop.
 HOLDABLE = 2.0
+TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`torque: on`)"
 #: A protocol 1 servo that shut itself down cannot be restarted over the wire.
 PROTOCOL_1_REMEDY = "remove the load and let it cool, then switch the servos' power off and on"
 
@@ -101,17 +155,6 @@ class ServoStatus(enum.Enum):
     SILENT = "silent"
     UNFIT = "unfit"
     READY = "ready"
-
-
-class UnfitError(DriverError):
-    """The servo answers but must not be moved."""
-
-
-class SilentError(DriverError):
-    """It did not answer."""
-
-    def __init__(self) -> None:
-        super().__init__("does not answer", "check its cable, its power and its id")
 
 
 @dataclass(slots=True)
@@ -150,6 +193,15 @@ class Servo:
     def moves(self) -> bool:
         """Whether a setpoint would have any effect."""
         return self.status is ServoStatus.READY and self.torque
+
+    @property
+    def obstacle(self) -> DriverError | None:
+        """Why no movement may begin where its setpoint is now; None: one may."""
+        if self.status is not ServoStatus.READY:
+            return UnfitError(self.trouble, self.remedy)
+        if not self.torque:
+            return RejectedError("torque is off", TORQUE_REMEDY)
+        return self.calibration.stray(self.setpoint) if self.calibration is not None else None
 
     def hold(self) -> None:
         """Nothing drives the setpoint any more: it stays where it is."""
@@ -229,15 +281,7 @@ def check(wire: ServoWire, servo: Servo, settings: ServoSettings, *, fresh: bool
     if torque_enabled(table, status.data) and not keep:
         line.write(table.torque, 0)
         servo.torque = False
-    extended = _mode(line)
-    servo_limits = None if extended else _servo_limits(line)
-    calibration = calibrate(servo.joint, model, servo_limits)
-    if calibration.low >= calibration.high:
-        raise UnfitError(
-            f"min {servo.joint.min:g} to max {servo.joint.max:g} lies outside what the servo"
-            " itself allows",
-            "correct zero, min and max, or the position limits stored in the servo",
-        )
+    calibration = read_calibration(line, servo.joint, model)
     if settings.return_delay is not None:
         wanted = settings.return_delay // 2
         if line.number(table.return_delay) != wanted:
@@ -256,6 +300,25 @@ def check(wire: ServoWire, servo: Servo, settings: ServoSettings, *, fresh: bool
     servo.status, servo.trouble, servo.remedy = ServoStatus.READY, "", ""
 
 
+def read_calibration(
+    line: ServoRegisters, joint: ServoJointSettings, model: ServoModel
+) -> Calibration:
+    """Put a joint's settings and what its servo has stored together; writes nothing.
+
+    Raises:
+        SilentError: No answer.
+        UnfitError: Set like this the servo cannot be a joint.
+    """
+    servo_limits = None if _counts_turns(line) else _servo_limits(line)
+    calibration = calibrate(joint, model, servo_limits)
+    if calibration.low >= calibration.high:
+        raise UnfitError(
+            f"min {joint.min:g} to max {joint.max:g} lies outside what the servo itself allows",
+            "correct zero, min and max, or the position limits stored in the servo",
+        )
+    return calibration
+
+
 def _model(joint: ServoJointSettings, protocol: int, number: int) -> ServoModel:
     model = control_tables.by_number(protocol, number)
     wanted = control_tables.by_name(joint.model) if joint.model else None
@@ -272,7 +335,7 @@ def _model(joint: ServoJointSettings, protocol: int, number: int) -> ServoModel:
     return model
 
 
-def _mode(line: ServoRegisters) -> bool:
+def _counts_turns(line: ServoRegisters) -> bool:
     """Whether the servo counts several turns; `UnfitError` if it does not hold positions."""
     if line.table.operating_mode is None:
         return False
@@ -348,11 +411,12 @@ def torque_on(wire: ServoWire, servo: Servo, settings: ServoSettings) -> None:
 
     The goal is written first, and it is the present pose: neither the servo's last goal nor ours
     can make it jump. A pose that the servo does not take as a goal (it was turned by hand beyond
-    its own limits) cannot be held, so there the joint stays limp.
+    its own limits) cannot be held, so there the joint stays limp; and so it does where it stands
+    too far outside its range to be moved back in.
     """
     calibration = servo.calibration
     assert calibration is not None
-    table = calibration.model.table
+    model, table = calibration.model, calibration.model.table
     line = ServoRegisters(wire, servo.joint.id, table)
     raw = line.number(table.present)
     servo.present = calibration.degrees(raw)
@@ -365,6 +429,8 @@ def torque_on(wire: ServoWire, servo: Servo, settings: ServoSettings) -> None:
             " turn it back by hand first",
             "turn it back by hand, then `torque: on`",
         )
+    if (stray := calibration.stray(servo.present)) is not None:
+        raise stray
     _set_fences(line, servo, settings, calibration)
     if table.torque_limit is not None and table.max_torque is not None:
         servo.torque_limit = _mark_torque_limit(line, table.torque_limit, table.max_torque)

@@ -150,6 +150,21 @@ async def test_a_body_neither_moves_a_joint_a_turn_away_nor_hears_of_its_place(
         assert it.bus.goals(11) == []
 
 
+async def test_a_servo_that_counts_another_turn_once_it_holds_is_let_go(tmp_path: Path) -> None:
+    def offset(bus: ServoBus) -> None:
+        bus.servo(11).put(20, 4, -512)
+        bus.servo(11).position = 3700.0
+        bus.servo(11).put(132, 4, 3700)
+
+    joints = {**HEAD, "pan": ServoJointSettings(id=11, min=-90, max=90, zero=3072)}
+    async with stand(tmp_path, prepare=offset, joints=joints) as it:
+        with pytest.raises(DriverError, match="counts another turn as soon as it holds") as refused:
+            await it.do("torque", on=True, joint="pan")
+        assert "Homing Offset (20) to 0" in refused.value.remedy
+        assert not it.bus.servo(11).torque
+        assert it.bus.servo(11).driven == 0.0
+
+
 async def test_stop_is_not_confirmed_for_a_servo_that_fell_silent_holding(tmp_path: Path) -> None:
     async with stand(tmp_path, torque=True, patience_ms=SILENT_MS) as it:
         await until(lambda: it.bus.servo(13).torque)

@@ -224,6 +224,10 @@ class Motor:
         if refused:
             return refused
         if self.protocol == 2 and address == 64 and data[:1] == b"\x01" and not self.torque:
+            if self.memory[11] == 3 and (offset := self.get(20, 4)):
+                # As seen by its owner (ROBOTIS forum, thread 7814): it counts from its sensor anew.
+                self.position = (self.position - offset) % self.counts + offset
+                self._show()
             self.put(116, 4, round(self.position))  # torque on never jumps: goal = present
         self.memory[address : address + len(data)] = data
         if self.protocol == 1 and address <= 30 < address + len(data):

@@ -144,6 +144,9 @@ MISSES = 3
 #: A servo this far beyond its own limits, in degrees of the joint, is still taken to its limit
 #: when its torque goes on: gears have play, and the limit may be the joint's mechanical stop.
 HOLDABLE = 2.0
+#: No joint gets so far while its torque goes on, in turns of the servo: it has changed its count. A
+#: servo with a homing offset in position mode was seen to do so (ROBOTIS forum, thread 7814).
+TURNED = 0.5
 TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`torque: on`)"
 #: A protocol 1 servo that shut itself down cannot be restarted over the wire.
 PROTOCOL_1_REMEDY = "remove the load and let it cool, then switch the servos' power off and on"
@@ -437,6 +440,12 @@ def torque_on(wire: ServoWire, servo: Servo, settings: ServoSettings) -> None:
     line.write(table.goal_block(), calibration.goal_value(servo.written, servo.joint.speed))
     line.write(table.torque, 1)
     servo.torque = True
+    if abs(line.number(table.present) - raw) > TURNED * model.steps:
+        torque_off(wire, servo)
+        raise UnfitError(
+            "counts another turn as soon as it holds, and would go through the whole of it",
+            "set Homing Offset (20) to 0 and use `zero`",
+        )
 
 
 def _mark_torque_limit(line: ServoRegisters, torque_limit: Register, max_torque: Register) -> int:

@@ -214,6 +214,45 @@ def test_keys_from_before_a_thaw_are_stale_and_those_after_it_are_not(
     assert not host.wait(AskAction, 2).stale
 
 
+def test_keys_behind_an_answer_that_was_under_way_for_long_are_stale(
+    host: FakeHost, terminal: FakeTerminal
+) -> None:
+    terminal.wait_written(b"\x1b[5n")
+    terminal.stall()
+    terminal.wait_for(lambda text: b"\x1b[0n" in terminal.under_way)
+    terminal.send("a")
+    host.until(lambda: host.line_ok() is False, "a beat with a dead line")
+    terminal.flow()
+    assert host.wait(AskAction).stale
+    host.until(lambda: host.line_ok() is True, "a beat with a good line")
+    terminal.send("b")
+
+    assert not host.wait(AskAction, 2).stale
+
+
+def test_a_stop_behind_such_an_answer_counts(host: FakeHost, terminal: FakeTerminal) -> None:
+    terminal.wait_written(b"\x1b[5n")
+    terminal.stall()
+    host.until(lambda: host.line_ok() is False, "a beat with a dead line")
+    terminal.send(b"a\x1b")
+    terminal.flow()
+
+    assert host.wait(AskStop)
+
+
+def test_driving_ends_where_keys_come_and_no_answer_does(
+    host: FakeHost, terminal: FakeTerminal
+) -> None:
+    terminal.wait_written(b"\x1b[5n")
+    terminal.freeze()
+
+    def pressed() -> bool:
+        terminal.send("a")
+        return host.line_ok() is False
+
+    host.until(pressed, "a beat with a dead line")
+
+
 def test_a_frozen_terminal_that_is_closed(host: FakeHost) -> None:
     with FakeTerminal(command(host)) as terminal:
         terminal.wait_text("ready")

@@ -83,6 +83,10 @@ class FakeTerminal:
         self._thawed.set()
         self._resting = threading.Event()
         self._read_at = time.monotonic()
+        #: When the program last asked how the line is; None: not yet.
+        self._asked_at: float | None = None
+        #: What waits for the line to go on; None: it does.
+        self._under_way: bytearray | None = None
         self._screen = _Screen(columns, rows, self._reply)
         self._stream = pyte.ByteStream(self._screen)
         self._held = b""
@@ -128,18 +132,24 @@ class FakeTerminal:
     def send(self, data: bytes | str) -> None:
         """Type; what is sent in one call arrives in one read (if it is not too long)."""
         self._catch_up()
-        os.write(self.master, data.encode() if isinstance(data, str) else data)
+        self._pass_on(data.encode() if isinstance(data, str) else data)
+
+    def _pass_on(self, data: bytes) -> None:
+        if self._under_way is not None:
+            self._under_way += data
+        else:
+            os.write(self.master, data)
 
     def _catch_up(self) -> None:
-        """Answer what has been asked first, if a busy machine is late with that: what is typed on
-        a line that has stood still is rightly not played.
+        """Answer a question that is asked now, if a busy machine is late with that: what is typed
+        on a line that has stood still is rightly not played.
         """
-        if not self._thawed.is_set() or time.monotonic() - self._read_at < LATE_S:
+        began, asked_at = time.monotonic(), self._asked_at
+        late = self._read_at if asked_at is None else min(self._read_at, asked_at + LATE_S)
+        if not self._thawed.is_set() or self._under_way is not None or began - late < LATE_S:
             return
-        waits = select.poll()
-        waits.register(self.master, select.POLLIN)
         with self._changed:
-            self._changed.wait_for(lambda: not waits.poll(0), 2 * LATE_S)
+            self._changed.wait_for(lambda: (self._asked_at or 0.0) > began, 2 * LATE_S)
 
     def resize(self, columns: int, rows: int) -> None:
         """Change the window's size."""
@@ -158,6 +168,22 @@ class FakeTerminal:
         """Take output again."""
         self._resting.clear()
         self._thawed.set()
+
+    def stall(self) -> None:
+        """What is typed and answered from now on is under way, until `flow`; output is taken."""
+        with self._changed:
+            self._under_way = bytearray()
+
+    @property
+    def under_way(self) -> bytes:
+        """What has been typed and answered since `stall`."""
+        return bytes(self._under_way or b"")
+
+    def flow(self) -> None:
+        """What was under way comes, in one read (if it is not too long)."""
+        with self._changed:
+            data, self._under_way = self._under_way, None
+            os.write(self.master, data or b"")
 
     def close(self) -> None:
         """Close the window: the program sees a hang-up and the end of its input."""
@@ -205,7 +231,7 @@ class FakeTerminal:
     def _reply(self, data: str) -> None:
         if self._answers:
             with contextlib.suppress(OSError):
-                os.write(self.master, data.encode())
+                self._pass_on(data.encode())
 
     def _read(self) -> None:
         poll = select.poll()
@@ -230,6 +256,8 @@ class FakeTerminal:
                 self.written += data
                 self._show(data)
                 self._read_at = begun
+                if b"\x1b[5n" in data:
+                    self._asked_at = time.monotonic()
                 self._changed.notify_all()
 
     def _show(self, data: bytes) -> None:

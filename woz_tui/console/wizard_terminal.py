@@ -35,13 +35,13 @@ from woz_tui.console.cells import clean, clean_paste
 from woz_tui.console.escape_sequences import Key, KeyUp, Paste, Raw, StopToken, TerminalReply, Token
 from woz_tui.console.exit_handler import GONE, ExitHandler, run_aside
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.terminal_monitor import QUESTION, TerminalMonitor
+from woz_tui.console.terminal_monitor import TerminalMonitor
 from woz_tui.console.terminal_output import Output
 from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.system.clock import RealClock
 
 #: The reading thread looks around at least this often, in seconds.
-TICK_S = 0.5
+TICK_S = 0.25
 #: How long giving the terminal back may take, in seconds.
 RESTORE_S = 0.3
 #: Reads in which a last look is taken at what was typed: more than a person can have typed.
@@ -81,7 +81,8 @@ class WizardDriver(LinuxDriver):
         self._keyboard = cast(KeyboardApp, app).keyboard
         self._keyboard.on_suspend = _suspend
         self._keyboard.on_holds = self._ask_for_releases
-        self._line = TerminalMonitor(self._keyboard.feed, RealClock())
+        multiplexed = bool(detect_terminal(os.environ).multiplexer)
+        self._line = TerminalMonitor(self._keyboard.feed, RealClock(), multiplexed=multiplexed)
         self._kitty = 0
         #: Whether the terminal was asked to say when a key is let go.
         self._releases = False
@@ -287,7 +288,8 @@ class WizardDriver(LinuxDriver):
         """Ask how the line is, if it is time; not while the terminal takes nothing."""
         if self._line.question_in_s > 0:
             return
-        if self._output is not None and not self._output.stalled and self._output.write(QUESTION):
+        output = self._output
+        if output is not None and not output.stalled and output.write(self._line.question):
             self._line.question_sent()
         else:
             self._line.put_off()
@@ -308,11 +310,11 @@ class WizardDriver(LinuxDriver):
                 self._keyboard.stop(token.source)
         if any(_is_alt(*pair) for pair in pairwise(tokens)):
             self._keyboard.on_alt()
-        stale = self._line.arrived([token.chord for token in tokens if isinstance(token, Key)])
+        self._line.arrived([token.chord for token in tokens if isinstance(token, Key)])
         for token in tokens:
             match token:
                 case Key():
-                    self._key(token, stale)
+                    self._key(token)
                 case KeyUp(chord=chord):
                     self._keyboard.let_go(chord)
                 case Paste(text=text):
@@ -320,24 +322,25 @@ class WizardDriver(LinuxDriver):
                 case Raw(raw=raw):
                     self._to_screen(raw)
                 case TerminalReply(what="status"):
-                    stale = stale and not self._line.burst
                     self._line.answered()
                 case TerminalReply():
                     self._reply(token)
 
-    def _key(self, key: Key, stale: bool) -> None:
-        if self._keyboard.arrive(key.chord, stale=stale):
+    def _key(self, key: Key) -> None:
+        age_us = self._line.age_us
+        if self._keyboard.arrive(key.chord, age_us=age_us, stale=self._line.stale):
             return
         handled = self._keyboard.leave_to_screen(key.chord)
         try:
-            self._to_screen(key.screen)
+            self._to_screen(key.screen, age_us)
         finally:
             self._in_app(handled)
 
-    def _to_screen(self, raw: bytes) -> None:
+    def _to_screen(self, raw: bytes, age_us: int = 0) -> None:
         """Through Textual's parser, which sees whole sequences only and so never waits."""
         try:
             for event in self._parser.feed(raw.decode("utf-8", "replace")):
+                event.time -= age_us / 1_000_000  # it may have been under way for so long
                 self.process_message(event)
         except Exception:
             self._parser = XTermParser(self._debug)  # it cannot go on after an exception
@@ -349,6 +352,7 @@ class WizardDriver(LinuxDriver):
         elif reply.what == "graphics":
             self._picture_terminal.kitty = reply.values == (1,)
         elif reply.what == "attributes":  # asked last: what has not come by now will not come
+            self._line.identified()
             self._scanner.expects_graphics = self._scanner.expects_background = False
             self._picture_terminal.sixel = reply.raw.startswith(b"\x1b[?") and 4 in reply.values[1:]
             found = getattr(self._app, "terminal_found", None)

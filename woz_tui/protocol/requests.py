@@ -72,7 +72,7 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
 class AskAction(Request, frozen=True, kw_only=True, tag="action"):
     """Play an action of the experiment by name.
 
-    `key` is the chord that was pressed, if one was. `age_us`: how old the press already is.
+    `key` is the chord that was pressed, if one was. `age_us`: how old the press may be already.
     `stale`: the console decided not to play it; it is logged as refused. `at`: the moment on the
     axis of `t` at which it is to begin, in microseconds (0: now); one that has passed is refused.
     """

@@ -11,7 +11,6 @@ import pytest
 from tests.console.scripted import ScriptedFeed
 from woz_tui.console.camera.picture_terminal import PictureTerminal
 from woz_tui.console.terminal_monitor import (
-    AGAIN_S,
     DEAD_S,
     EVERY_S,
     PUT_OFF_S,
@@ -69,9 +68,9 @@ def test_hurry_asks_at_once_or_right_behind_the_question_that_is_out(seat: Seat)
     assert seat.woken == 1
     assert seat.line.question_in_s == 0
     seat.line.question_sent()
-    assert seat.line.question_in_s == AGAIN_S
+    assert seat.line.question_in_s == EVERY_S
     seat.side.hurry()
-    assert seat.line.question_in_s == AGAIN_S, "one question at a time"
+    assert seat.line.question_in_s == EVERY_S, "one question at a time"
     seat.line.answered()
     assert seat.line.question_in_s == 0
     seat.line.put_off()

@@ -145,6 +145,24 @@ def test_a_process_that_stood_still_reads_once_more_before_a_stop_is_missing(
     assert [name for name in first.confirmed if name == "head"] == confirmed
 
 
+def test_a_stop_counts_from_its_key_and_not_from_when_the_loop_came_to_it() -> None:
+    async def scenario(rig: Rig) -> None:
+        stand_still(after=1, seconds=4)
+        await asyncio.sleep(1.5)
+        rig.bus.stop("key", pressed=1_500_000)
+        await asyncio.sleep(1)
+        rig.bus.release("key")
+        rig.bus.stop("driver")
+
+    rig = in_rig(scenario)
+    presses = [line.pressed for line in rig.lines if isinstance(line, m.StopPressed)]
+    first, second = [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
+    assert presses[0] == 1_500_000
+    assert (first.elapsed_us, first.late) == (pytest.approx(3_500_000, abs=100), True)
+    assert presses[1] == pytest.approx(6_000_000, abs=100), "of what the process does: now"
+    assert (second.elapsed_us, second.late) == (pytest.approx(0, abs=100), False)
+
+
 def test_announced_durations_extend_the_limit() -> None:
     async def scenario(rig: Rig) -> None:
         rig.send("say", "expects", 30)

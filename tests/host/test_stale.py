@@ -111,6 +111,31 @@ async def test_the_stop_and_what_takes_away_or_records_count_however_old(
         assert (await peer.ask("marker", text="odd", **stamp))["ok"]
 
 
+@pytest.mark.parametrize(
+    ("source", "sent_s", "counts"),
+    [
+        ("a key 4 s ago", 0, True),
+        ("nobody said when", None, False),
+        ("after it came", 3600, False),
+        ("an hour ago", -3600, False),
+    ],
+)
+async def test_a_stop_is_confirmed_so_long_after_its_key(
+    tmp_path: Path, source: str, sent_s: int | None, counts: bool
+) -> None:
+    clock = BootClock()
+    async with served(tmp_path, clock=clock) as place:
+        peer = await place.connect()
+        await peer.hello()
+        fields = {} if sent_s is None else {"sent_us": clock.boot + sent_s * S}
+        clock.boot += 4 * S
+        await peer.say(kind="stop", source=source, **fields)
+        pressed = await peer.kind("stop.pressed")
+        confirmed = await peer.kind("stop.confirmed")
+        assert ("pressed" in pressed) == counts
+        assert (confirmed["elapsed_us"] >= 4 * S) == counts
+
+
 async def test_a_fresh_stamp_counts_right_after_the_process_woke(tmp_path: Path) -> None:
     clock = BootClock()
     async with served(tmp_path, clock=clock) as place:

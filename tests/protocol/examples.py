@@ -204,7 +204,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.PanelLocked(panel="Whales", locked=True, source="phase"),
     m.ProfileChanged(profile="child", source="palette"),
     m.ExperimentReloaded(experiment_sha256=SHA, changes=["Speech: 'Bye' is new"]),
-    m.StopPressed(source="key"),
+    m.StopPressed(source="key", pressed=1_000_000),
     m.Stopped(command="c00006", driver="voice", reason="stop pressed"),
     m.ActionStopped(run="a00005", action="Bye", reason="stop pressed"),
     m.ActionSuperseded(run="a00006", action="Map", reason='replaced by "Bye"', by="a00007"),

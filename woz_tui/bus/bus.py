@@ -19,6 +19,7 @@ from woz_tui.bus.lane import Lane, PendingCommand, guarded
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import DeviceLostError, Performer, Scope, StopReport, Verb
 from woz_tui.drivers.secret_arguments import hidden
+from woz_tui.protocol.action_messages import STOP_PROMISE_S
 from woz_tui.protocol.messages import (
     AnyMessage,
     Command,
@@ -41,7 +42,7 @@ MOST_TOGETHER = 64
 #: What helps where nobody watches.
 ATTACH = "attach a wizard's console"
 #: How long drivers have to confirm a stop, in seconds.
-STOP_WAIT_S = 0.5
+STOP_WAIT_S = STOP_PROMISE_S
 
 log = logging.getLogger(__name__)
 
@@ -250,8 +251,10 @@ class Bus:
 
     # -- the stop ----------------------------------------------------------------------------
 
-    def stop(self, source: str) -> asyncio.Task[None]:
+    def stop(self, source: str, pressed: int | None = None) -> asyncio.Task[None]:
         """Latch, end everything, call every driver's `stop` at once.
+
+        `pressed`: when the key was pressed, on the axis of `t`; 0: nobody knows; None: now.
 
         Returns the task that ends when all have confirmed or `STOP_WAIT_S` has passed. A press
         while one is under way joins it: drivers are not called twice for a held-down key. Unless
@@ -263,14 +266,15 @@ class Bus:
             return self._stopping
         self._lost.clear()
         self._back.clear()
-        began_us = self._hub.now()
+        now = self._hub.now()
+        pressed = now if pressed is None else pressed
         stops = self._call_stops(Scope.ALL, self._moving)
         for name in self._motionless & self._drivers.keys():
             self._telling.start(self._stop_of(name, Scope.ALL))
-        self._hub.publish(StopPressed(source=source))
+        self._hub.publish(StopPressed(source=source, pressed=pressed))
         for lane in list(self._lanes.values()):
             lane.stop("stop pressed")
-        self._stopping = self._confirming.start(self._confirm(stops, began_us, Scope.ALL))
+        self._stopping = self._confirming.start(self._confirm(stops, pressed or now, Scope.ALL))
         return self._stopping
 
     @property
@@ -306,12 +310,12 @@ class Bus:
         ]
         if not driving:
             return
-        began_us = self._hub.now()
+        pressed = self._hub.now()
         stops = self._call_stops(Scope.DRIVE, driving)
-        self._hub.publish(StopPressed(source=source, scope=Scope.DRIVE.value))
+        self._hub.publish(StopPressed(source=source, scope=Scope.DRIVE.value, pressed=pressed))
         for lane in list(self._lanes.values()):
             lane.stop(source, only_driving=True)
-        self._confirming.start(self._confirm(stops, began_us, Scope.DRIVE))
+        self._confirming.start(self._confirm(stops, pressed, Scope.DRIVE))
 
     def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, StopTask]:
         loop = asyncio.get_running_loop()
@@ -323,7 +327,7 @@ class Bus:
     async def _stop_of(self, name: str, scope: Scope) -> StopReport | None:
         return await guarded(functools.partial(self._drivers[name].stop, scope))
 
-    async def _confirm(self, stops: Mapping[str, StopTask], began_us: int, scope: Scope) -> None:
+    async def _confirm(self, stops: Mapping[str, StopTask], pressed: int, scope: Scope) -> None:
         """Wait until each driver's `stop` has returned, and of a stop of everything its jobs have
         ended; then report.
         """
@@ -351,7 +355,7 @@ class Bus:
             StopConfirmed(
                 confirmed=confirmed,
                 missing=missing,
-                elapsed_us=self._hub.now() - began_us,
+                elapsed_us=self._hub.now() - pressed,
                 parts={name: [*each.confirmed] for name, each in reports.items() if each.confirmed},
                 missing_parts={
                     name: [*each.missing] for name, each in reports.items() if each.missing

@@ -36,6 +36,7 @@ from woz_tui.replay import experiment_origin
 from woz_tui.replay.opened_log import LogError, log_in
 from woz_tui.replay.rerun_plan import RerunPlan, RerunStep, fitted, plan_of, unfit_steps
 from woz_tui.session.redactor import Redactor
+from woz_tui.system.clock import RealClock
 from woz_tui.system.text_cleaning import clean
 from woz_tui.timeline.episodes import OUTCOMES
 
@@ -438,7 +439,8 @@ def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
                         raise KeyboardInterrupt
                     stopped = True
                     with contextlib.suppress(ConnectionError):
-                        link.sendall(codec.encode(AskStop(source="key")))
+                        stop = AskStop(source="key", sent_us=RealClock().boot_us())
+                        link.sendall(codec.encode(stop))
 
 
 def _receive(link: socket.socket) -> bytes:

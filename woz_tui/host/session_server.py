@@ -243,7 +243,8 @@ class SessionServer:
 
     def _stop(self, client: ClientConnection, request: AskStop) -> None:
         with self.session.hub.on_behalf_of(client.name):
-            self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
+            source = "the participant" if client.role == PARTICIPANT else request.source
+            self.session.stop(source, request.sent_us)
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
         if not OLDEST_PROTOCOL <= hello.protocol <= PROTOCOL:

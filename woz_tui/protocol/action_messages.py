@@ -268,20 +268,28 @@ class BlockTrouble(Ack, frozen=True, kw_only=True, tag="bml.trouble"):
     problem: BlockProblem
 
 
+#: A stop is confirmed so soon after its key, in seconds.
+STOP_PROMISE_S = 0.5
+
+
 class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
     """The stop latched. `source` is key, program, console-lost ...; `scope` all or drive.
-    `console`: the connection over which it came.
+    `console`: the connection over which it came. `pressed`: when the key was pressed or the robot
+    process itself found it necessary, on the axis of `t`; 0: nobody said (and older logs).
     """
 
     source: str
     scope: str = msgspec.field(default_factory=lambda: "all")
     console: str = ""
+    pressed: int = 0
 
 
 class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
-    """Which drivers confirmed within 0.5 s and which did not, by name. Those of which nothing moves
-    or sounds are in neither (older logs have them).
+    """Which drivers confirmed within 0.5 s of their being told, and which did not, by name. Those of
+    which nothing moves or sounds are in neither (older logs have them).
 
+    `elapsed_us`: from `pressed` of the stop, where that is known, else (and in older logs) from its
+    message.
     `scope`: of the stop that they confirm, as there; empty in older logs.
     `unreached`: those of `missing` whose hardware was not connected, so that no stop came to it.
     `parts` and `missing_parts` tell of drivers that have several: driver -> speech, motion ...
@@ -294,6 +302,11 @@ class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
     missing_parts: dict[str, list[str]] = {}
     unreached: list[str] = []
     scope: str = ""
+
+    @property
+    def late(self) -> bool:
+        """Whether all confirmed, and longer after the key than was promised."""
+        return not self.missing and self.elapsed_us > STOP_PROMISE_S * 1_000_000
 
 
 class StopReleased(Message, frozen=True, kw_only=True, tag="stop.released"):

@@ -114,7 +114,7 @@ class RequestFilter:
             return b"", Reply(ref=request.ref, ok=False, reason=reason, hint=hint)
         if isinstance(request, Hello):
             request = msgspec.structs.replace(request, via=self._name)
-        elif not request.sent_us and not isinstance(request, AskStop):
+        elif not request.sent_us:
             # How long it was under way is not known: it counts from here.
             request = msgspec.structs.replace(request, sent_us=self._clock.boot_us())
         return codec.encode(request), None

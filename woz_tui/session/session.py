@@ -72,6 +72,8 @@ log = logging.getLogger(__name__)
 MOST_SCHEDULED, FURTHEST_US = 256, 86_400_000_000
 #: What helps against a press that came too late.
 AGAIN = "press it again"
+#: A stamp that says that a stop is older is taken for a mistake, in microseconds.
+OLDEST_STOP_US = 60_000_000
 #: Seconds between two checkpoints of the log.
 CHECKPOINT_S = 10.0
 
@@ -564,11 +566,20 @@ class Session:
 
     # -- the stop ----------------------------------------------------------------------------
 
-    def stop(self, source: str) -> None:
-        """Stop everything, now, also the way to the rest pose when the session ends."""
-        self.bus.stop(source)
+    def stop(self, source: str, sent_us: int | None = None) -> None:
+        """Stop everything, now, also the way to the rest pose when the session ends.
+
+        `sent_us`: what the request that asks for it is stamped with (0: with nothing); None: the
+        robot process itself asks.
+        """
+        self.bus.stop(source, None if sent_us is None else self._pressed(sent_us))
         self._driver_manager.stop_resting()
         self.runner.stop_waiting("stop pressed")
+
+    def _pressed(self, sent_us: int) -> int:
+        """When a stop was pressed, on the axis of `t`; 0 where its stamp cannot be true."""
+        age_us = self.clock.boot_us() - sent_us
+        return self.hub.now() - age_us if 0 <= age_us <= OLDEST_STOP_US else 0
 
     def release(self, source: str, stale: str = "", known: Collection[str] = ()) -> None:
         """Take actions again. `stale`: why it is too old to be done. `known`: drivers of which
@@ -619,7 +630,7 @@ class Session:
             case "script":
                 self.script_next(origin, self._old(ask))
             case "stop":
-                self.stop(origin.source)
+                self.stop(origin.source, self.clock.boot_us() - max(0, ask.age_us))
             case "release":
                 self.release(origin.source, self._old(ask))
             case "mark":

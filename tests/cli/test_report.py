@@ -31,7 +31,7 @@ def session() -> ExampleSession:
     it.act(24, latency_ms=12.0).add(26, m.Mistake(run="a00004", action="Hello"))
     it.add(29, m.TrialEnded(trial=1, outcome="done"))
     it.add(30, m.StopPressed(source="key"))
-    it.add(30.2, m.StopConfirmed(confirmed=["robot"], missing=[], elapsed_us=200_000))
+    it.add(30.2, m.StopConfirmed(confirmed=["robot"], missing=[], elapsed_us=700_000))
     it.add(33, m.StopReleased(source="key"))
     it.add(34, m.TrialStarted(trial=2, condition="cold")).speech(36, 38, 2).act(41)
     it.act(45, "Drive", "Body", end="refused").add(50, m.Note(text="hesitates"))

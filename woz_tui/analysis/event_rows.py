@@ -163,7 +163,7 @@ class SpanRow:
 class StopRow:
     """A stop. `elapsed_us` and the drivers are None and empty if no confirmation is in the log;
     a driver of several parts is followed by those in brackets. `unreached`: those of `missing`
-    that were not connected. `released`: when it was over, one of driving alone as soon as it was
+    that were not connected. `late`: all confirmed, later than was promised. `released`: when it was over, one of driving alone as soon as it was
     confirmed; None: it lasted to the end.
     """
 
@@ -174,6 +174,7 @@ class StopRow:
     missing: tuple[str, ...] = ()
     unreached: tuple[str, ...] = ()
     elapsed_us: int | None = None
+    late: bool = False
     released: int | None = None
 
 
@@ -427,6 +428,7 @@ def stops(timeline: Timeline) -> Iterator[StopRow]:
                     missing=_with_parts(message.missing, {**message.missing_parts, **unreached}),
                     unreached=tuple(message.unreached),
                     elapsed_us=message.elapsed_us,
+                    late=message.late,
                 )
             yield row
 

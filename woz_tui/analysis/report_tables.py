@@ -386,7 +386,9 @@ def stops(figures: SessionFigures) -> ReportTable:
             *(clock(stop.t), LogText(stop.source), LogText(stop.scope)),
             "not recorded" if stop.elapsed_us is None else LogText(", ".join(stop.confirmed)),
             AlarmText(", ".join(stop.missing)),
-            duration(stop.elapsed_us),
+            AlarmText(f"{duration(stop.elapsed_us)}, late")
+            if stop.late
+            else duration(stop.elapsed_us),
             duration(None if stop.released is None else stop.released - stop.t),
         )
         for stop in figures.stops

@@ -296,6 +296,10 @@ def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
         missing = "; ".join(words)
         what, _, names = missing.partition(": ")
         return EventLine("error", what.capitalize(), names)
+    if message.late:
+        return EventLine(
+            "warning", "Stop confirmed late", f"after {message.elapsed_us / 1e6:.1f} s"
+        )
     return EventLine("stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
 
 

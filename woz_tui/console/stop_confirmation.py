@@ -70,10 +70,11 @@ def settled_row(
     confirmed = len(stop.confirmed)
     count = f"{confirmed} of {confirmed + len(stop.missing)} confirmed"
     names = missing_row(stop, short, glyphs, parts=False)
+    late = f" late, after {stop.late_us / 1e6:.1f} s" if stop.late_us else ""
     told = (
-        (alarms, f" confirmed: {confirmed_words(stop, short)}"),
-        (alarms, f" confirmed: {confirmed_words(stop, short, parts=False)}"),
-        (alarms, f" {count}"),
+        (alarms, f" confirmed{late}: {confirmed_words(stop, short)}"),
+        (alarms, f" confirmed{late}: {confirmed_words(stop, short, parts=False)}"),
+        (alarms, f" {count}{late}"),
         (alarms, ""),
         (names, f" {count}"),
         (names, ""),

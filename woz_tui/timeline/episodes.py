@@ -531,6 +531,13 @@ class StopEpisode(Episode, frozen=True, kw_only=True):
         return bool(self.presses[-1].confirmations)
 
     @property
+    def late_us(self) -> int:
+        """How long after its key all had confirmed the last press, if longer than promised."""
+        return max(
+            (each.elapsed_us for each in self.presses[-1].confirmations if each.late), default=0
+        )
+
+    @property
     def confirmed(self) -> tuple[str, ...]:
         """Drivers that confirmed the last press and are not missing."""
         missing = set(self.missing)

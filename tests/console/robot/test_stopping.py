@@ -64,6 +64,16 @@ def test_a_part_that_is_missing_is_named_and_so_are_those_that_stand_still() -> 
     assert shown.endswith("confirmed: range, pepper (speech, motion)")
 
 
+def test_a_stop_that_was_confirmed_late_says_so_on_the_bar_and_in_the_events() -> None:
+    late = m.StopConfirmed(confirmed=["head", "robot"], missing=[], elapsed_us=3_500_000, t=NOW)
+    state = stopped(late)
+    assert bar(state) == "confirmed late, after 3.5 s: head, robot"
+    assert bar(state, 40) == "2 of 2 confirmed late, after 3.5 s"
+    event = state.events[-1]
+    assert (event.mark, event.text) == ("warning", "Stop confirmed late")
+    assert event.detail == "after 3.5 s"
+
+
 def test_a_driver_that_is_not_connected_is_named_as_not_reached() -> None:
     gone = m.StopConfirmed(
         confirmed=["head"], missing=["robot"], unreached=["robot"], elapsed_us=1, t=NOW

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from tests.fakes.virtual_time import LoopClock
+from tests.fakes.virtual_time import LoopClock, block
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import (
@@ -44,6 +44,8 @@ class Scripted:
     name: str
     stop_takes: float = 0.0
     stop_raises: Exception | None = None
+    #: So long its stop lets nothing else run.
+    stop_blocks: float = 0.0
     stop_tells: StopReport | None = None
     calls: list[tuple[str, str]] = field(default_factory=list)
     #: What tells how motions end that go on after their command, by command.
@@ -107,6 +109,7 @@ class Scripted:
 
     async def stop(self, scope: Scope) -> StopReport | None:
         self.calls.append(("stop", scope.value))
+        block(self.stop_blocks)
         if self.stop_takes:
             await asyncio.sleep(self.stop_takes)
         if self.stop_raises is not None:

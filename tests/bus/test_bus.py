@@ -163,6 +163,22 @@ def test_a_stop_counts_from_its_key_and_not_from_when_the_loop_came_to_it() -> N
     assert (second.elapsed_us, second.late) == (pytest.approx(0, abs=100), False)
 
 
+@pytest.mark.parametrize(("blocks", "confirmed"), [(0.3, ["head", "base"]), (2.0, ["base"])])
+def test_a_stop_that_blocks_longer_than_promised_is_not_confirmed(
+    blocks: float, confirmed: list[str]
+) -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.head.stop_blocks = blocks
+        rig.bus.stop("key")
+        await asyncio.sleep(5)
+        assert rig.bus.unconfirmed == [name for name in ("head",) if name not in confirmed]
+
+    (told,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(told, m.StopConfirmed)
+    assert told.confirmed == confirmed
+    assert told.elapsed_us == pytest.approx(blocks * 1e6, abs=100)
+
+
 def test_announced_durations_extend_the_limit() -> None:
     async def scenario(rig: Rig) -> None:
         rig.send("say", "expects", 30)

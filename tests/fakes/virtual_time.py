@@ -68,11 +68,16 @@ class LoopClock:
         return self._start + timedelta(microseconds=self.now_us())
 
 
-def stand_still(after: float, seconds: float) -> None:
-    """The process gets no turn for so long, and then sees at once what was due meanwhile."""
+def block(seconds: float) -> None:
+    """Take so long, and let nothing else run meanwhile."""
     loop = asyncio.get_running_loop()
     assert isinstance(loop, VirtualLoop)
-    loop.call_later(after, loop.jump, seconds)
+    loop.jump(seconds)
+
+
+def stand_still(after: float, seconds: float) -> None:
+    """The process gets no turn for so long, and then sees at once what was due meanwhile."""
+    asyncio.get_running_loop().call_later(after, block, seconds)
 
 
 def run_virtual(coroutine: Coroutine[Any, Any, T]) -> T:

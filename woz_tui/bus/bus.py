@@ -14,10 +14,18 @@ from collections.abc import Callable, Iterable, Mapping
 
 import msgspec
 
+from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
-from woz_tui.bus.lane import Lane, PendingCommand, guarded
+from woz_tui.bus.lane import Lane, PendingCommand
 from woz_tui.drivers.argument_check import ArgumentError, checked
-from woz_tui.drivers.contract import DeviceLostError, Performer, Scope, StopReport, Verb
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverError,
+    Performer,
+    Scope,
+    StopReport,
+    Verb,
+)
 from woz_tui.drivers.secret_arguments import hidden
 from woz_tui.protocol.action_messages import STOP_PROMISE_S
 from woz_tui.protocol.messages import (
@@ -325,7 +333,14 @@ class Bus:
         }
 
     async def _stop_of(self, name: str, scope: Scope) -> StopReport | None:
-        return await guarded(functools.partial(self._drivers[name].stop, scope))
+        """Call its `stop`. Raises `DriverError` if that blocked: afterwards all looks as if it had
+        ended at once.
+        """
+        call = DriverCall(name, "stop")
+        report = await guarded(functools.partial(self._drivers[name].stop, scope), call)
+        if call.longest_s > STOP_WAIT_S:
+            raise DriverError(f"its stop held up the robot process for {call.longest_s:.1f} s")
+        return report
 
     async def _confirm(self, stops: Mapping[str, StopTask], pressed: int, scope: Scope) -> None:
         """Wait until each driver's `stop` has returned, and of a stop of everything its jobs have

@@ -12,12 +12,12 @@ import contextlib
 import logging
 import math
 from collections import deque
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TypeVar
 
 import msgspec
 
+from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
 from woz_tui.protocol import codec
@@ -40,21 +40,6 @@ from woz_tui.protocol.messages import (
     TimedOut,
 )
 from woz_tui.system.tasks import STOOD_STILL_S
-
-T = TypeVar("T")
-
-
-async def guarded(call: Callable[[], Awaitable[T]]) -> T:
-    """Await `call()`; whatever it raises stays inside the caller's task.
-
-    `SystemExit` and `KeyboardInterrupt` (a maker's library that calls `sys.exit`) would end the
-    robot process from inside a task, so they become ordinary failures too.
-    """
-    try:
-        return await call()
-    except (SystemExit, KeyboardInterrupt) as error:
-        raise DriverError(f"the driver raised {type(error).__name__}") from error
-
 
 #: How long a cancelled job may take to end before its lane counts as faulted, in seconds.
 GRACE_S = 0.25
@@ -301,7 +286,8 @@ class Lane:
         )
         started_us = self._hub.now()
         job = LaneJob(pending, args, lambda seconds: self._extend(pending, seconds))
-        task = loop.create_task(guarded(lambda: self._driver.perform(job)))
+        call = DriverCall(self.driver_name, f"perform {job.verb}")
+        task = loop.create_task(guarded(lambda: self._driver.perform(job), call))
         self._task = task
         self._cancelled = False
         self._bound(pending, pending.command.limit_s)

@@ -8,8 +8,8 @@ from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
-from woz_tui.bus.lane import guarded
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import PERFORMERS
@@ -117,7 +117,7 @@ class DriverManager:
 
     async def open(self) -> None:
         """Let every driver look for its hardware."""
-        calls = self._call(lambda driver: driver.open)
+        calls = self._call("open", lambda driver: driver.open)
         for name, problem in (await self._finished(calls, OPEN_WAIT_S)).items():
             self._hub.publish(
                 m.DriverFaulted(
@@ -141,7 +141,7 @@ class DriverManager:
 
     async def _prepare(self, name: str, driver: Driver, said: list[Mapping[str, Json]]) -> None:
         try:
-            await guarded(lambda: driver.prepare_say(said))
+            await guarded(lambda: driver.prepare_say(said), DriverCall(name, "prepare"))
         except Exception as error:
             log.exception("%s could not prepare its utterances", name)
             text = f"{name}: utterances are not ready: {error}"
@@ -157,7 +157,7 @@ class DriverManager:
 
     async def rest(self) -> None:
         """Take the rest pose, unless `stop_resting` is called on the way."""
-        self._resting = self._call(lambda driver: driver.rest)
+        self._resting = self._call("rest", lambda driver: driver.rest)
         await self._finish_all("rest", self._resting, REST_WAIT_S)
 
     def stop_resting(self) -> None:
@@ -172,7 +172,7 @@ class DriverManager:
 
     async def _resume(self, name: str, driver: Driver) -> None:
         try:
-            await guarded(driver.resume)
+            await guarded(driver.resume, DriverCall(name, "resume"))
         except Exception as error:
             log.exception("%s failed to resume", name)
             self._hub.publish(m.Notice(level="error", text=f"{name}: resume failed: {error}"))
@@ -181,7 +181,7 @@ class DriverManager:
         """Let go of the hardware."""
         for task in self._preparing.values():
             task.cancel()
-        calls = self._call(lambda driver: driver.close)
+        calls = self._call("close", lambda driver: driver.close)
         for call in calls:
             call.add_done_callback(lambda closed: self._on_closed(closed.get_name()))
         await self._finish_all("close", calls, CLOSE_WAIT_S)
@@ -191,11 +191,11 @@ class DriverManager:
             self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {problem}"))
 
     def _call(
-        self, what: Callable[[Driver], Callable[[], Awaitable[None]]]
+        self, call: str, what: Callable[[Driver], Callable[[], Awaitable[None]]]
     ) -> list[asyncio.Task[None]]:
         loop = asyncio.get_running_loop()
         return [
-            loop.create_task(guarded(what(driver)), name=name)
+            loop.create_task(guarded(what(driver), DriverCall(name, call)), name=name)
             for name, driver in self._drivers.items()
         ]
 

@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from woz_tui.bus.lane import guarded
+from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.config.experiment import Call
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import DriverError, Forecast, Verb
@@ -68,7 +68,8 @@ async def forecast(call: Call, verb: Verb | None, drivers: Mapping[str, Forecast
     try:
         args = checked(verb, call.args)
         async with asyncio.timeout(PATIENCE_S):
-            return await guarded(lambda: driver.predict(call.verb, args))
+            made = DriverCall(call.driver, f"predict {call.verb}")
+            return await guarded(lambda: driver.predict(call.verb, args), made)
     except ArgumentError as error:
         raise RequestError(str(error)) from error
     except DriverError as error:

@@ -163,8 +163,8 @@ class SpanRow:
 class StopRow:
     """A stop. `elapsed_us` and the drivers are None and empty if no confirmation is in the log;
     a driver of several parts is followed by those in brackets. `unreached`: those of `missing`
-    that were not connected. `late`: all confirmed, later than was promised. `released`: when it was over, one of driving alone as soon as it was
-    confirmed; None: it lasted to the end.
+    that were not connected. `late`: all confirmed, later than was promised. `released`: when it was
+    over, one of driving alone as soon as it was confirmed; None: it lasted to the end.
     """
 
     t: int

@@ -13,6 +13,7 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextvars import Context
 from dataclasses import dataclass, field
 
 import msgspec
@@ -48,6 +49,9 @@ EXPECTED_FACTOR = 1.5
 EXPECTED_MARGIN_S = 2.0
 #: Commands that may wait while all of them are brief: a burst of key presses out of one read.
 BRIEF_CAPACITY = 256
+
+#: Where an error of a driver can be read.
+IN_HOST_LOG = "the traceback is in the *.host.log beside the session's log"
 
 log = logging.getLogger(__name__)
 
@@ -155,7 +159,7 @@ class LaneJob:
 
     def _later(self, call: Callable[..., None], *args: object) -> None:
         with contextlib.suppress(RuntimeError):  # the loop has closed: nobody listens any more
-            self._loop.call_soon_threadsafe(call, *args)
+            self._loop.call_soon_threadsafe(call, *args, context=Context())  # no driver's code
 
     def expects(self, seconds: float) -> None:
         """Publish how long it will take; may be called from any thread."""
@@ -481,9 +485,7 @@ def _outcome(
         command=command,
         driver=driver,
         reason=f"{type(error).__name__}: {error}",
-        remedy=(
-            "this is an error in the driver; the traceback is in the log file of the robot process"
-        ),
+        remedy=f"this is an error in the driver; {IN_HOST_LOG}",
     )
 
 

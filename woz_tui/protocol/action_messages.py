@@ -285,8 +285,8 @@ class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
 
 
 class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
-    """Which drivers confirmed within 0.5 s of their being told, and which did not, by name. Those of
-    which nothing moves or sounds are in neither (older logs have them).
+    """Which drivers confirmed within 0.5 s of being told and which did not, by name. Those of which
+    nothing moves or sounds are in neither (older logs have them).
 
     `elapsed_us`: from `pressed` of the stop, where that is known, else (and in older logs) from its
     message.

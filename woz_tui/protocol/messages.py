@@ -282,7 +282,7 @@ class ModeChanged(Message, frozen=True, kw_only=True, tag="mode.changed"):
 # -- drivers --------------------------------------------------------------------------------------
 
 
-class DriverHealth(Message, frozen=True, kw_only=True):
+class DriverHealth(RestrictedMessage, frozen=True, kw_only=True):
     """How a driver is. Only the subclasses are sent."""
 
     driver: str

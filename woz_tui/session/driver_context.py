@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import functools
+import sys
+import traceback
 from collections.abc import Callable, Mapping
+from contextvars import Context
 from pathlib import Path
+from types import FrameType, NoneType
 
 import msgspec
 
 from woz_tui.bus.hub import Hub
+from woz_tui.drivers import contract
 from woz_tui.drivers.contract import (
     Ask,
     DriverContext,
@@ -20,6 +26,7 @@ from woz_tui.drivers.contract import (
     SensorStatement,
 )
 from woz_tui.drivers.feeds import Feed, Feeds
+from woz_tui.protocol import codec
 from woz_tui.protocol.messages import (
     DriverConnected,
     DriverConnecting,
@@ -29,6 +36,7 @@ from woz_tui.protocol.messages import (
     Message,
     ModeChanged,
     Notice,
+    Reading,
     SensorChanged,
     Shown,
     Speech,
@@ -37,6 +45,7 @@ from woz_tui.protocol.messages import (
     SpeechText,
     reading,
 )
+from woz_tui.session.driver_faults import DriverFaults, place_of
 from woz_tui.system.clock import Clock
 from woz_tui.system.thread_calls import ThreadCalls
 
@@ -46,7 +55,11 @@ _HEALTH: dict[Health, type[DriverHealth]] = {
     Health.LOST: DriverLost,
     Health.FAULTED: DriverFaulted,
 }
-
+#: So many calls that led to a refused statement are in the program's log.
+STACK_LINES = 8
+_NUMBERS = (float, int, NoneType)
+#: Between a driver and what refuses its statement.
+_OWN_FILES = (__file__, contract.__file__)
 
 #: Told how a request ended: whether it was carried out, and why not.
 OnCompletion = Callable[[bool, str], None]
@@ -58,9 +71,9 @@ class SessionDriverContext(DriverContext):
     """`DriverContext` for one driver; repeats of a state are swallowed here.
 
     `names` are the names under which its sensors are published, where they differ from its own;
-    `feeds` are those of the whole session; `on_request` carries out what the driver asks for.
-    `media` says where files of the session go now; without it they go into `session.media` in
-    `folder`.
+    `feeds` and `faults` are those of the whole session; `on_request` carries out what the driver
+    asks for. `media` says where files of the session go now; without it they go into
+    `session.media` in `folder`.
     """
 
     def __init__(
@@ -72,11 +85,13 @@ class SessionDriverContext(DriverContext):
         *,
         names: Mapping[str, str] | None = None,
         feeds: Feeds | None = None,
+        faults: DriverFaults | None = None,
         on_request: DriverRequestHandler | None = None,
         media: Callable[[], Path] | None = None,
     ) -> None:
         self._driver = driver
         self._feeds = feeds or Feeds()
+        self._faults = faults or DriverFaults(hub, clock)
         self._on_request = on_request
         self._media = media or (lambda: folder / "session.media")
         self._names = names or {}
@@ -108,35 +123,73 @@ class SessionDriverContext(DriverContext):
         return self._hub.t(clock_us)
 
     def publish(self, statement: DriverStatement | Shown | Speech) -> None:
-        """Publish it as a message of the session."""
+        """Publish it as a message of the session; what the log could not hold is a fault."""
+        try:
+            message = self._message(statement)
+            if message is not None and not _plain_reading(message):
+                read = codec.decode_message(codec.encode(message))
+                if isinstance(statement, DriverStatement) and read != message:
+                    raise TypeError("it holds bytes")
+        except Exception as error:  # noqa: BLE001 - whatever a driver may have put into it
+            self._refuse(statement, error)
+            return
+        if message is not None:
+            self._remember(statement)
+            self._send(message)
+
+    def _message(self, statement: DriverStatement | Shown | Speech) -> Message | None:
+        """What says it; None if that has been said."""
         driver = self._driver
+        message: Message | None = None
         match statement:
             case ReadingStatement(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
                 name = self._names.get(sensor, sensor)
-                self._send(reading(name, value, text=text, driver=driver, unit=unit, raw=raw))
+                message = reading(name, value, text=text, driver=driver, unit=unit, raw=raw)
             case SensorStatement(sensor=sensor, state=state, why=why, every=every):
-                was = self._sensors.get(sensor, "")
+                name, was = self._names.get(sensor, sensor), self._sensors.get(sensor, "")
                 if was != state:
-                    self._sensors[sensor] = state
-                    name = self._names.get(sensor, sensor)
-                    self._send(
-                        SensorChanged(sensor=name, state=state, was=was, why=why, every_s=every)
+                    message = SensorChanged(
+                        sensor=name, state=state, was=was, why=why, every_s=every
                     )
             case HealthStatement(health=health, detail=detail, remedy=remedy):
-                if self._health != (health, detail):
-                    self._health = (health, detail)
-                    self._send(_HEALTH[health](driver=driver, detail=detail, remedy=remedy))
+                if self._health != (health, detail) or self._faults.is_over(driver):
+                    message = _HEALTH[health](driver=driver, detail=detail, remedy=remedy)
             case ModeStatement(mode=mode, why=why):
-                was, self._mode = self._mode, mode
-                if was != mode:
-                    self._send(ModeChanged(driver=driver, was=was, now=mode, why=why))
+                if self._mode != mode:
+                    message = ModeChanged(driver=driver, was=self._mode, now=mode, why=why)
             case NoticeStatement(level=level, text=text, remedy=remedy, tells=tells):
                 text = f"{driver}: {text}"
-                self._send(
-                    Notice(level=level, text=text, remedy=remedy, driver=driver, tells=tells)
+                message = Notice(
+                    level=level, text=text, remedy=remedy, driver=driver, tells=(*tells,)
                 )
             case Shown() | SpeechStarted() | SpeechEnded() | SpeechText():
-                self._send(msgspec.structs.replace(statement, driver=driver))
+                message = msgspec.structs.replace(statement, driver=driver)
+            case _:
+                raise TypeError("a driver says no such thing")
+        return message
+
+    def _remember(self, statement: DriverStatement | Shown | Speech) -> None:
+        """It has been said."""
+        match statement:
+            case SensorStatement(sensor=sensor, state=state):
+                self._sensors[sensor] = state
+            case HealthStatement(health=health, detail=detail):
+                self._health = (health, detail)
+                self._faults.clear(self._driver)
+            case ModeStatement(mode=mode):
+                self._mode = mode
+
+    def _refuse(self, statement: object, error: Exception) -> None:
+        frame: FrameType | None = sys._getframe(2)
+        while frame is not None and frame.f_code.co_filename in _OWN_FILES:
+            frame = frame.f_back
+        place = place_of(frame, frame.f_lineno) if frame is not None else ""
+        what = getattr(type(statement), "__name__", "").removesuffix("Statement").lower()
+        which = getattr(statement, "sensor", "")
+        words = f"a {what}{f' of {which!r}' if which else ''} is not recorded: {error}"
+        self._faults.report(
+            self._driver, place, words, "".join(traceback.format_stack(frame, STACK_LINES))
+        )
 
     def feed(self, topic: str, of: str = "") -> Feed:
         """A feed of this driver, or of another one of the same robot."""
@@ -147,8 +200,21 @@ class SessionDriverContext(DriverContext):
         """Have the session carry `ask` out."""
         on_request = self._on_request
         if on_request is not None:
-            self._calls.make(lambda: on_request(self._driver, ask, done), keep=True)
+            call = functools.partial(Context().run, on_request, self._driver, ask, done)
+            self._calls.make(call, keep=True)
 
     def _send(self, message: Message) -> None:
         kept = isinstance(message, DriverHealth | Shown | Speech)
-        self._calls.make(lambda: self._hub.publish(message), keep=kept)
+        # In a context of its own: what others do upon it is none of the driver's.
+        self._calls.make(functools.partial(Context().run, self._hub.publish, message), keep=kept)
+
+
+def _plain_reading(message: Message) -> bool:
+    """A reading of the usual types, which the log can hold: there are many of them."""
+    return (
+        type(message) is Reading
+        and type(message.value) in _NUMBERS
+        and type(message.raw) in _NUMBERS
+        and not message.text
+        and type(message.sensor) is type(message.unit) is str
+    )

@@ -10,6 +10,7 @@ from typing import Any
 
 from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
+from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import PERFORMERS
@@ -21,6 +22,7 @@ from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.driver_context import DriverRequestHandler, SessionDriverContext
+from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.system.clock import Clock
 from woz_tui.system.tasks import TaskSet
 
@@ -32,12 +34,14 @@ def make_drivers(
     clock: Clock,
     *,
     feeds: Feeds,
+    faults: DriverFaults,
     on_request: DriverRequestHandler,
     media: Callable[[], Path],
 ) -> dict[str, Driver]:
     """Every driver by its name, each with a context of its own.
 
-    `on_request` carries out what drivers ask for, `media` is the folder for sound and pictures.
+    `faults` tells of errors, `on_request` carries out what drivers ask for, `media` is the folder
+    for sound and pictures.
     Raises `PluginError` if one cannot be made.
     """
     names, drivers = published_names(experiment.drivers), dict[str, Driver]()
@@ -50,6 +54,7 @@ def make_drivers(
             experiment.path.parent,
             names=names[spec.name],
             feeds=feeds,
+            faults=faults,
             on_request=on_request,
             media=media,
         )
@@ -123,7 +128,7 @@ class DriverManager:
                 m.DriverFaulted(
                     driver=name,
                     detail=f"it did not open: {problem}",
-                    remedy="the traceback is in the log file of the robot process",
+                    remedy=IN_HOST_LOG,
                 )
             )
 

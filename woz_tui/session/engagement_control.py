@@ -17,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import settings_to_json
 from woz_tui.config.experiment import Action, Engagement
@@ -162,7 +163,7 @@ class EngagementController:
             m.Notice(
                 level="error",
                 text=f"the engagement model failed: {reason}",
-                remedy="the traceback is in the log file of the robot process",
+                remedy=IN_HOST_LOG,
             )
         )
         return True

@@ -16,6 +16,7 @@ import msgspec
 
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
+from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Action, Call, Experiment, Phase
 from woz_tui.config.keys.keymap import actions_on
 from woz_tui.config.session_verbs import BML, BML_VERB
@@ -42,6 +43,7 @@ from woz_tui.session.action_runner import (
 from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
 from woz_tui.session.bml_player import BmlPlayer
 from woz_tui.session.driver_context import OnCompletion
+from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
@@ -148,12 +150,14 @@ class Session:
             trial_began=self._trial_began,
             logs=(folder, self.recorder.path.parent),
         )
+        self.faults = DriverFaults(self.hub, self.clock)
         self.drivers = make_drivers(
             self.experiment,
             self.catalogue,
             self.hub,
             self.clock,
             feeds=self.feeds,
+            faults=self.faults,
             on_request=self._driver_request,
             media=lambda: media_folder(self.recorder.path),
         )
@@ -221,6 +225,7 @@ class Session:
 
     async def open(self) -> None:
         """Let every driver look for its hardware; none of them can fail the session."""
+        self.faults.begin(self.drivers)
         self.engagement.begin()
         self.study.begin()
         self.phases.begin_anew("session")
@@ -250,6 +255,7 @@ class Session:
             await self._driver_manager.rest()
         await self._driver_manager.close()
         await self.engagement.finish()
+        self.faults.end()
         await self.bus.settled()  # nothing may come between this and the last line
         digest, _ = self.recorder.digest()
         self.hub.publish(m.SessionEnd(reason=reason, sha256=digest, tells=self.end_tells))
@@ -677,12 +683,18 @@ class Session:
             driver.take_hand(hand)
         except RejectedError as error:
             raise RequestError(error.what, error.remedy) from error
+        except Exception as error:
+            self.faults.raised(error, panel)
+            raise RequestError(f"{type(error).__name__}: {error}", IN_HOST_LOG) from error
 
     def lose_hands(self, client: str) -> None:
         """The connection `client` has ended: what it held is let go, its blocks end."""
         self.blocks.lose(client)
-        for driver in self.drivers.values():
-            driver.lose_hand(client)
+        for name, driver in self.drivers.items():
+            try:
+                driver.lose_hand(client)
+            except Exception as error:  # noqa: BLE001 - the others let go all the same
+                self.faults.raised(error, name)
 
     def _driver_of_same_robot(self, driver: str, on: str) -> str:
         """The full name of `on` beside `driver`: robots of an experiment keep to themselves."""

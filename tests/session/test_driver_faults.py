@@ -1,0 +1,217 @@
+"""Errors of a driver's own tasks, timers, callbacks and threads, and statements of wrong types."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.drivers.heard import Heard
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Puppet, Stage
+from woz_tui.drivers.contract import Health, HealthStatement, ModeStatement, SensorStatement
+from woz_tui.protocol import messages as m
+from woz_tui.session.redactor import PerceptionFilter, Redactor
+
+
+WRONG: Any = 5
+
+
+class Flawed(Puppet):
+    """Fails where its name says, in code that it runs by itself."""
+
+    async def open(self) -> None:
+        await super().open()
+        loop = asyncio.get_running_loop()
+        match self.name:
+            case "task":
+                self.reader = loop.create_task(self.read())
+            case "timer":
+                loop.call_later(0.1, self.tick)
+            case "reads":
+                loop.call_later(1, self.context.reading, "distance", 1.0)
+            case "thread":
+                thread = threading.Thread(target=self.work)
+                thread.start()
+                thread.join()
+            case "awaited":
+                self.reader = loop.create_task(self.read())
+                self.waiter = loop.create_task(self.wait())
+
+    async def read(self) -> None:
+        await asyncio.sleep(2)
+        raise OSError("the port is gone")
+
+    async def wait(self) -> None:
+        try:
+            await self.reader
+        except OSError:
+            self.context.health(Health.LOST, "the cable is out")
+
+    def tick(self) -> None:
+        asyncio.get_running_loop().call_later(0.1, self.tick)
+        raise ValueError("no number: 'x'")
+
+    def work(self) -> None:
+        raise KeyError("knob")
+
+    def lose_hand(self, client: str) -> None:
+        if self.name == "hand":
+            raise ZeroDivisionError("no hand")
+        self.calls.append(("lose_hand", {"client": client}))
+
+
+def on_stage(
+    tmp_path: Path, driver: str, scenario: Callable[[Stage], Awaitable[None]], seconds: float = 0.0
+) -> list[m.DriverFaulted]:
+    async def go() -> Stage:
+        stage = Stage(tmp_path, (driver, "robot"), catalogue={"puppet": Flawed})
+        await stage.session.open()
+        await scenario(stage)
+        await asyncio.sleep(seconds)
+        await stage.session.close("test")
+        return stage
+
+    return [line for line in run_virtual(go()).lines if isinstance(line, m.DriverFaulted)]
+
+
+async def nothing(stage: Stage) -> None:
+    pass
+
+
+@pytest.mark.parametrize(
+    ("driver", "says", "place"),
+    [
+        ("task", "OSError: the port is gone", "in read"),
+        ("thread", "KeyError: 'knob'", "in work"),
+        ("awaited", "", ""),
+    ],
+)
+def test_what_dies_in_a_driver_s_own_code_is_its_fault_unless_it_looks_itself(
+    tmp_path: Path, driver: str, says: str, place: str
+) -> None:
+    told = on_stage(tmp_path, driver, nothing, 60)
+    assert len(told) == (driver != "awaited")
+    for each in told:
+        assert each.driver == driver
+        assert each.detail.startswith(f"{says} (test_driver_faults.py:")
+        assert each.detail.endswith(f"{place})")
+        assert "host.log" in each.remedy
+
+
+def test_an_error_that_recurs_is_counted_and_not_repeated(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.ERROR):
+        told = on_stage(tmp_path, "timer", nothing, 150)
+    counts = [each.detail.rpartition(" in tick")[2] for each in told]
+    assert counts == [")", ", 10 times)", ", 100 times)", ", 1000 times)"]
+    assert caplog.text.count("Traceback") == 1
+    assert len(caplog.records) == 4
+
+
+def test_a_driver_that_is_well_again_and_fails_again_says_both(tmp_path: Path) -> None:
+    health: list[m.AnyMessage] = []
+
+    async def scenario(stage: Stage) -> None:
+        context = stage.session.drivers["robot"].context
+        stage.session.hub.listen(
+            lambda line: health.append(line) if isinstance(line, m.DriverHealth) else None
+        )
+        wrong: Any = "1234"
+        for _ in range(2):
+            for _ in range(2):
+                context.reading("distance", 1.0, raw=wrong)
+                context.health(Health.CONNECTED, "a puppet")  # as each second, while it fails
+            await asyncio.sleep(20)
+            context.health(Health.CONNECTED, "a puppet")
+        context.reading("distance", 1.0, raw=wrong)
+        context.health(Health.CONNECTED, "another one")
+
+    on_stage(tmp_path, "plain", scenario)
+    assert [type(each).__name__ for each in health] == [
+        *("DriverFaulted", "DriverConnected"),
+        *("DriverFaulted", "DriverConnected"),
+        *("DriverFaulted", "DriverConnected"),
+    ]
+
+
+def test_a_hand_that_a_driver_fails_to_lose_is_lost_by_the_others(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.lose_hands("con1")
+        assert stage.puppet().calls == [("lose_hand", {"client": "con1"})]
+
+    (told,) = on_stage(tmp_path, "hand", scenario)
+    assert (told.driver, told.detail[:26]) == ("hand", "ZeroDivisionError: no hand")
+
+
+def test_what_the_session_does_upon_a_reading_is_not_the_driver_s_fault(tmp_path: Path) -> None:
+    others: list[dict[str, Any]] = []
+
+    def listener(line: m.AnyMessage) -> None:
+        if isinstance(line, m.Reading):
+            asyncio.get_running_loop().call_later(1, [].__getitem__, 99)
+
+    async def go() -> Stage:
+        asyncio.get_running_loop().set_exception_handler(lambda _, told: others.append(told))
+        stage = Stage(tmp_path, ("reads",), catalogue={"puppet": Flawed})
+        stage.session.hub.listen(listener)
+        await stage.session.open()
+        await asyncio.sleep(5)
+        await stage.session.close("test")
+        return stage
+
+    stage = run_virtual(go())
+    assert stage.kinds(m.Reading, m.DriverFaulted) == ["Reading"]
+    assert [type(told["exception"]) for told in others] == [IndexError]
+
+
+@pytest.mark.parametrize(
+    "tell",
+    [
+        lambda context: context.reading("distance", "12"),
+        lambda context: context.reading("distance", True),
+        lambda context: context.reading("distance", 1.0, raw="1234"),
+        lambda context: context.reading("distance", None, text=b"12"),
+        lambda context: context.reading("distance", None, text="\udcff"),
+        lambda context: context.reading(12, 1.0),
+        lambda context: context.sensor("distance", 3),
+        lambda context: context.sensor("distance", "ok", every="1"),
+        lambda context: context.sensor(["distance"], "ok"),
+        lambda context: context.mode(4),
+        lambda context: context.notice("info", "x", tells=5),
+        lambda context: context.notice(2, "x"),
+        lambda context: context.health("connected"),
+        lambda context: context.health(Health.CONNECTED, 5),
+        lambda context: context.show(m.BodyChanged(values=WRONG)),
+        lambda context: context.publish("hello"),
+    ],
+)
+async def test_a_statement_of_a_wrong_type_is_a_fault_and_not_in_the_log(
+    tmp_path: Path, tell: Callable[[Any], None]
+) -> None:
+    heard = Heard(tmp_path)
+    for _ in range(3):
+        tell(heard.context)
+    (told,) = heard.messages
+    assert isinstance(told, m.DriverFaulted)
+    assert "is not recorded" in told.detail
+    assert "test_driver_faults.py" in told.detail
+    for right in (SensorStatement("distance", "ok"), ModeStatement("normal")):
+        heard.context.publish(right)
+    heard.context.publish(HealthStatement(Health.CONNECTED))
+    assert len(heard.messages) == 4, "what is right goes on"
+
+
+def test_the_words_of_an_error_may_tell_what_is_kept() -> None:
+    redactor = Redactor()
+    redactor.perception = PerceptionFilter(["identity"])
+    told = m.DriverFaulted(driver="it", detail="ValueError: 'Anna'", tells=("identity",))
+    seen = redactor.message(told)
+    assert isinstance(seen, m.DriverFaulted)
+    assert (seen.driver, "Anna" in seen.detail) == ("it", False)

@@ -69,8 +69,18 @@ def _play(arguments: Namespace, experiment: Path, robot: str) -> int:
         if result.left == "detached":
             again = f"woz attach{part_again(arguments)}"
             print(f"The session continues; join it again with `{again}`.")
-        print(f"Log: {current_path(result.robot.log)}")
+        print("\n".join(files_of(result.robot.log)))
     return result.code
+
+
+def files_of(log: Path) -> list[str]:
+    """Where the session was recorded, and what the robot process had to say, if anything."""
+    log = current_path(log)
+    said = log.with_suffix(".host.log")
+    lines = [f"Log: {log}"]
+    if said.is_file() and said.stat().st_size:
+        lines.append(f"Errors of drivers and of the robot process: {said}")
+    return lines
 
 
 def _host_command(arguments: Namespace, experiment: Path, robot: str) -> list[str]:

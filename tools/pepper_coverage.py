@@ -94,6 +94,8 @@ CALLS: dict[str, str] = {
     "FaceDetected": "reading `identity`",
     "ALSoundLocalization/SoundLocated": "reading `direction`",
     "ALFaceDetection.learnFace": "`learn_face`",
+    "ALFaceDetection.getLearnedFacesList": "`face_consent: {given: false}`",
+    "ALFaceDetection.forgetPerson": "`face_consent: {given: false}`",
     **{
         f"ALSpeechRecognition.{method}": "`recognition: {phrases: [...]}`"
         for method in ("setVocabulary", "setLanguage", "pause", "subscribe", "unsubscribe")

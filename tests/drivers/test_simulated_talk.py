@@ -219,7 +219,7 @@ def test_speech_and_faces_are_there_with_a_visitor_only() -> None:
     assert SPEECH in sensors(VISITED)
     assert SPEECH in sensors(voice)
     assert SPEECH not in sensors(alone)
-    assert [verb.name for verb in offered(voice)][-1] == "learn_face"
+    assert [verb.name for verb in offered(voice)][-2:] == ["face_consent", "learn_face"]
     assert "learn_face" not in {verb.name for verb in offered(alone)}
 
 
@@ -261,6 +261,20 @@ async def test_a_face_is_learnt_by_a_verb(it: Rig) -> None:
     assert (await it.do("learn_face", name=" V9 ")) == {"name": "V9"}
     await it.pace.advance(4.0)
     assert "V9" in {reading.text for reading in it.context.of("identity")}
+
+
+async def test_a_face_is_forgotten_with_the_consent(it: Rig) -> None:
+    for _ in range(20):
+        await it.pace.advance(0.5)
+    await it.do("learn_face", name="V9")
+    assert (await it.do("face_consent", name="V9", given=True)) == {"name": "V9", "given": True}
+    told = [await it.do("face_consent", name=" v9 ", given=False) for _ in range(2)]
+    assert [each["deleted"] for each in told] == [True, False]
+    before = len(it.context.of("identity"))
+    await it.pace.advance(4.0)
+    assert "V9" not in {reading.text for reading in it.context.of("identity")[before:]}
+    with pytest.raises(RejectedError, match="needs a name"):
+        await it.do("face_consent", name=" ", given=False)
 
 
 async def test_a_face_without_a_name_or_with_somebody_elses_is_refused(it: Rig) -> None:

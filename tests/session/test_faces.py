@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.engaged import Guide, Room, guided
+from tests.session.engaged import WIZARD, Guide, Room, guided
+from tests.session.rig import action, call, together
 from woz_tui.config.experiment import DriverSpec
-from woz_tui.drivers.contract import LEARN_FACE, Argument, DriverError, Job, Verb
+from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Argument, DriverError, Job, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
@@ -22,16 +23,20 @@ class Camera(Guide):
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         name = Argument("name", "text", required=True)
-        return (*Guide.verbs(settings), Verb(LEARN_FACE, "", (name,), lane="eye"))
+        return (
+            *Guide.verbs(settings),
+            Verb(FACE_CONSENT, "", (name,), lane="consent"),
+            Verb(LEARN_FACE, "", (name,), lane="eye"),
+        )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        if job.args.get("name") == "Nobody":
+        if job.verb == LEARN_FACE and job.args.get("name") == "Nobody":
             raise DriverError("nobody shows a face", "wait for somebody")
         return await super().perform(job)
 
 
 def introduced(tmp_path: Path, name: str, kind: type[Guide] = Camera, sees: str = "") -> Room:
-    """A stranger is engaged and the wizard names them; the camera may call them `sees`."""
+    """A stranger is engaged, consents and is named; the camera may call them `sees`."""
 
     async def go() -> Room:
         made = guided(tmp_path)
@@ -40,6 +45,8 @@ def introduced(tmp_path: Path, name: str, kind: type[Guide] = Camera, sees: str 
         await room.session.open()
         await room.visit(6.0)
         assert room.path[-1] == "Handshake"
+        consents = together(call(FACE_CONSENT, name=name))
+        room.session.runner.play(action("Consents", consents), WIZARD)
         if sees:
             await room.visit(6.0, identity=sees)
         else:

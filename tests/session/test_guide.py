@@ -69,6 +69,8 @@ def test_every_signal_comes_within_a_third_of_a_second(twice: list[list[m.AnyMes
     """E6: eyes and picture of each state follow at once, and a beep ends each utterance."""
     sent = {(each.verb, each.t): each.args for each in twice[0] if isinstance(each, m.Command)}
     for change in changes(twice[0]):
+        if change.t >= SIX_MINUTES * 1_000_000:
+            continue  # the session ends with it
         for verb in ("eyes", "screen"):
             assert (verb, change.t) in sent or any(
                 name == verb and change.t <= t <= change.t + 333_000 for name, t in sent

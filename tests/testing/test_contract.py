@@ -27,6 +27,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 from woz_tui.testing import Device, DriverTests, PlainJob, check, contract_checks
 from woz_tui.testing.contract_checks import MODEL_VERBS, RESERVED
@@ -109,6 +110,18 @@ def offering(*verbs: Verb) -> type[Right]:
         (
             (Verb("go", "a", (Argument("key", "text", hide={"x": "y"}.__getitem__),)),),
             "verb go: key: hide raised KeyError('')",
+        ),
+        (
+            (common_verb("learn_face"),),
+            "verb learn_face: needs a verb 'face_consent' beside it",
+        ),
+        (
+            (common_verb("face_consent"), Verb("teach", "a", needs_consent=True)),
+            "verb teach: its main argument must be a person's name, a text",
+        ),
+        (
+            (common_verb("learn_face"), Verb("face_consent", "a", (Argument("name", "text"),))),
+            "verb face_consent: takes `name`, a text, and `given`, a flag",
         ),
     ],
 )

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 import msgspec
 
+from woz_tui.bus.consents import Consents
 from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import Lane, PendingCommand
@@ -104,6 +105,8 @@ class Bus:
         self._lost: set[str] = set()
         self._back: set[str] = set()
         hub.listen(self._on_message)
+        #: Whose faces may be learnt.
+        self.consents = Consents(hub)
         self.latched = False
         #: Why the robot may not drive at this moment; empty while a wizard watches.
         self.unwatched = ""
@@ -186,7 +189,8 @@ class Bus:
             name = self._idle_lane(driver, name)
         lane = self._lanes.get((driver, name))
         if lane is None:
-            lane = Lane(name, driver, self._drivers[driver], self._hub, self._capacity)
+            performer, hub = self._drivers[driver], self._hub
+            lane = Lane(name, driver, performer, hub, self._capacity, consents=self.consents)
             self._lanes[driver, name] = lane
         return lane
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 
 import msgspec
 
+from woz_tui.bus.consents import Consents
 from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
@@ -184,12 +185,22 @@ class LaneJob:
 class Lane:
     """Queue and running job of one lane; see the module's text."""
 
-    def __init__(self, name: str, driver_name: str, driver: Performer, hub: Hub, capacity: int):
+    def __init__(
+        self,
+        name: str,
+        driver_name: str,
+        driver: Performer,
+        hub: Hub,
+        capacity: int,
+        *,
+        consents: Consents,
+    ) -> None:
         self.name = name
         self.driver_name = driver_name
         self._driver = driver
         self._hub = hub
         self._capacity = capacity
+        self._consents = consents
         self._waiting: deque[tuple[PendingCommand, Mapping[str, Json]]] = deque()
         self._current: PendingCommand | None = None
         self._task: asyncio.Task[Mapping[str, Json]] | None = None
@@ -270,6 +281,9 @@ class Lane:
             deadline = pending.command.deadline_us
             if deadline and self._hub.now() > deadline:
                 pending.refuse("late", "it was queued too long")
+                continue
+            if (without := self._consents.refusal(pending.command, pending.verb)) is not None:
+                pending.refuse("consent", without.reason, without.remedy)
                 continue
             self._start(pending, args)
 

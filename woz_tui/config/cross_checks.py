@@ -17,8 +17,10 @@ from woz_tui.config.experiment import Action, Experiment, FilePosition, Panel
 from woz_tui.config.keys.keymap import FileKeys, actions_on, typeable
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.robots import DriverRequests, Robots, VerbOffer
+from woz_tui.config.utterance_template import names
 from woz_tui.config.yaml_cursor import Cursor, check_different, texts_of
-from woz_tui.drivers.contract import Argument, Ask, Verb
+from woz_tui.drivers.contract import FACE_CONSENT, Argument, Ask, Verb, gives_consent
+from woz_tui.drivers.face_store import key_of
 from woz_tui.drivers.fields import Port, Range
 from woz_tui.protocol.messages import Json
 
@@ -49,6 +51,38 @@ def check_across(
     for draft in drafts:
         check_actions(draft.entries.get("then"), actions)
     _parts(experiment, report)
+    _faces(experiment, drafts)
+
+
+def _faces(experiment: Experiment, drafts: Sequence[ActionDraft]) -> None:
+    """An action that learns a face does nothing where no action gives a consent for it."""
+    calls = [(draft, call) for draft in drafts for call in draft.action.calls]
+    given = [
+        (call.driver, str(call.args.get("name", "{name}")))
+        for _, call in calls
+        if gives_consent(call.verb, call.args)
+    ]
+    needing = {
+        (spec.name, verb.name): verb.arguments[0].name
+        for spec in experiment.drivers
+        for verb in spec.verbs
+        if verb.needs_consent and verb.arguments
+    }
+    for draft, call in calls:
+        if (argument := needing.get((call.driver, call.verb))) is None:
+            continue
+        wanted = str(call.args.get(argument, "{name}"))
+        if not any(driver == call.driver and _may_be(name, wanted) for driver, name in given):
+            draft.cursor.warning(
+                f"{call.verb} is refused without a consent, which no action gives; ask the visitor,"
+                f" then play steps: [{{{FACE_CONSENT}: {quoted(wanted)}}},"
+                f" {{{call.verb}: {quoted(wanted)}}}]"
+            )
+
+
+def _may_be(name: str, other: str) -> bool:
+    """Whether both may be one person's name; what stands in braces is known in the session."""
+    return bool(names(name) or names(other)) or key_of(name) == key_of(other)
 
 
 def _parts(experiment: Experiment, report: ProblemReport) -> None:

@@ -144,7 +144,10 @@ class HandshakeSettings:
     )
     face_consent: Annotated[
         str,
-        Doc("asks whether it may learn their face; only a yes lets it; empty: it does not ask"),
+        Doc(
+            "asks whether it may learn their face; only a yes lets it; empty: it does not ask, and"
+            " learns only whose consent the wizard gives"
+        ),
     ] = ""
     welcome: Annotated[str, Doc("at the end")] = "Nice to meet you, {name}!"
     give_up: Annotated[str, Doc("when it did not work")] = "Never mind, let us go on."

@@ -40,7 +40,15 @@ from woz_tui.config.sign_values import SENSOR
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import Cursor, read_text
 from woz_tui.config.yaml_nodes import ListNode, ScalarNode
-from woz_tui.drivers.contract import DIRECTION, GAZE, LEARN_FACE, SPEECH, SPEECH_TEXT
+from woz_tui.drivers.contract import (
+    DIRECTION,
+    FACE_CONSENT,
+    GAZE,
+    LEARN_FACE,
+    SPEECH,
+    SPEECH_TEXT,
+    gives_consent,
+)
 from woz_tui.drivers.fields import OneOf
 from woz_tui.protocol.messages import Json
 
@@ -209,7 +217,10 @@ def check_engagement(
     given = {*published, *_given(drafts), *_signs_of_buttons(robots)}
     _signs(engagement.settings, given, published, report)
     _choices(engagement.settings, published, report)
-    _handshake(engagement.settings, robots, published, report)
+    agrees = any(
+        gives_consent(call.verb, call.args) for draft in drafts for call in draft.action.calls
+    )
+    _handshake(engagement.settings, robots, published, report, agrees=agrees)
     _looks(engagement.settings, robots, published, report)
 
 
@@ -319,9 +330,16 @@ def _choices(settings: EngagementSettings, published: list[str], report: Problem
 
 
 def _handshake(
-    settings: EngagementSettings, robots: Robots, published: list[str], report: ProblemReport
+    settings: EngagementSettings,
+    robots: Robots,
+    published: list[str],
+    report: ProblemReport,
+    *,
+    agrees: bool,
 ) -> None:
-    """A robot that asks for names must be able to ask, to hear the answer, to know them again."""
+    """A robot that asks for names must be able to ask, to hear the answer, to know them again:
+    with a consent, for which it asks itself or for which an action is there (`agrees`).
+    """
     path = f"{SECTION}.handshake.by"
     if settings.handshake.by != "robot":
         return
@@ -336,6 +354,14 @@ def _handshake(
         report.warning_at(path, said)
     elif _given_as("identity", published) and LEARN_FACE not in robots.offers:
         said = f"returning visitors are not recognised: no driver offers {quoted(LEARN_FACE)}"
+        report.warning_at(path, said)
+    elif _given_as("identity", published) and not (settings.handshake.face_consent or agrees):
+        said = (
+            "returning visitors are not recognised: nobody says that their face may be learnt;"
+            " have the robot ask, with face_consent, or add an action for the wizard, such as {key:"
+            f' ..., label: ..., steps: [{{{FACE_CONSENT}: "{{visitor}}"}},'
+            f' {{{LEARN_FACE}: "{{visitor}}"}}]}}'
+        )
         report.warning_at(path, said)
     if settings.handshake.face_consent and LEARN_FACE not in robots.offers:
         said = f"it is not asked: no driver offers {quoted(LEARN_FACE)}"

@@ -28,7 +28,7 @@ from woz_tui.config.yaml_cursor import (
     read_word,
 )
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode
-from woz_tui.drivers.contract import Argument
+from woz_tui.drivers.contract import FACE_CONSENT, Argument
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
 
@@ -166,7 +166,8 @@ class CallReader:
         return wanted
 
     def _choose(self, verb: Cursor, name: str, outer: list[Cursor] | None) -> list[VerbOffer]:
-        """The drivers that this verb goes to: one, or one for each target.
+        """The drivers that this verb goes to: one, or one for each target. A consent goes to all of
+        them that learn faces, and a withdrawal, too.
 
         `on` under the verb (`say: {text: Hello, on: left}`) comes before the one beside it, unless
         it is the name of an argument (`torque: {on: yes}`).
@@ -181,12 +182,11 @@ class CallReader:
         chosen: list[VerbOffer] = []
         for target in targets:
             found = self._aimed(target, verb, name, offers)
-            if found is not None and found not in chosen:
-                chosen.append(found)
+            chosen += [offer for offer in found if offer not in chosen]
         return chosen
 
     def _only(self, verb: Cursor, name: str, offers: Sequence[VerbOffer]) -> list[VerbOffer]:
-        if len(offers) > 1:
+        if len(offers) > 1 and name != FACE_CONSENT:
             drivers = [offer.driver for offer in offers]
             verb.error(
                 f"{' and '.join(drivers)} offer {name!r}; choose one, for example on: {drivers[0]}"
@@ -196,11 +196,11 @@ class CallReader:
 
     def _aimed(
         self, target: Cursor, verb: Cursor, name: str, offers: Sequence[VerbOffer]
-    ) -> VerbOffer | None:
+    ) -> list[VerbOffer]:
         wanted = target.node.text if isinstance(target.node, ScalarNode) else ""
         fitting = [offer for offer in offers if _matches(offer.driver, wanted)]
-        if len(fitting) == 1:
-            return fitting[0]
+        if len(fitting) == 1 or (fitting and name == FACE_CONSENT):
+            return fitting
         if not fitting:
             who = ", ".join(offer.driver for offer in offers)
             target.error(
@@ -210,7 +210,7 @@ class CallReader:
         else:
             who = " and ".join(offer.driver for offer in fitting)
             target.error(f"{who} both offer {name!r}; choose one of them")
-        return None
+        return []
 
     def _share(
         self, verbs: Mapping[str, Cursor], beside: Mapping[str, Cursor], others: Collection[str]
@@ -327,6 +327,8 @@ class _Substitute:
             return [*own]
         name = own[0].verb.name
         offers = self._another.offers.get(name, [])
+        if name == FACE_CONSENT and offers:
+            return offers
         if len(offers) > 1:
             drivers = {offer.driver for offer in own}
             offers = [offer for offer in offers if offer.driver in drivers] or offers

@@ -30,9 +30,12 @@ KINDS = ("text", "number", "whole", "flag", "choice", "file", "seconds", "joints
 SPEECH = "speech"
 #: Among a driver's sensors beside `SPEECH`: it tells what was said, too, with `SpeechText`.
 SPEECH_TEXT = "speech.text"
-#: Drivers that offer this verb give names to faces; its main argument is the name.
+#: Drivers that offer this verb give names to faces; its main argument is the name. The session
+#: refuses it before a consent of that name.
 LEARN_FACE = "learn_face"
 #: The verb by which such a driver is told that somebody consents, or does not: `name`, `given`.
+#: Without it nobody can consent, and the driver learns no face. If it is withdrawn the driver
+#: deletes what it keeps of that person, also what it is learning at that moment.
 FACE_CONSENT = "face_consent"
 #: The verb with which a head looks into a direction: `yaw`, `pitch` in degrees.
 GAZE = "gaze"
@@ -100,7 +103,9 @@ class Verb:
     `waits`: it may be queued; else it is refused while its lane is busy. `arrives`: it moves
     something to a goal, and the log says when that is there (`motion.arrived`): when `perform`
     returns, unless the driver says that it goes on (`Job.goes_on`). `together`: its commands do not
-    wait for each other.
+    wait for each other. `needs_consent`: it has something remember the person whose name is the
+    main argument, so that it is refused until they have consented (`FACE_CONSENT`); `learn_face`
+    always does.
     """
 
     name: str
@@ -114,6 +119,16 @@ class Verb:
     waits: bool = True
     arrives: bool = False
     together: bool = False
+    needs_consent: bool = False
+
+    def __post_init__(self) -> None:
+        if self.name == LEARN_FACE:  # a driver that forgets to say so learns nobody either
+            object.__setattr__(self, "needs_consent", True)
+
+
+def gives_consent(verb: str, args: Mapping[str, Json]) -> bool:
+    """Whether this command says that somebody consents, and does not withdraw it."""
+    return verb == FACE_CONSENT and args.get("given") is not False
 
 
 class Job(Protocol):

@@ -143,8 +143,18 @@ _VERBS = (
         lane="control",
     ),
     Verb(
+        "face_consent",
+        "the person has said whether their face may be learnt",
+        (
+            Argument("name", "text", "a code or a pseudonym", required=True),
+            Argument("given", "flag", "no: it is withdrawn, what is kept is deleted", default=True),
+        ),
+        lane="eye",  # so that a withdrawal also deletes what is being learnt when it comes
+        limit_s=10.0,
+    ),
+    Verb(
         "learn_face",
-        "recognise the present visitor by this name from now on",
+        "recognise the present visitor by this name from now on, if they consented",
         (Argument("name", "text", "a code or a pseudonym", required=True),),
         lane="eye",
         limit_s=10.0,

@@ -27,6 +27,11 @@ def is_by_hand(source: str, key: str) -> bool:
     return bool(key) or source in HANDS
 
 
+def is_by_person(source: str, key: str) -> bool:
+    """The same, and no program nor the beginning of a phase: a person wants just this now."""
+    return is_by_hand(source, key) and source not in {"program", "phase", *BY_ITSELF}
+
+
 class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"):
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
@@ -182,7 +187,7 @@ class TimedOut(End, frozen=True, kw_only=True, tag="command.timed_out"):
 
 class Refused(End, frozen=True, kw_only=True, tag="command.refused"):
     """It never began: `code` is stopped, late, stale, profile, full, busy, faulted, unknown,
-    unwatched, part (another wizard plays it) or args.
+    unwatched, part (another wizard plays it), consent (nobody has given one) or args.
     """
 
     code: str

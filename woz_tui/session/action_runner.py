@@ -572,11 +572,12 @@ class ActionRunner:
 
 
 def _refusal_of(run: ActionRun) -> RequestError | None:
-    """Why it was refused, and what gives a full queue room; None: it was not."""
+    """Why it was refused, and what gives a full queue room or a consent; None: it was not."""
     if not isinstance(run.ended, m.ActionRefused):
         return None
-    if run.refused is not None and run.refused.code == "full":
-        return RequestError(run.ended.reason, run.refused.remedy, command="queue_empty")
+    if run.refused is not None and run.refused.code in ("full", "consent"):
+        command = "queue_empty" if run.refused.code == "full" else ""
+        return RequestError(run.ended.reason, run.refused.remedy, command=command)
     return RequestError(run.ended.reason)
 
 

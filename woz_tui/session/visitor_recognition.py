@@ -59,8 +59,6 @@ class RobotHandshake:
         self._voice = voice
         learners = drivers_with(robot, LEARN_FACE)
         self._procedure = Handshake(settings, is_taken, learns_faces=bool(learners))
-        #: Whether the visitor has said that their face may be learnt; None: nobody asked.
-        self.consent: bool | None = None
         #: Consents on their way to recognisers, and what comes when they have arrived.
         self._telling = 0
         self._then: NameLearned | None = None
@@ -118,7 +116,6 @@ class RobotHandshake:
             case Say(text=text):
                 self._say(text)
             case Learn(name=name, consent=consent):
-                self.consent = consent
                 if consent:
                     self._tell_consent(name)
                 # It holds in memory at least; the store tells if the disk does not take it.
@@ -172,13 +169,27 @@ class RobotHandshake:
         self._carry_out(self._procedure.advance(self._now))
 
 
-def _learn_faces(robot: EngagementRobot, change: Transition) -> None:
-    """A handshake has given somebody a name: their face gets it, unless it has one already."""
+def _learn_faces(robot: EngagementRobot, change: Transition, *, asked: bool) -> None:
+    """A handshake has given somebody a name: their face gets it if they have consented, unless it
+    has one already. `asked`: they were asked for that, so that the wizard knows why it does not.
+    """
     recognised = change.verdicts.get("identity") not in (None, "", "Unknown")
     if change.outcome != "eng2know" or not change.visitor or recognised:
         return
-    for driver in drivers_with(robot, LEARN_FACE):
+    learners = drivers_with(robot, LEARN_FACE)
+    allowed = [one for one in learners if robot.bus.consents.given(one, change.visitor)]
+    for driver in allowed:
         _learn_face(robot, driver, change.visitor)
+    if learners and not allowed and not asked:
+        name = change.visitor
+        robot.hub.publish(
+            m.Notice(
+                level="info",
+                text=f"the face of {name} is not learnt: nobody has said that it may be",
+                remedy=f"if they agree, play `{FACE_CONSENT}: {name}`, then `{LEARN_FACE}: {name}`",
+                tells=IDENTITY,
+            )
+        )
 
 
 def drivers_with(robot: EngagementRobot, wanted: str) -> list[str]:
@@ -271,12 +282,10 @@ class VisitorRecognition:
 
     def entered(self, change: Transition) -> None:
         """The machine is in another state."""
-        # Where the robot asks for the face only a yes counts, whoever gives the name.
         handshake = self._settings.handshake
-        asks = handshake.by == "robot" and handshake.face_consent.strip()
-        agreed = self._introduction is not None and self._introduction.consent
-        if not self._robot.is_over() and (agreed or not asks):
-            _learn_faces(self._robot, change)
+        if not self._robot.is_over():
+            asked = handshake.by == "robot" and bool(handshake.face_consent.strip())
+            _learn_faces(self._robot, change, asked=asked)
         if change.was == State.HANDSHAKE:
             self._unasked = handshake.by == "robot" and self._robot.is_stopped
             if self._introduction is not None:

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.drivers.contract import (
+    FACE_CONSENT,
     KINDS,
     UNKNOWN,
     Argument,
@@ -137,8 +138,28 @@ def _offered(driver_class: type[Driver], settings: Any) -> Iterable[Finding]:
     yield from _repeated("verbs", [verb.name for verb in verbs])
     for verb in verbs:
         yield from _verb(verb)
+    yield from _consent(verbs)
     sensors = driver_class.sensors(settings)
     yield from _repeated("sensors", sensors)
+
+
+def _consent(verbs: Iterable[Verb]) -> Iterable[Finding]:
+    """What needs a consent is refused for good where nobody can give one, or to no name."""
+    offered = {verb.name: verb for verb in verbs}
+    consent = COMMON_VERBS[FACE_CONSENT]
+    for verb in offered.values():
+        if not verb.needs_consent:
+            continue
+        if not verb.arguments or verb.arguments[0].kind != "text":
+            yield _error(f"verb {verb.name}", "its main argument must be a person's name, a text")
+        if FACE_CONSENT not in offered:
+            remedy = f"common_verb({FACE_CONSENT!r}); withdrawn, it deletes what is kept"
+            yield _error(f"verb {verb.name}", f"needs a verb {FACE_CONSENT!r} beside it", remedy)
+    if FACE_CONSENT in offered:
+        taken = {(one.name, one.kind) for one in offered[FACE_CONSENT].arguments}
+        if not taken >= {(one.name, one.kind) for one in consent.arguments}:
+            said = "takes `name`, a text, and `given`, a flag"
+            yield _error(f"verb {FACE_CONSENT}", said, f"common_verb({FACE_CONSENT!r})")
 
 
 def _repeated(subject: str, names: Iterable[str]) -> Iterable[Finding]:

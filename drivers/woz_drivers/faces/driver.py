@@ -413,15 +413,8 @@ class Faces(PassiveDriver):
 
 
 def _identity_verbs() -> tuple[Verb, ...]:
-    name = Argument("name", "text", "a code or a pseudonym", required=True)
-    given = Argument("given", "flag", "no: it is withdrawn, what is kept is deleted", default=True)
     return (
-        Verb(
-            FACE_CONSENT,
-            "the participant has said whether their face may be recognised",
-            (name, given),
-            lane="consent",
-        ),
+        common_verb(FACE_CONSENT, lane="consent", limit_s=30.0),
         common_verb(
             LEARN_FACE,
             "recognise the addressed face by this name from now on, if they consented",

@@ -20,6 +20,8 @@ from woz_drivers.naoqi_robot.memory import item, items, number, within
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls, together
 from woz_tui.drivers.contract import (
+    FACE_CONSENT,
+    LEARN_FACE,
     DeviceLostError,
     DriverContext,
     DriverError,
@@ -27,6 +29,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Verb,
 )
+from woz_tui.drivers.face_store import key_of
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -193,12 +196,13 @@ class SensesPart(NaoqiPart):
 
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
-        """It gives a name to the face that it sees."""
+        """It gives a name to the face that it sees, and forgets it."""
         if not settings.senses.people:
             return ()
         return (
+            common_verb(FACE_CONSENT, lane="senses"),
             common_verb(
-                "learn_face",
+                LEARN_FACE,
                 "recognise the face before it by this name from now on",
                 lane="senses",
                 limit_s=LEARN_S + 5.0,
@@ -212,18 +216,32 @@ class SensesPart(NaoqiPart):
         return (*dict.fromkeys(named), "battery")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Learn a face; ends when the robot has learnt it."""
-        if job.verb != "learn_face":
+        """Learn a face, or forget it; ends when the robot has done so."""
+        if job.verb not in (LEARN_FACE, FACE_CONSENT):
             raise RejectedError(f"the senses cannot {job.verb}")
         name = text(job.args, "name").strip()
         if not name:
             raise RejectedError("a face needs a name", "give a code, such as V7")
+        if job.verb == FACE_CONSENT:
+            return await self._consent(name, given=bool(job.args["given"]))
         if await self._robot.call("ALFaceDetection", "learnFace", name, within=LEARN_S) is False:
             raise DriverError(
                 f"the robot has not learnt the face of {name}",
                 "let one person look at it from one metre in good light, then try again",
             )
         return {"name": name}
+
+    async def _consent(self, name: str, *, given: bool) -> Mapping[str, Json]:
+        if given:
+            return {"name": name, "given": True}
+        # The robot takes letter case as it is, and has a face under the name as it was learnt.
+        learnt = await self._robot.call("ALFaceDetection", "getLearnedFacesList")
+        names = [str(one) for one in learnt] if isinstance(learnt, list | tuple) else [name]
+        kept = [one for one in names if key_of(one) == key_of(name)]
+        for one in kept:
+            if await self._robot.call("ALFaceDetection", "forgetPerson", one) is False:
+                raise DriverError(f"the robot has not forgotten the face of {one}", "try again")
+        return {"name": name, "given": False, "deleted": bool(kept)}
 
     async def connected(self) -> None:
         """Have the robot's modules run, and begin to read."""

@@ -18,6 +18,8 @@ LANE = "naoqi"
 LIMIT_S = 60.0
 #: Characters of a result that are kept.
 _LONGEST = 50_000
+#: Calls that learn a face. Only `learn_face` does, of whose person the session knows a consent.
+_LEARNING = frozenset({"alfacedetection.learnface", "alfacedetection.relearnface"})
 _CALL = re.compile(r"(?P<service>\w+)\.(?P<method>\w+)", re.ASCII)
 
 
@@ -51,10 +53,15 @@ class ServiceCallPart(NaoqiPart):
 
 
 def parse_call(call: str) -> tuple[str, str]:
-    """Service and method. Raises `RejectedError`."""
+    """Service and method. Raises `RejectedError`, of a call that learns a face, too."""
     match = _CALL.fullmatch(call.strip())
     if match is None:
         raise RejectedError(f"{call!r} is no call", "write Service.method: ALMotion.getSummary")
+    if call.strip().casefold() in _LEARNING:
+        raise RejectedError(
+            f"{call.strip()} learns a face, which needs a consent",
+            "play steps: [{face_consent: NAME}, {learn_face: NAME}]",
+        )
     return match["service"], match["method"]
 
 

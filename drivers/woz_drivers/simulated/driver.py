@@ -26,6 +26,8 @@ from woz_drivers.simulated.speech import Utterance, utterance, word_times
 from woz_drivers.simulated.verbs import SimulatedMove
 from woz_drivers.simulated.visitor import SimulatedVisitor
 from woz_tui.drivers.contract import (
+    FACE_CONSENT,
+    LEARN_FACE,
     SPEECH,
     DeviceLostError,
     Driver,
@@ -149,7 +151,8 @@ class SimulatedRobot(Driver):
             "screen": self._screen,
             "drive": self._drive,
             "mode": self._mode,
-            "learn_face": self._learn_face,
+            FACE_CONSENT: self._consent,
+            LEARN_FACE: self._learn_face,
             "listen_room": self._learn_room,
         }
         #: Goals of gazes on their way, in degrees by joint, and whom to tell how they end.
@@ -325,10 +328,14 @@ class SimulatedRobot(Driver):
         self.volume = job.args["level"]
         return {"level": self.volume}
 
+    async def _consent(self, job: Job) -> Sent:
+        name, given = _face_name(job), job.args["given"]
+        if given or self._visitor is None:
+            return {"name": name, "given": given}
+        return {"name": name, "given": False, "deleted": self._visitor.forget_face(name)}
+
     async def _learn_face(self, job: Job) -> Sent:
-        name = job.args["name"].strip()
-        if not name:
-            raise RejectedError("a face needs a name", "give a code, such as V7")
+        name = _face_name(job)
         await self._spend(job, FACE_LEARNT_SECONDS)
         visitor = self._visitor
         if visitor is None or visitor.recognised_as(name):
@@ -620,6 +627,13 @@ class SimulatedRobot(Driver):
             self._faults.add(kind, seconds, part, now)
         self._report_health(now)
         return args
+
+
+def _face_name(job: Job) -> str:
+    name: str = job.args["name"].strip()
+    if not name:
+        raise RejectedError("a face needs a name", "give a code, such as V7")
+    return name
 
 
 def _word_marks(spoken: Utterance) -> Marks:

@@ -9,7 +9,14 @@ from woz_drivers import room_threshold
 from woz_drivers.simulated.faults import MEANING
 from woz_drivers.simulated.senses import SENSORS
 from woz_drivers.simulated.settings import SimulatedSettings
-from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Argument, Verb
+from woz_tui.drivers.contract import (
+    FACE_CONSENT,
+    LEARN_FACE,
+    SPEECH,
+    SPEECH_TEXT,
+    Argument,
+    Verb,
+)
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 
@@ -120,9 +127,8 @@ _STEP = Range(-90, 90, "degrees")
 
 def offered(settings: SimulatedSettings) -> tuple[Verb, ...]:
     """The verbs of a robot with these joints, moves and modes."""
-    senses = (
-        (common_verb(room_threshold.NAME), common_verb("learn_face")) if settings.visitor else ()
-    )
+    sensing = (room_threshold.NAME, FACE_CONSENT, LEARN_FACE)
+    senses = tuple(map(common_verb, sensing)) if settings.visitor else ()
     if settings.voice_only:
         return (*_VOICE, *senses)
     face = (

@@ -24,6 +24,7 @@ from woz_drivers.simulated.senses import (
     VisitorView,
 )
 from woz_drivers.simulated.simulated_microphone import SpeechInProgress, SpeechSegmenter
+from woz_tui.drivers.face_store import key_of
 
 # -- words ----------------------------------------------------------------------------------------
 # What a simulated visitor says: a few sentences, and answers to what a robot asks strangers.
@@ -194,6 +195,13 @@ class SimulatedVisitor:
             return False
         self._faces[self.person] = name
         return True
+
+    def forget_face(self, name: str) -> bool:
+        """Recognise nobody as `name` any more; False if nobody was."""
+        kept = {one: face for one, face in self._faces.items() if key_of(face) != key_of(name)}
+        forgotten = len(kept) < len(self._faces)
+        self._faces = kept
+        return forgotten
 
     def recognised_as(self, name: str) -> bool:
         """Whether somebody else's face has this name already."""

@@ -36,7 +36,7 @@ VERBS = {
     *("say", "read", "volume", "speech_speed", "speech_pitch", "play", "posture", "pose", "home"),
     *("torque", "gaze", "nudge", "hip", "drive", "eyes", "eyes_animation", "eyes_brightness"),
     *("sound", "screen", "tablet", "autonomy", "collision", "picture", "record_sound", "listen"),
-    *("learn_face", "connect", "disconnect", "naoqi"),
+    *("learn_face", "face_consent", "connect", "disconnect", "naoqi"),
 }
 
 

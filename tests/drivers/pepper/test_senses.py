@@ -106,6 +106,19 @@ async def test_a_face_gets_a_name(sense: Sense, robot: StandIn) -> None:
     assert SensesPart.verbs(blind) == ()
 
 
+@pytest.mark.naoqi("ALFaceDetection.forgetPerson", "ALFaceDetection.getLearnedFacesList")
+async def test_a_face_is_forgotten_with_the_consent(sense: Sense, robot: StandIn) -> None:
+    async with sense() as it:
+        await robot.person({"number": 7, "looking": True})
+        await it.reads("identity", 0.0)
+        assert await it.do("face_consent", name="V7", given=True) == {"name": "V7", "given": True}
+        await it.do("learn_face", name="V7")
+        await it.reads("identity", 0.7, "V7")
+        told = [await it.do("face_consent", name=" v7", given=False) for _ in range(2)]
+        assert [each["deleted"] for each in told] == [True, False]
+        await it.reads("identity", 0.0)
+
+
 async def test_nobody_is_said_to_be_nobody(sense: Sense, robot: StandIn) -> None:
     await robot.person(ADA)
     async with sense() as it:

@@ -49,6 +49,7 @@ def said(folder: Path, verb: str, **args: Json) -> list[str]:
         ("pose", {"joints": {"HeadYaw": 100, "HeadPitch": 20}}, "with the head turned by 100"),
         ("naoqi", {"call": "getSummary", "args": "[]"}, "is no call; write Service.method"),
         ("naoqi", {"call": "A.b", "args": "[1"}, "no JSON list"),
+        ("naoqi", {"call": "ALFaceDetection.learnFace"}, "learns a face, which needs a consent"),
         ("connect", {"robot": "no host"}, "this is no name of a host"),
     ],
 )

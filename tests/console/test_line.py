@@ -390,7 +390,8 @@ def test_asking_again_and_again_makes_a_line_neither_alive_nor_its_keys_fresh(ri
     assert not rig.feed.line_ok
     assert rig.line.arrived(["a"])
     rig.line.answered()
-    assert rig.feed.line_ok
+    lives: bool = rig.feed.line_ok
+    assert lives
     assert rig.line.stale
     ages = []
     for _ in range(4):

@@ -18,7 +18,6 @@ from woz_tui.drivers.contract import Health, HealthStatement, ModeStatement, Sen
 from woz_tui.protocol import messages as m
 from woz_tui.session.redactor import PerceptionFilter, Redactor
 
-
 WRONG: Any = 5
 
 

@@ -9,7 +9,7 @@ RUN := $(VENV)/.installed-run
 DEV := $(VENV)/.installed-dev
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: help demo test quick peers fuzz check generated screenshots bench constraints clean
+.PHONY: help demo test bare quick peers fuzz check generated screenshots bench constraints clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -22,6 +22,9 @@ test: $(DEV)  ## run the tests; ARGS="-k stop" passes options on
 
 quick: $(DEV)  ## run the tests of the core and of what you changed, in under a minute
 	@$(BIN)/python -m tools.quick_tests
+
+bare: $(DEV)  ## run the tests of drivers, commands and host without tmux, alsa-utils and the like
+	@.ci/bare $(ARGS)
 
 peers: $(DEV)  ## install robots' own programs and run the tests against them; ARGS="-k goto"
 	@.ci/peers $(ARGS)

@@ -1,7 +1,8 @@
-"""`.ci/test`, with a stand-in for pytest."""
+"""`.ci/test` and `.ci/bare`, with a stand-in for pytest."""
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -18,19 +19,34 @@ case "$*" in
   *) exit {timed} ;;
 esac
 """
+#: Keeps what it was asked, and which of two programs it finds.
+NOTING_PYTHON = """#!/bin/bash
+case "$*" in *compileall*) exit 0 ;; esac
+echo "$*" >>asked
+command -v aplay git >found
+exit 0
+"""
+
+
+def checkout(folder: Path, python: str) -> None:
+    """The scripts, and a program in the place of Python."""
+    (folder / "tests" / "__pycache__").mkdir(parents=True)
+    shutil.copytree(ROOT / ".ci", folder / ".ci")
+    program(folder / ".venv" / "bin" / "python", python)
+
+
+def program(path: Path, text: str) -> None:
+    """A program at this path."""
+    path.parent.mkdir(parents=True)
+    path.write_text(text)
+    path.chmod(0o755)
 
 
 def run(folder: Path, computing: int, timed: int, *options: str) -> int:
     """The script's status; pytest ends with these, for what does not need the real clock and for
     the rest.
     """
-    (folder / ".ci").mkdir()
-    (folder / "tests" / "__pycache__").mkdir(parents=True)
-    shutil.copy(ROOT / ".ci" / "test", folder / ".ci")
-    python = folder / ".venv" / "bin" / "python"
-    python.parent.mkdir(parents=True)
-    python.write_text(PYTHON.format(computing=computing, timed=timed))
-    python.chmod(0o755)
+    checkout(folder, PYTHON.format(computing=computing, timed=timed))
     command = [str(folder / ".ci" / "test"), *options]
     return subprocess.run(command, capture_output=True, timeout=60, check=False).returncode
 
@@ -50,3 +66,45 @@ def test_no_test_at_all_fails_as_a_failed_one_does(
 @pytest.mark.parametrize(("status", "passes"), [(0, True), (NONE, False), (1, False)])
 def test_marked_tests_are_one_run(tmp_path: Path, status: int, passes: bool) -> None:
     assert (run(tmp_path, 1, status, "-m", "hypothesis") == 0) is passes
+
+
+def test_bare_means_without_programs_that_not_every_machine_has(tmp_path: Path) -> None:
+    checkout(tmp_path, NOTING_PYTHON)
+    program(tmp_path / "bin" / "aplay", "#!/bin/sh\n")
+    path = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
+    done = subprocess.run(
+        [str(tmp_path / ".ci" / "bare"), "-x"],
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert "aplay is not installed: leaving out the tests marked 'alsa'" in done.stderr
+    (found,) = (tmp_path / "found").read_text().splitlines()
+    assert Path(found).name == "git"
+    for asked in (tmp_path / "asked").read_text().splitlines():
+        assert asked.endswith(" tests/drivers tests/cli tests/host -x")
+
+
+def test_the_rest_is_what_was_not_run_bare(tmp_path: Path) -> None:
+    checkout(tmp_path, NOTING_PYTHON)
+    for name, marker in {
+        "drivers/test_speech.py": "asyncio",
+        "drivers/test_player.py": "alsa",
+        "cli/test_launch.py": "real_clock",
+        "host/test_process.py": "asyncio",
+        "bus/test_bus.py": "real_clock",
+    }.items():
+        file = tmp_path / "tests" / name
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(f"pytestmark = pytest.mark.{marker}\n")
+    command = [str(tmp_path / ".ci" / "bare"), "--rest"]
+    subprocess.run(command, capture_output=True, timeout=60, check=True)
+    for asked in (tmp_path / "asked").read_text().splitlines():
+        ignored = {word.partition("=")[2] for word in asked.split() if "--ignore=" in word}
+        assert {Path(name).name for name in ignored} == {
+            *("test_speech.py", "test_launch.py", "test_process.py")
+        }
+    assert asked.endswith(" tests/bus/test_bus.py")  # the run on the real clock is the last one
+    assert "tests/cli/test_launch.py" not in asked.split()

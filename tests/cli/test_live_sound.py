@@ -207,6 +207,22 @@ async def test_a_robot_process_that_stands_still_is_told(tmp_path: Path) -> None
 # -- talking -----------------------------------------------------------------------------------
 
 
+async def say(running: Process, word: bytes, reader: SoundReader) -> None:
+    """Say it again and again until the robot has it whole: of a voice that a busy machine holds
+    back, what was said long before is dropped.
+    """
+    assert running.stdin is not None
+    running.stdin.transport.set_write_buffer_limits(0)  # what has been drained is in the pipe
+    pcm = bytearray()
+    async with asyncio.timeout(WAIT_S):
+        while word not in pcm:
+            running.stdin.write(word)
+            await running.stdin.drain()
+            await asyncio.sleep(0.05)
+            while (taken := reader.take()) is not None:
+                pcm += taken[0].pcm
+
+
 async def got(reader: SoundReader, count: int) -> bytes:
     """The first so many bytes of a voice."""
     pcm = bytearray()
@@ -243,11 +259,13 @@ async def test_a_voice_from_standard_input(bench: Bench, header: bool) -> None:
     reader = loudspeaker(bench.host, on=True)
     running = await bench.woz("talk", stdin=PIPE)
     assert running.stdin is not None
-    running.stdin.write(wav(WORD) if header else WORD)
-    assert await got(reader, 640) == WORD
+    if header:
+        running.stdin.write(wav(WORD))
+        assert await got(reader, 640) == WORD
+    else:
+        await say(running, WORD, reader)
     assert "on" in await line_with(running, "the robot says it")
-    running.stdin.write(WORD[::-1])
-    assert await got(reader, 640) == WORD[::-1]
+    await say(running, b"\3\4" * 320, reader)
     running.stdin.close()
     assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
 
@@ -295,8 +313,7 @@ async def test_a_robot_process_that_stands_still_costs_sound_and_nothing_is_late
     reader = loudspeaker(bench.host, on=True)
     running = await bench.woz("talk", stdin=PIPE)
     assert running.stdin is not None
-    running.stdin.write(WORD)
-    await got(reader, 640)
+    await say(running, WORD, reader)
     transport = running.stdin.transport
     # This very process is the robot process: it does nothing while it writes and waits.
     pipe = transport.get_extra_info("pipe").fileno()

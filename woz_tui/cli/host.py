@@ -11,6 +11,7 @@ from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_robot, add_session
 from woz_tui.session.participant_identity import SessionIdentity
+from woz_tui.system.addresses import without_passwords
 
 LONGEST_WAIT_S = 3600.0
 
@@ -74,6 +75,14 @@ def _mixed(arguments: Namespace) -> str:
     return ""
 
 
+class _LogFormatter(logging.Formatter):
+    """Leaves passwords in addresses out, which an error's traceback may repeat."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The text of one line, or several."""
+        return without_passwords(super().format(record))
+
+
 def run(arguments: Namespace) -> int:
     """Serve until the session ends."""
     wrong = _mixed(arguments)
@@ -82,9 +91,9 @@ def run(arguments: Namespace) -> int:
         return 2
     from woz_tui.host import robot_process  # noqa: PLC0415 - only this command needs it
 
-    logging.basicConfig(
-        stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(name)s %(message)s"
-    )
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(_LogFormatter("%(asctime)s %(name)s %(message)s"))
+    logging.basicConfig(level=logging.INFO, handlers=[handler])
 
     def serve() -> int:
         rerun = training = None

@@ -12,9 +12,10 @@ from collections.abc import Callable, Mapping
 
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol.messages import Json
+from woz_tui.system import addresses
+from woz_tui.system.addresses import HIDDEN
 
-#: What stands where something was taken out.
-HIDDEN = "***"
+__all__ = ["HIDDEN", "hidden", "without_passwords"]
 
 Hide = Callable[[str], str]
 
@@ -59,4 +60,5 @@ def without_passwords(text: str) -> str:
     """`text` without the passwords of addresses in it, for sentences that quote what was typed."""
     if "@" not in text:
         return text
-    return _PASSWORD.sub(lambda found: f"{found['user']}{HIDDEN}@", text)
+    shown = addresses.without_passwords(text)
+    return _PASSWORD.sub(lambda found: f"{found['user']}{HIDDEN}@", shown)

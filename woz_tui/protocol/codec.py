@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 import msgspec
 
 from woz_tui.protocol.messages import AnyMessage, Message
-from woz_tui.protocol.requests import AnyAnswer, AnyRequest
+from woz_tui.protocol.requests import AnyAnswer, AnyRequest, Request
+from woz_tui.system.addresses import without_passwords
 
 #: A longer line is refused; a client cannot make the host hoard memory.
 MAX_LINE = 1 << 20
@@ -38,12 +39,27 @@ class WireError(ValueError):
 def encode(message: msgspec.Struct) -> bytes:
     """One JSON object and a newline, UTF-8. Non-finite numbers become null.
 
-    Whatever the fields hold, it can be written: see `plain`.
+    Whatever the fields hold, it can be written: see `plain`. Of messages and answers, which logs
+    keep and others read, passwords in addresses are left out; a request has to arrive as it is.
     """
     try:
-        return _encoder.encode(message) + b"\n"
+        line = _encoder.encode(message)
     except (UnicodeEncodeError, TypeError, RecursionError):
-        return _encoder.encode(plain(message)) + b"\n"
+        line = _encoder.encode(plain(message))
+    if b"@" in line and b":/" in line and not isinstance(message, Request):
+        line = _encoder.encode(_shown(plain(msgspec.json.decode(line))))
+    return line + b"\n"
+
+
+def _shown(value: Any) -> Any:
+    match value:
+        case str():
+            return without_passwords(value)
+        case dict():
+            return {without_passwords(name): _shown(one) for name, one in value.items()}
+        case list():
+            return [*map(_shown, value)]
+    return value
 
 
 def encode_lines(messages: Iterable[msgspec.Struct | msgspec.Raw]) -> bytes:

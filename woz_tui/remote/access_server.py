@@ -25,6 +25,7 @@ from pathlib import Path
 
 import msgspec
 from aiohttp import WSMsgType, web
+from aiohttp.http import HttpProcessingError
 
 from woz_tui.network.certificates import AccessError, Authority
 from woz_tui.network.listen_address import ListenAddress
@@ -66,6 +67,18 @@ _LONGEST_LINE = 16 * codec.MAX_LINE
 _REFUSED_AGAIN_S = 30.0
 
 log = logging.getLogger(__name__)
+
+
+def _http_log() -> logging.Logger:
+    """Where failures of ours are told. What is no request at all is answered, and no failure."""
+    found = logging.getLogger(f"{__name__}.http")
+    found.addFilter(_is_ours)
+    return found
+
+
+def _is_ours(record: logging.LogRecord) -> bool:
+    raised = record.exc_info[1] if record.exc_info else None
+    return not isinstance(raised, HttpProcessingError)
 
 
 class StrangerError(Exception):
@@ -169,7 +182,13 @@ class AccessServer:
         application.add_routes(
             [web.get("/session", self._serve_session), web.get("/clock", self._serve_clock)]
         )
-        self._runner = web.AppRunner(application, access_log=None, handle_signals=False)
+        self._runner = web.AppRunner(
+            application,
+            access_log=None,
+            handle_signals=False,
+            logger=_http_log(),
+            lingering_time=0,  # whoever sends a body, which nothing here takes, is cut off
+        )
         await self._runner.setup()
         site = web.TCPSite(
             *(self._runner, address.host or None, address.port), ssl_context=context, backlog=32

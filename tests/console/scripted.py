@@ -13,6 +13,7 @@ from woz_tui.console.message_feed import Incoming, Loss, LostPart, OnLost, OnMes
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
+from woz_tui.protocol.welcome import STALE_S
 from woz_tui.session.redactor import Redactor
 
 Answer = Callable[[r.AnyRequest, int], r.Reply]
@@ -46,6 +47,7 @@ class ScriptedFeed:
 
     def __init__(self) -> None:
         self.line_ok = True
+        self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
         self.asked: list[r.AnyRequest] = []
         self.closed = False

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from woz_tui.console.message_feed import OnLost, OnMessages
 from woz_tui.protocol.requests import AnyRequest
+from woz_tui.protocol.welcome import STALE_S
 
 
 class StillFeed:
     def __init__(self) -> None:
         self.line_ok = True
+        self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
         self.asked: list[AnyRequest] = []
         self.closed = False

@@ -10,10 +10,10 @@ from woz_tui.console.terminal_monitor import (
     EVERY_S,
     OTHER_QUESTION,
     QUESTION,
-    STALE_S,
     TerminalMonitor,
 )
 from woz_tui.protocol.requests import Beat
+from woz_tui.protocol.welcome import STALE_S
 from woz_tui.system.clock import ManualClock
 
 
@@ -171,7 +171,7 @@ def test_a_dead_line_is_told_at_once_and_within_three_seconds(rig: Rig) -> None:
     rig.round_trip()
     silent_from = rig.clock.now_us()
     rig.wait(rig.line.question_in_s)
-    while not any(isinstance(each, Beat) for each in rig.feed.asked):
+    while not rig.feed.asked:
         rig.line.question_sent()
         rig.wait(0.25)
         rig.line.arrived(["up"])
@@ -387,17 +387,37 @@ def test_asking_again_and_again_makes_a_line_neither_alive_nor_its_keys_fresh(ri
         rig.line.question_sent()
         rig.wait(EVERY_S)
 
-    assert not rig.feed.line_ok
+    dead = not rig.feed.line_ok
     assert rig.line.arrived(["a"])
     rig.line.answered()
-    lives: bool = rig.feed.line_ok
-    assert lives
+    assert (dead, rig.feed.line_ok) == (True, True)
     assert rig.line.stale
     ages = []
     for _ in range(4):
         rig.line.identified()
         ages.append(rig.line.age_us)
     assert ages == [2_000_000, 1_500_000, 1_000_000, 500_000]
+
+
+@pytest.mark.parametrize(("stale_after_s", "late_s"), [(0.3, 0.1), (5.0, 4.0)])
+def test_the_experiment_says_how_old_a_key_may_be(
+    rig: Rig, stale_after_s: float, late_s: float
+) -> None:
+    rig.feed.stale_after_s = stale_after_s
+    desk = Desk(rig)
+    for seconds in (late_s, stale_after_s + 0.1):
+        desk.run(3.0)
+        desk.stall()
+        desk.press()
+        desk.run(seconds)
+        desk.flow()
+        desk.run(0.3)
+
+    assert len(desk.played) == 1
+    for _ in range(20):
+        desk.press()
+        desk.run(0.11)
+    assert len(desk.played) == 21
 
 
 def test_output_that_waits_for_a_moment_makes_no_key_stale(rig: Rig) -> None:

@@ -25,6 +25,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Welcome,
 )
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import ManualClock, boot_id
 
@@ -118,6 +119,18 @@ def test_requests_of_many_threads_arrive_whole_and_in_each_threads_order(
     said = [note.text for note in host.all(AskNote)]
     for name in "abcd":
         assert [text for text in said if text[0] == name] == [f"{name}{n}" for n in range(50)]
+
+
+def test_the_feed_has_the_age_at_which_the_experiment_refuses_keys(
+    host: FakeHost, ears: Ears
+) -> None:
+    host.settings = WelcomeSettings(stale_after=0.7)
+    link = HostConnection(host.path)
+    link.start(ears.on_messages, ears.on_lost)
+    ears.until_heard(Welcome)
+
+    assert link.stale_after_s == 0.7
+    link.close()
 
 
 def test_beats_say_whether_the_line_is_good(host: FakeHost, link: HostConnection) -> None:

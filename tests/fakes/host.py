@@ -30,6 +30,7 @@ from woz_tui.protocol.requests import (
     Request,
     Welcome,
 )
+from woz_tui.protocol.welcome import WelcomeSettings
 
 R = TypeVar("R", bound=Request)
 WAIT_S = 40.0
@@ -69,6 +70,8 @@ class FakeHost:
         self.frozen = False
         #: What the welcome says of the machine.
         self.boot_id = self.robot_at = ""
+        #: What it says of the experiment.
+        self.settings = WelcomeSettings()
         #: Set: it reads and answers, but does not pulse.
         self.silent = False
         self._keys = keys or {}
@@ -222,6 +225,7 @@ class FakeHost:
             drivers=list(self._verbs),
             boot_id=self.boot_id,
             robot_at=self.robot_at,
+            settings=self.settings,
         )
 
     def _pulse(self) -> None:

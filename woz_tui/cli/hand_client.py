@@ -29,6 +29,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Welcome,
 )
+from woz_tui.protocol.welcome import STALE_S
 from woz_tui.system.clock import Clock, boot_id
 from woz_tui.system.text_cleaning import clean
 
@@ -350,7 +351,7 @@ class HandClient:
 
     def _watch_line(self, now_us: int) -> None:
         """Say when the line stalls; presses that are too old by then are not sent any more."""
-        stale_us = (self.state.settings.stale_after or 1.5) * 1_000_000
+        stale_us = (self.state.settings.stale_after or STALE_S) * 1_000_000
         oldest = min((at for hand in self.hands for at in hand.unanswered.values()), default=now_us)
         slow = now_us - oldest > stale_us
         if slow and not self._slow:

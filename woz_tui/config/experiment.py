@@ -18,7 +18,7 @@ from woz_tui.drivers.contract import Verb
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOrMore, Range, Seconds, Unique
 from woz_tui.network.listen_address import DRIVERS_LISTEN
 from woz_tui.protocol.messages import Json
-from woz_tui.protocol.welcome import QuestionnaireWords
+from woz_tui.protocol.welcome import STALE_S, QuestionnaireWords
 
 
 @dataclass(frozen=True, slots=True)
@@ -314,7 +314,7 @@ class SessionSettings:
     #: Seconds a press may take from the terminal to the robot before it counts as stale.
     stale_after: Annotated[
         float, Seconds(0.1, 60.0), Doc("age above which a key press is refused")
-    ] = 1.5
+    ] = STALE_S
     #: Seconds without a beat of the wizard's console before driving stops.
     dead_man: Annotated[
         float, Seconds(1.0, 60.0), Doc("driving stops after this time without the console")

@@ -23,6 +23,7 @@ from woz_tui.machine.hidden_line import HiddenLine
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Notice, SessionEnd
 from woz_tui.protocol.requests import PROTOCOL, AnyRequest, AskStop, Beat, Hello, Reply, Welcome
+from woz_tui.protocol.welcome import STALE_S
 from woz_tui.system.clock import Clock, RealClock, boot_id
 
 BEAT_S = 0.5
@@ -83,6 +84,7 @@ class HostConnection:
         #: Whether anybody is attached to what stands between, as far as that is known.
         self.attached = True
         self._line = line or HiddenLine()
+        self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
         self._path = path
         self._hello = Hello(
@@ -344,6 +346,7 @@ class HostConnection:
             elif isinstance(message, Welcome):
                 self._stamps = bool(message.boot_id) and message.boot_id == boot_id()
                 self._robot_at = message.robot_at
+                self.stale_after_s = message.settings.stale_after or STALE_S
                 self._lost = False
         self._on_messages(batch)
 

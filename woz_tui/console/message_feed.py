@@ -80,6 +80,9 @@ class MessageFeed(Protocol):
     #: measures the terminal, sent to the host with every beat.
     line_ok: bool
 
+    #: Seconds after which a press is not played any more, as the last `Welcome` said.
+    stale_after_s: float
+
     #: Last round trip to the wizard's terminal in microseconds; None while it is unknown. Set by
     #: whoever measures the terminal, shown on the status line.
     round_trip_us: int | None

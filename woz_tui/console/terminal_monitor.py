@@ -8,15 +8,15 @@ measure then ends at them, and not at the wizard's desk.
 How old a key may be follows from the last question that was answered in front of it: bytes keep
 their order, so whatever comes behind an answer was typed after its question was asked. An answer
 that was under way for long itself makes nothing fresh. A key is stale if it may be older than
-`STALE_S`; and, whatever the line says, if eight keys or more came in one read: text pasted into a
-terminal without paste marks.
+`stale_after`; and, whatever the line says, if eight keys or more came in one read: text pasted
+into a terminal without paste marks.
 
 A terminal that has never answered says nothing of the kind. Then a key is stale if this process
 itself stood still for longer (stopped, or the computer slept) while keys came, and so are those
 behind it, up to a pause of 0.3 s.
 
 There, and inside tmux and screen, it is also stale if it comes with two others in one read when
-none had come for `STALE_S`: nobody types that, a line that was frozen sends it.
+none had come for as long: nobody types that, a line that was frozen sends it.
 
 Repeats of one and the same key, held down, count as few: a third of a second of them may share a
 read after a silence, a second of them at any time.
@@ -39,15 +39,13 @@ from woz_tui.system.clock import Clock
 #: The question, and the other one while that is unanswered.
 QUESTION, OTHER_QUESTION = "\x1b[5n", "\x1b[c"
 #: One of them is asked so often: no key is believed to be older than it is by more than this and
-#: the round trip.
-EVERY_S = 0.5
+#: the round trip. Where keys must be younger, so many times before one would be too old.
+EVERY_S, TIMES = 0.5, 3
 #: The same while the terminal takes no output, so that nothing could be asked.
 PUT_OFF_S = 0.25
 #: A question unanswered for so long: the line is dead, and driving stops. With the time until the
 #: next question is due, and a beat, driving ends within three seconds.
 DEAD_S = 2.0
-#: A press that may be older is not played.
-STALE_S = 1.5
 #: A pause that ends a burst of stale keys.
 PAUSE_S = 0.3
 #: Keys in one read that nobody typed: after a silence, and at any time.
@@ -104,7 +102,7 @@ class TerminalMonitor:
         self._first_us: int | None = None
         self._due_us = asked.now_us
         if self._asked is not None:
-            self._due_us += round(EVERY_S * 1_000_000)
+            self._due_us += round(self._every_s * 1_000_000)
         self._keys_us = self._awake_us = asked.boot_us
         self._gap_us = 0
         self._burst = self._untyped = False
@@ -116,6 +114,14 @@ class TerminalMonitor:
         self._away = True
         self.ok = False
         self._publish()
+
+    @property
+    def _stale_us(self) -> float:
+        return self._feed.stale_after_s * 1_000_000
+
+    @property
+    def _every_s(self) -> float:
+        return min(EVERY_S, self._feed.stale_after_s / TIMES)
 
     def _moment(self) -> Asked:
         return Asked(self._clock.now_us(), self._clock.boot_us())
@@ -154,7 +160,7 @@ class TerminalMonitor:
         self._wait_for_answer(asked.now_us)
         self._first_us = self._first_us or asked.now_us
         self._hurried = False
-        self._due_us = asked.now_us + round(EVERY_S * 1_000_000)
+        self._due_us = asked.now_us + round(self._every_s * 1_000_000)
 
     def put_off(self) -> None:
         """The terminal takes no output at the moment: ask later."""
@@ -202,7 +208,7 @@ class TerminalMonitor:
         self.rtt_ms = took_us / 1000
         self.confirmed_us = (asked.now_us, now)
         self.quickest_us = min(took_us, self.quickest_us or took_us)
-        self._due_us = max(now, asked.now_us + round(EVERY_S * 1_000_000))
+        self._due_us = max(now, asked.now_us + round(self._every_s * 1_000_000))
         self._judge(now)
 
     # -- keys -------------------------------------------------------------------------------------
@@ -221,10 +227,10 @@ class TerminalMonitor:
         boot = self._clock.boot_us()
         silence_us = boot - self._keys_us
         self._burst = not self._answers and (
-            self._gap_us > STALE_S * 1_000_000 or (self._burst and silence_us < PAUSE_S * 1_000_000)
+            self._gap_us > self._stale_us or (self._burst and silence_us < PAUSE_S * 1_000_000)
         )
         known = self._answers and not self._multiplexed
-        self._untyped = _untyped(chords, not known and silence_us > STALE_S * 1_000_000)
+        self._untyped = _untyped(chords, not known and silence_us > self._stale_us)
         if chords:
             self._keys_us = boot
         self._judge(self._clock.now_us())
@@ -240,7 +246,7 @@ class TerminalMonitor:
     @property
     def stale(self) -> bool:
         """Whether a key that comes now is not to be played."""
-        return self._untyped or self._burst or self.age_us > STALE_S * 1_000_000
+        return self._untyped or self._burst or self.age_us > self._stale_us
 
     def _judge(self, now: int) -> None:
         """A terminal that never answered a question counts as well, with unknown round trip."""

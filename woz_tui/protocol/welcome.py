@@ -191,6 +191,10 @@ class ReplayedLog(msgspec.Struct, frozen=True):
     coder: str = ""
 
 
+#: A press that may be older is not played, in seconds, unless the experiment says otherwise.
+STALE_S = 1.5
+
+
 class WelcomeSettings(msgspec.Struct, frozen=True, kw_only=True):
     """See `docs/reference/protocol.md`. `outlines` are as the drivers' classes give them; `replay`
     is there in a replay alone.

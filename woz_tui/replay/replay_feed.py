@@ -14,6 +14,7 @@ import msgspec
 
 from woz_tui.protocol.messages import Notice
 from woz_tui.protocol.requests import AnyRequest, Beat
+from woz_tui.protocol.welcome import STALE_S
 from woz_tui.replay.player import Incoming, ReplayPlayer
 from woz_tui.system.clock import Clock, RealClock
 
@@ -35,6 +36,7 @@ class ReplayFeed:
 
     def __init__(self, player: ReplayPlayer, clock: Clock | None = None) -> None:
         self.line_ok = True
+        self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
         self._player = player
         self._clock = clock or RealClock()

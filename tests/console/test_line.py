@@ -16,6 +16,8 @@ from woz_tui.protocol.requests import Beat
 from woz_tui.protocol.welcome import STALE_S
 from woz_tui.system.clock import ManualClock
 
+pytestmark = pytest.mark.safety
+
 
 class Rig:
     """A line with a clock that a test moves."""
@@ -236,7 +238,6 @@ def test_ten_keys_in_one_read_after_a_silence_are_stale_without_any_measure(rig:
         max_size=40,
     ),
 )
-# SAFETY
 def test_whatever_the_line_does_no_old_key_is_played_and_soon_a_new_one_is(
     round_trip_s: float, story: list[tuple[str, float]]
 ) -> None:

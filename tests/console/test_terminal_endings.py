@@ -199,6 +199,7 @@ def test_a_frozen_terminal_stops_driving_and_it_goes_on_when_thawed(
     host.until(lambda: host.line_ok() is True, "a beat with a good line")
 
 
+@pytest.mark.safety
 def test_keys_from_before_a_thaw_are_stale_and_those_after_it_are_not(
     host: FakeHost, terminal: FakeTerminal
 ) -> None:
@@ -214,6 +215,7 @@ def test_keys_from_before_a_thaw_are_stale_and_those_after_it_are_not(
     assert not host.wait(AskAction, 2).stale
 
 
+@pytest.mark.safety
 def test_keys_behind_an_answer_that_was_under_way_for_long_are_stale(
     host: FakeHost, terminal: FakeTerminal
 ) -> None:
@@ -230,6 +232,7 @@ def test_keys_behind_an_answer_that_was_under_way_for_long_are_stale(
     assert not host.wait(AskAction, 2).stale
 
 
+@pytest.mark.safety
 def test_a_stop_behind_such_an_answer_counts(host: FakeHost, terminal: FakeTerminal) -> None:
     terminal.wait_written(b"\x1b[5n")
     terminal.stall()
@@ -240,6 +243,7 @@ def test_a_stop_behind_such_an_answer_counts(host: FakeHost, terminal: FakeTermi
     host.wait(AskStop)
 
 
+@pytest.mark.safety
 def test_driving_ends_where_keys_come_and_no_answer_does(
     host: FakeHost, terminal: FakeTerminal
 ) -> None:

@@ -106,3 +106,17 @@ def test_reports_without_a_change_come_at_most_once_a_second() -> None:
             gauge.reported(tenth * 100_000)
             reports += 1
     assert reports == 11
+
+
+def test_a_line_that_a_new_file_has_by_then_is_not_lost() -> None:
+    backlog = UnsyncedLines(limit=6)
+    backlog.file_failed()
+    backlog.push(b"123", 0)
+    backlog.push(b"456", 0)
+    backlog.file_took(backlog.last)
+    backlog.push(b"789", 0)  # the first goes, which the new file has
+    assert (backlog.lost, backlog.lines(after=2)) == (0, [b"789"])
+    backlog.file_failed()  # that file was no good
+    assert (backlog.lost, backlog.lines()) == (1, [b"456", b"789"])
+    backlog.push(b"abc", 0)
+    assert backlog.lost == 2

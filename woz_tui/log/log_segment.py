@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import errno
+import sys
 import threading
 import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -34,7 +36,8 @@ class UnsyncedLines:
         self._limit = limit
         self._entries: deque[UnsyncedLine] = deque()
         self._size = 0
-        self._without_file = False
+        #: The last line that a file has taken, or will take.
+        self._taken = sys.maxsize
         self._forgotten = 0
         self._worst_us = 0
         self.last = 0
@@ -50,8 +53,9 @@ class UnsyncedLines:
             self._forget_oldest()
 
     def _forget_oldest(self) -> None:
+        number = self.last - len(self._entries) + 1
         self._size -= len(self._entries.popleft().line)
-        if self._without_file:
+        if number > self._taken:
             self.lost += 1
         else:
             self._forgotten += 1
@@ -78,15 +82,20 @@ class UnsyncedLines:
         """The file that took the lines failed: what memory has let go may be lost."""
         self.lost += self._forgotten
         self._forgotten = 0
-        self._without_file = True
+        self._taken = 0
+
+    def file_took(self, number: int) -> None:
+        """Lines up to `number` are in a new file, which may yet fail."""
+        self._taken = max(number, self._taken)
 
     def file_opened(self) -> None:
         """A new file has taken everything that is held."""
-        self._without_file = False
+        self._taken = sys.maxsize
 
-    def lines(self) -> list[bytes]:
-        """Everything held, oldest first."""
-        return [entry.line for entry in self._entries]
+    def lines(self, after: int = 0) -> list[bytes]:
+        """Everything held, or what of it has come after the line of this number, oldest first."""
+        newer = min(len(self._entries), self.last - after)
+        return [entry.line for entry in islice(self._entries, len(self._entries) - newer, None)]
 
     @property
     def waiting(self) -> int:

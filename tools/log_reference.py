@@ -211,6 +211,7 @@ FIELDS: dict[str, tuple[str, str]] = {
         "`unit`",
         "the measured value, or a questionnaire's answer on its scale; null if there was none",
     ),
+    "unwritten_since": ("µs", "moment, on the `t` axis, since which no folder took the log"),
     "values": ("", "by name: see the line's description"),
     "via": ("", "name of the access file with which it came from another machine"),
     "variables": ("", "what may stand in braces in an utterance"),
@@ -222,6 +223,11 @@ FIELDS: dict[str, tuple[str, str]] = {
     ),
     "visitor": ("", "the visitor's code, never a name; absent: no visitor is identified"),
     "waiting": ("", "controls that have no effect yet: the robot's value differs"),
+    "waived": ("", "the wizard goes on without a record"),
+    "waived_at": (
+        "µs",
+        "moment, on the `t` axis, at which the wizard went on without a record; absent: not",
+    ),
     "waits_since": (
         "µs",
         "moment, on the `t` axis, since which the visitor waits for an answer; absent: no"

@@ -15,6 +15,7 @@ from woz_tui.config.experiment import Experiment, SessionSettings
 from woz_tui.drivers.contract import Driver
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.host.session_server import SessionServer
+from woz_tui.log.disk import LogDisk
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
@@ -125,10 +126,11 @@ async def served(
     catalogue: Mapping[str, type[Driver]] | None = None,
     clock: RealClock | None = None,
     read: Reader | None = None,
+    disk: LogDisk | None = None,
 ) -> AsyncIterator[Served]:
     """A host that serves until the block ends."""
     clock = clock or RealClock()
-    recorder = Recorder(tmp_path / "recordings", "made", clock)
+    recorder = Recorder(tmp_path / "recordings", "made", clock, spill=tmp_path / "more", disk=disk)
     made = made or experiment(tmp_path)
     if load is None and read is None:  # nobody beats here, unless a test is about that
         settings = settings or replace(made.session, dead_man=60.0)

@@ -248,6 +248,7 @@ def _afternoon() -> list[m.AnyMessage]:
             block="bml1",
             problem=m.BlockProblem(sort="NO_SUCH_TARGET", text="where is moon?", about="g1"),
         ),
+        m.RecordWaived(console="k1"),
         *COURSE,
         m.ConsoleLost(console="k1", role="wizard", why="left"),
     ]

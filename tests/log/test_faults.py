@@ -15,6 +15,7 @@ from tests.log.disks import FAULTS
 from woz_tui.log import recorder
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
 from woz_tui.system.clock import ManualClock
 
 pytestmark = pytest.mark.safety
@@ -112,6 +113,106 @@ def test_with_no_folder_left_lines_are_held_and_written_later(tmp_path: Path) ->
         assert it.numbers() == numbers
 
 
+def test_nothing_may_begin_while_no_folder_takes_the_log(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.note()
+        assert it.recorder.is_written()
+        assert it.recorder.refusal() == ""
+        assert not it.recorder.waive(it.hub.now())
+        it.disk.faults |= {it.home: "full", it.spill: "readonly"}
+        it.note()
+        it.told("failed")
+        assert not it.recorder.is_written()
+        assert "the disk is full" in it.recorder.refusal()
+        assert "read-only" in it.recorder.refusal()
+        it.disk.faults.clear()
+        it.synced()
+        assert it.recorder.is_written()
+        assert it.recorder.refusal() == ""
+
+
+def test_a_log_says_when_no_folder_took_it_and_who_went_on(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.start()
+        it.synced()
+        it.disk.faults |= {it.home: "full", it.spill: "full"}
+        it.clock.advance(60)
+        it.note("the first that no file takes")
+        it.told("failed")
+        it.clock.advance(60)
+        assert it.recorder.waive(it.hub.now())
+        assert it.recorder.refusal() == ""
+        assert it.recorder.state().waived
+        it.note()
+        it.clock.advance(60)
+        it.disk.faults.clear()
+        it.synced()
+        assert not it.recorder.state().waived
+        it.disk.faults |= {it.home: "full", it.spill: "full"}
+        it.clock.advance(60)
+        it.note()
+        until(lambda: "full" in it.recorder.refusal(), "that nothing takes the log again")
+        it.disk.faults.clear()
+        it.clock.advance(60)
+        it.note()
+        it.synced()
+        damage = Damage()
+        assert [line.seq for line in it.lines(damage)] == list(range(5))
+        assert damage.unwritten == [
+            (60_000_000, 180_000_000, 120_000_000),
+            (240_000_000, 300_000_000, -1),
+        ]
+        assert damage.sentences() == [
+            "no folder took the log from 01:00 to 03:00; from 02:00 the wizard went on without a"
+            " record",
+            "no folder took the log from 04:00 to 05:00",
+        ]
+
+
+def test_no_line_waits_for_those_that_were_held(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with bench(tmp_path) as it:
+        it.disk.faults |= {it.home: "full", it.spill: "full"}
+        numbers = [it.note()]
+        it.told("failed")
+        write = it.disk.write
+
+        def recorded_meanwhile(fd: int, data: bytes) -> int:
+            monkeypatch.setattr(it.disk, "write", write)
+            numbers.append(it.note("while the others are written"))
+            return write(fd, data)
+
+        monkeypatch.setattr(it.disk, "write", recorded_meanwhile)
+        it.disk.faults.clear()
+        until(it.recorder.is_written, "a folder that takes the log")
+        numbers += [it.note()]
+        it.synced()
+        assert len(numbers) == 3
+        assert it.numbers() == numbers
+
+
+def test_a_stop_waits_for_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Any other line waits a moment for the next folder to take it."""
+    monkeypatch.setattr(recorder, "_SWITCH_WAIT_S", 600.0)
+    with bench(tmp_path) as it:
+        it.synced()
+        make_folder, opened = it.disk.make_folder, threading.Event()
+
+        def hang(folder: Path) -> None:
+            opened.wait(600)
+            make_folder(folder)
+
+        monkeypatch.setattr(it.disk, "make_folder", hang)
+        it.disk.faults[it.home] = "full"
+        it.hub.publish(m.StopPressed(source="key"))
+        assert not it.recorder.is_written()
+        assert "moving" in it.recorder.refusal()
+        opened.set()
+        it.note()
+        assert it.recorder.is_written()
+
+
 @pytest.mark.usefixtures("unhurried")
 def test_when_nothing_takes_the_log_from_the_start(tmp_path: Path) -> None:
     it = Bench(tmp_path)
@@ -119,9 +220,14 @@ def test_when_nothing_takes_the_log_from_the_start(tmp_path: Path) -> None:
     it.begin()
     assert it.told("failed").detail
     number = it.note()
+    assert it.recorder.refusal()
+    it.clock.advance(60)
     it.disk.faults.clear()
     assert it.recorder.close()
-    assert it.numbers() == [number]
+    damage = Damage()
+    assert [line.seq for line in it.lines(damage)] == [number]
+    assert damage.sentences() == ["no folder took the log from 00:00 to 01:00"]
+    assert it.recorder.path.read_text().startswith('{"kind":"note"')
 
 
 def test_memory_is_bounded_and_what_is_lost_is_counted(tmp_path: Path) -> None:

@@ -303,6 +303,15 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     ),
     m.CommandMark(command="c00019", driver="bml", sort="sync", text="n1:start"),
     m.MotionInterrupted(command="c00017", driver="head", reason="stop pressed", stopped=True),
+    m.RecorderState(level="failed", lag_us=0, path="S01.jsonl", detail="full", waived=True),
+    m.RecordWaived(console="con1"),
+    m.Segment(
+        log="2026-03-01T10-00-00_P07_S01",
+        session="S01",
+        number=2,
+        unwritten_since=90_000_000,
+        waived_at=91_000_000,
+    ),
 )
 
 _PANELS = [
@@ -405,6 +414,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskSound(ref=40, driver="ears", after=32_000),
     r.AskTalk(ref=41),
     r.AskTalk(ref=42, driver="voice", rate=16_000, data="AQIDBA==", age_us=21_000, lost_s=0.2),
+    r.AskUnrecorded(ref=45),
 )
 
 
@@ -533,6 +543,7 @@ def answers() -> list[r.AnyAnswer]:
             data="AQIDBA==",
         ),
         SoundHeard(ref=41, driver="ears", microphones=["ears"], why="ears sent no sound"),
+        r.Reply(ref=12, ok=True, recorded=False),
     ]
 
 

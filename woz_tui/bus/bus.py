@@ -27,6 +27,7 @@ from woz_tui.drivers.contract import (
     StopReport,
     Verb,
 )
+from woz_tui.drivers.robot_verbs import takes_hands_off
 from woz_tui.drivers.secret_arguments import hidden
 from woz_tui.protocol.action_messages import STOP_PROMISE_S
 from woz_tui.protocol.messages import (
@@ -55,6 +56,9 @@ STOP_WAIT_S = STOP_PROMISE_S
 
 log = logging.getLogger(__name__)
 
+#: What helps where nothing is recorded.
+UNRECORDED_REMEDY = "go on without a record (a wizard only), or free space for the log"
+
 #: A driver's stop under way.
 StopTask = asyncio.Task[StopReport | None]
 
@@ -71,6 +75,8 @@ class Bus:
             not confirm it.
         unstopped: Names of those that nothing can come of while the stop is pressed, so that they
             take commands then too.
+        unrecorded: Says why a command that is published now is not recorded, so that it may not
+            begin; empty: it is.
     """
 
     def __init__(
@@ -82,6 +88,7 @@ class Bus:
         *,
         motionless: frozenset[str] = frozenset(),
         unstopped: frozenset[str] = frozenset(),
+        unrecorded: Callable[[], str] = str,
     ) -> None:
         self._hub = hub
         self._drivers = dict(drivers)
@@ -92,6 +99,7 @@ class Bus:
         self._capacity = capacity
         self._motionless = motionless
         self._unstopped = unstopped
+        self._unrecorded = unrecorded
         self._lanes: dict[tuple[str, str], Lane] = {}
         self._stopping: asyncio.Task[None] | None = None
         #: Drivers that did not confirm the last stop of everything.
@@ -140,6 +148,8 @@ class Bus:
         )
         if self.latched and command.driver not in self._unstopped:
             pending.refuse("stopped", "the stop is pressed", "release the stop first")
+        elif not takes_hands_off(command.verb, command.args) and (why := self._unrecorded()):
+            pending.refuse("unrecorded", why, UNRECORDED_REMEDY)
         elif verb is None:
             pending.refuse("unknown", self._unknown(command))
         elif verb.drives and (unwatched := self._unwatched(recorded))[0]:

@@ -53,10 +53,12 @@ class WozRun:
     Attributes:
         id: As `run` or `command` in messages.
         end: How it ended; None: it goes on.
+        recorded: Whether it is in the log. It is not where the wizard goes on without a record.
     """
 
-    def __init__(self, client: WozClient, run: str, arrives: bool) -> None:
+    def __init__(self, client: WozClient, run: str, arrives: bool, recorded: bool = True) -> None:
         self.id = run
+        self.recorded = recorded
         self.end: RunEnd | None = None
         self._client = client
         self._arrives = arrives
@@ -491,7 +493,7 @@ class WozClient:
             if asked.reply.cancelled():  # nobody waits for it any more
                 self._cancel(reply.run)
                 return
-            asked.run = run = WozRun(self, reply.run, asked.arrives)
+            asked.run = run = WozRun(self, reply.run, asked.arrives, reply.recorded)
             early = self._ends.get(run.id)
             if early is None or not run.on_end(early):
                 self._runs[run.id] = run

@@ -164,6 +164,7 @@ class ClientConnection(asyncio.Protocol):
         on_request: Called with each decoded request.
         on_stop: Called with a stop as soon as it has been received; its answer waits for its turn.
         on_close: Called once when the connection has ended.
+        recorded: Whether every line so far is in the log; each reply says so.
     """
 
     def __init__(
@@ -176,6 +177,7 @@ class ClientConnection(asyncio.Protocol):
         on_request: Callable[[ClientConnection, AnyRequest], None],
         on_stop: Callable[[ClientConnection, AskStop], None],
         on_close: Callable[[ClientConnection, str], None],
+        recorded: Callable[[], bool],
     ) -> None:
         self.name = name
         self.hello: Hello | None = None
@@ -197,6 +199,7 @@ class ClientConnection(asyncio.Protocol):
         self._on_request = on_request
         self._on_stop = on_stop
         self._on_close = on_close
+        self._recorded = recorded
         self._transport: asyncio.Transport | None = None
         self._subscription: Subscription | None = None
         self._rest = bytearray()
@@ -330,6 +333,8 @@ class ClientConnection(asyncio.Protocol):
     def send(self, answer: msgspec.Struct) -> None:
         """An answer to this client alone, after what the stream has already given it."""
         if self._transport is not None:
+            if isinstance(answer, Reply) and not self._recorded():
+                answer = msgspec.structs.replace(answer, recorded=False)
             self._collect()
             self._due.append(codec.encode(answer))
             self._wake()

@@ -63,6 +63,7 @@ from woz_tui.protocol.requests import (
     AskTalk,
     AskTraining,
     AskTrial,
+    AskUnrecorded,
     AskVerb,
     Reply,
 )
@@ -234,6 +235,10 @@ class RequestHandlers:
             case AskProfile(profile=profile, source=source):
                 session.use_profile(profile, source)
                 self.on_panels()
+            case AskUnrecorded():
+                if client.role != "wizard":
+                    raise RequestError("only a wizard can go on without a record")
+                session.record.go_on()
             case AskEnd(reason=reason):
                 session.end_tells = tells
                 self.on_end(reason)
@@ -478,6 +483,14 @@ def _by_a_client(request: AnyRequest) -> AnyRequest:
     return request
 
 
+_UNDONE: dict[type, str] = {
+    AskProfile: "Profile not changed",
+    AskPhase: "Phase not changed",
+    AskUnrecorded: "Not going on without a record",
+    AskEnd: "Session not ended",
+}
+
+
 def _undone(request: AnyRequest) -> str:
     """What is not done if the request is too old: it would let something move, or mean another
     thing by now. Empty: it is done all the same, as are records and whatever takes away.
@@ -485,15 +498,9 @@ def _undone(request: AnyRequest) -> str:
     match request:
         case AskLock(panel=panel, locked=False):
             return f"Panel {panel!r} not unlocked"
-        case AskProfile():
-            return "Profile not changed"
-        case AskPhase():
-            return "Phase not changed"
         case AskMistake(run=""):
             return "Last action not marked as a mistake"
-        case AskEnd():
-            return "Session not ended"
-    return ""
+    return _UNDONE.get(type(request), "")
 
 
 def _refused(client: ClientConnection, request: AnyRequest, error: RequestError) -> Reply:

@@ -178,6 +178,7 @@ class SessionServer:
             on_request=self._request,
             on_stop=self._stop,
             on_close=self._on_close,
+            recorded=self.session.recorder.is_written,
         )
         await asyncio.get_running_loop().connect_accepted_socket(lambda: client, connection)
 

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from woz_tui.system.text_cleaning import elapsed
+
 #: How many places, runs of missing numbers and unknown kinds are named one by one.
 _NAMED = 20
 _SHOWN = 3
@@ -29,6 +31,8 @@ class Damage:
         newer: Schema of the log if it is newer than this version's, otherwise 0.
         dropped: Lines of actions that the recorder could not keep, as it says itself.
         dropped_samples: The same of samples.
+        unwritten: When no folder took the log: since when, until when, and from when on the wizard
+            went on without a record (-1: not), in microseconds of `t`.
         lineless: No line of a session was found at all.
         kinds: The first 20 unknown kinds.
         gaps: The first 20 runs of missing numbers, as (first, last).
@@ -50,6 +54,7 @@ class Damage:
     newer: int = 0
     dropped: int = 0
     dropped_samples: int = 0
+    unwritten: list[tuple[int, int, int]] = field(default_factory=list)
     lineless: bool = False
     kinds: list[str] = field(default_factory=list)
     gaps: list[tuple[int, int]] = field(default_factory=list)
@@ -85,6 +90,10 @@ class Damage:
             (self.dropped_samples, "sample(s) were never written"),
         ]
         found += [f"{count} {what}" for count, what in counts if count]
+        for since, until, waived in sorted(self.unwritten):
+            went_on = f"; from {elapsed(waived)} the wizard went on without a record"
+            span = f"no folder took the log from {elapsed(since)} to {elapsed(until)}"
+            found.append(span + (went_on if waived >= 0 else ""))
         if self.places:
             found.append("first at " + ", ".join(self.places[:_SHOWN]))
         if self.unknown:

@@ -101,9 +101,12 @@ def _lost(chunk: LineChunk, offset: int, damage: Damage) -> None:
 
 def _account(line: LogLine, damage: Damage) -> None:
     """What the recorder says of lines that it could not keep: so far, of the whole session."""
-    if isinstance(line.message, Segment):
-        damage.dropped = max(damage.dropped, line.message.dropped)
-        damage.dropped_samples = max(damage.dropped_samples, line.message.dropped_samples)
+    if isinstance(head := line.message, Segment):
+        damage.dropped = max(damage.dropped, head.dropped)
+        damage.dropped_samples = max(damage.dropped_samples, head.dropped_samples)
+        span = head.unwritten_since, head.t, head.waived_at
+        if head.unwritten_since >= 0 and span not in damage.unwritten:  # a copy says it again
+            damage.unwritten.append(span)
 
 
 def _judge(line: LogLine, damage: Damage) -> None:

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 from woz_tui.log.disk import LogDisk, disk_problem
 from woz_tui.log.file_names import (
@@ -37,7 +38,7 @@ from woz_tui.log.log_segment import (
     at_once,
 )
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import AnyMessage, RecorderState, Segment
+from woz_tui.protocol.messages import AnyMessage, RecorderState, Segment, StopPressed
 from woz_tui.system.clock import Clock, timestamp
 
 WARN_US = 250_000
@@ -103,6 +104,15 @@ class LogHealth:
         self._reported_us = now_us
         self._moved = False
         self.peak_us = 0
+
+
+class UnwrittenSpan(NamedTuple):
+    """Since when no folder takes the log, and from when on the wizard goes on without a record (-1:
+    not), on the axis of `t`.
+    """
+
+    since: int
+    waived_at: int = -1
 
 
 _MOST_NAMES = 10_000
@@ -177,6 +187,7 @@ class FileSeries:
         copied: bool = False,
         next_file: Path | None = None,
         lost: tuple[int, int] = (0, 0),
+        unwritten: UnwrittenSpan | None = None,
     ) -> bytes:
         """The line with which the file `path` begins, or with `next_file` the one with which it
         ends; `lost` counts actions and samples.
@@ -195,6 +206,8 @@ class FileSeries:
                 reason=reason,
                 dropped=lost[0],
                 dropped_samples=lost[1],
+                unwritten_since=unwritten.since if unwritten else -1,
+                waived_at=unwritten.waived_at if unwritten else -1,
             )
         )
 
@@ -203,12 +216,14 @@ class FileSeries:
 MEMORY = (32 << 20, 8 << 20)
 #: The longest that closing may take; a disk that hangs does not hang the exit.
 CLOSE_WAIT_S = 2.0
-#: The longest that one line waits for the next segment, and two pauses of the supervisor thread.
+#: The longest that lines wait for the next segment, and two pauses of the supervisor thread.
 _SWITCH_WAIT_S, _POLL_S, _RETRY_S = 0.05, 0.1, 3.0
 #: The supervisor thread wakes up so much too late only if the whole process did.
 STANDSTILL_S = 0.05
 #: A disk that has not answered for this long is left; the time doubles with every leaving.
 _STALL_US = 10_000_000
+#: Lines that are handed to a new file with one write.
+_LINES_AT_ONCE = 256
 #: How long after a move the state stays `alarm` before it becomes a standing `warn`.
 _MOVE_ALARM_US = 10_000_000
 
@@ -264,6 +279,9 @@ class Recorder:
         self._writable = False
         self._reason = ""
         self._failed = ""
+        #: Until when lines wait for the next segment; since when none has taken them.
+        self._switch_ends_at = 0.0
+        self._unwritten: UnwrittenSpan | None = None
         #: What became of earlier files: why the last one was left, what could not be copied.
         self._move_reason = ""
         self._unrescued = ""
@@ -285,8 +303,9 @@ class Recorder:
     def record(self, message: AnyMessage, line: bytes) -> None:
         """Hand one line, newline included, to the kernel. Never raises, never waits for the disk.
 
-        If the write fails, an action's line waits a moment (at most 50 ms) for the next segment
-        to open, so that it is safe before the robot moves; after that it is held in memory.
+        If a write fails, lines of actions wait a moment (50 ms in all) for the next segment to
+        open, so that they are safe before the robot moves; after that they are held in memory, and
+        `is_written` says so. A stop waits for nothing.
         """
         which = SAMPLES if codec.is_sample(message) else ACTIONS
         with self._lock:
@@ -299,27 +318,69 @@ class Recorder:
                 self._lines += 1
             self._news = self._news or not isinstance(message, RecorderState)
             self._backlogs[which].push(line, now_us)
-            if self._segment is None or not self._writable:
-                return
-            try:
-                self._segment.append(which, line)
-                if which == ACTIONS:
-                    self._segment.wake(self._defer)
-            except OSError as error:
-                self._stop_writing(disk_problem(error))
-                if which == ACTIONS:
-                    self._lock.wait_for(lambda: self._writable or self._failed, _SWITCH_WAIT_S)
+            if self._segment is not None and self._writable:
+                try:
+                    self._segment.append(which, line)
+                    if which == ACTIONS:
+                        self._segment.wake(self._defer)
+                except OSError as error:
+                    self._stop_writing(disk_problem(error))
+            if which == ACTIONS and not self._writable and not self._switched(message):
+                self._unwritten = self._unwritten or UnwrittenSpan(message.t)
+
+    def _switched(self, message: AnyMessage) -> bool:
+        """Wait a moment for the next segment; whether it has taken the message's line. With the
+        lock held.
+        """
+        wait_s = self._switch_ends_at - time.monotonic()
+        if wait_s > 0 and not isinstance(message, StopPressed):
+            self._lock.wait_for(lambda: self._writable or self._failed, wait_s)
+        return self._writable
 
     def _stop_writing(self, reason: str) -> None:
         """The segment takes no more lines. With the lock held."""
         if self._segment is not None:
             self._segment.current = False
-        self._writable = False
+        self._writable, self._failed = False, ""
+        self._switch_ends_at = time.monotonic() + _SWITCH_WAIT_S
         for backlog in self._backlogs:
             backlog.file_failed()
         self._reason = reason
         self._retry_at = 0.0
         self._wake.set()
+
+    def is_written(self) -> bool:
+        """Whether every line of actions so far is with the kernel, so that no crash of the program
+        loses it. Never waits.
+        """
+        return self._writable
+
+    def refusal(self) -> str:
+        """Why nothing may begin now; empty: the log is written, or the wizard goes on without it.
+        Never waits.
+        """
+        if self._writable or self._waived:
+            return ""
+        if failed := self._failed:
+            return f"the log is not written ({failed})"
+        return "the log is just moving to another folder"
+
+    def waive(self, t: int) -> bool:
+        """From the moment `t` on, and until a folder takes the log, it is no reason for a refusal
+        that none does; says whether none does.
+        """
+        with self._lock:
+            if self._writable or not self._failed:
+                return False
+            if not self._waived:
+                since = self._unwritten.since if self._unwritten else t
+                self._unwritten = UnwrittenSpan(since, t)
+            return True
+
+    @property
+    def _waived(self) -> bool:
+        unwritten = self._unwritten
+        return unwritten is not None and unwritten.waived_at >= 0
 
     def digest(self) -> tuple[str, int]:
         """SHA-256 (hex) of all action lines so far, each once and in order, and their number.
@@ -408,6 +469,7 @@ class Recorder:
                 return
             reason = self._reason or self._stalled()
             if self._writable and not reason:
+                self._failed = ""
                 if self._segment and not self._segment.takes_samples:
                     self._retry_at = time.monotonic() + _RETRY_S
                     self._begin_samples()
@@ -455,12 +517,33 @@ class Recorder:
         """A segment in `folder` that holds everything held so far. Raises `OSError`."""
         new = self._series.create(folder, lambda name: self._make(folder, name))
         try:
+            number = self._hand_over(new, reason)
             with self._lock:
-                self._adopt(new, reason)
+                self._adopt(new, reason, number)
         except OSError:
             new.discard()
+            with self._lock:
+                if not self._writable:
+                    self._backlogs[ACTIONS].file_failed()
             raise
         return new
+
+    def _hand_over(self, new: OpenSegment, reason: str) -> int:
+        """What is held by now goes into `new`, up to the line of the number that is returned. It
+        may be megabytes: no key, and no stop, waits for them.
+        """
+        actions = self._backlogs[ACTIONS]
+        with self._lock:
+            lines, number = actions.lines(), actions.last
+            if self._segment is not None:
+                unwritten = self._unwritten if self._failed else None
+                header = self._header(new.path, new.number, reason, self.path, unwritten)
+                lines.insert(0, header)
+        for at in range(0, len(lines), _LINES_AT_ONCE):
+            new.append(ACTIONS, b"".join(lines[at : at + _LINES_AT_ONCE]))
+        with self._lock:
+            actions.file_took(number)
+        return number
 
     def _make(self, folder: Path, name: FileName) -> OpenSegment:
         return OpenSegment(
@@ -473,18 +556,21 @@ class Recorder:
             trouble=self._trouble,
         )
 
-    def _adopt(self, new: OpenSegment, reason: str) -> None:
-        """Everything held goes into `new`, and from now on every line. With the lock held."""
+    def _adopt(self, new: OpenSegment, reason: str, number: int) -> None:
+        """What is held behind the line `number` goes into `new`, too, and from now on every line.
+        With the lock held.
+        """
         old, actions = self._segment, self._backlogs[ACTIONS]
         now_us = self._clock.now_us()
-        lines = b"".join(actions.lines())
-        if old is not None:
-            lines = self._header(new.path, new.number, reason, self.path) + lines
+        lines = b"".join(actions.lines(after=number))
+        if old is None and self._failed and self._unwritten is not None:
+            # Here and not before: a log begins with its own first line.
+            lines += self._header(new.path, new.number, reason, None, self._unwritten)
         if lines:
             new.append(ACTIONS, lines)
         if old is not None:
             old.current = False
-            for backlog in self._backlogs:
+            for backlog in self._backlogs if self._writable else ():
                 backlog.file_failed()
         if old is not None or new.folder != self._series.places[0]:
             self._moved_us, self._move_reason = now_us, reason
@@ -492,6 +578,7 @@ class Recorder:
         self._segment, self.path, self._opened_us = new, new.path, now_us
         self._series.used()
         self._writable, self._reason, self._failed = True, "", ""
+        self._unwritten = None
         actions.file_opened()
         self._begin_samples()
         self._lock.notify_all()
@@ -512,10 +599,23 @@ class Recorder:
         self.samples_path = path
 
     def _header(
-        self, path: Path, number: int, reason: str, previous: Path | None, *, copied: bool = False
+        self,
+        path: Path,
+        number: int,
+        reason: str,
+        previous: Path | None,
+        unwritten: UnwrittenSpan | None = None,
+        *,
+        copied: bool = False,
     ) -> bytes:
         return self._series.header(
-            path, number, reason=reason, previous=previous, copied=copied, lost=self._lost
+            path,
+            number,
+            reason=reason,
+            previous=previous,
+            copied=copied,
+            lost=self._lost,
+            unwritten=unwritten,
         )
 
     def _closing_line(self, old: OpenSegment, new: OpenSegment, reason: str) -> bytes:
@@ -565,9 +665,9 @@ class Recorder:
         return max(actions, samples - round(SAMPLES_EVERY_S * 1e6), 0)
 
     def _floor(self, now_us: int) -> str:
-        if self._failed:
+        if self._failed and not self._writable:
             return "failed"
-        if self._reason or (self._segment and not self._segment.takes_samples):
+        if self._reason or self._failed or (self._segment and not self._segment.takes_samples):
             return "alarm"
         if self._moved_us is None:
             return "ok"
@@ -578,9 +678,16 @@ class Recorder:
         parts, remedy = [], ""
         path = without_home(self.path)
         has_samples = self._segment is None or self._segment.takes_samples
-        if self._failed:
+        if self._failed and self._writable:
+            parts.append(
+                f"{self._reason or 'the disk does not respond'}; no other folder takes the log"
+            )
+            remedy = "free space, or connect the disk again"
+        elif self._failed:
+            goes_on = "; the wizard goes on without a record" if self._waived else ""
             parts.append(
                 f"the log cannot be written to any folder ({self._failed}); it is kept in memory"
+                f"{goes_on}"
             )
             remedy = "free space, or connect the disk again; the log is then written"
         elif self._reason:
@@ -606,6 +713,7 @@ class Recorder:
             path=path,
             detail="; ".join(parts),
             remedy=remedy,
+            waived=self._waived,
         )
 
     def _report(self) -> None:

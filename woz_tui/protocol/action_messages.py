@@ -187,7 +187,8 @@ class TimedOut(End, frozen=True, kw_only=True, tag="command.timed_out"):
 
 class Refused(End, frozen=True, kw_only=True, tag="command.refused"):
     """It never began: `code` is stopped, late, stale, profile, full, busy, faulted, unknown,
-    unwatched, part (another wizard plays it), consent (nobody has given one) or args.
+    unwatched, unrecorded (no folder takes the log), part (another wizard plays it), consent (nobody
+    has given one) or args.
     """
 
     code: str

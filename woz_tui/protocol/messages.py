@@ -202,7 +202,9 @@ class Segment(Message, frozen=True, kw_only=True, tag="segment"):
     `log` is the name all files of the session share, `number` counts its segments from 1,
     `previous` is the file before (relative to this one) and `reason` why it was left; with `copied`
     that file was deleted, and this one has all that was in it. In a last line `next_file` is where
-    the log goes on. `dropped` and `dropped_samples` count the lines that no file holds.
+    the log goes on. `dropped` and `dropped_samples` count the lines that no file holds. With
+    `unwritten_since` no folder took the log from that moment to this line, whose file has what was
+    held in memory; the first file of a log has such a line behind that.
     """
 
     log: str
@@ -214,16 +216,29 @@ class Segment(Message, frozen=True, kw_only=True, tag="segment"):
     reason: str = ""
     dropped: int = 0
     dropped_samples: int = 0
+    unwritten_since: int = -1
+    waived_at: int = -1
 
 
 class RecorderState(Message, frozen=True, kw_only=True, tag="recorder.state"):
-    """How well the log keeps up. `level` is ok, warn (lag >= 250 ms), alarm (>= 1 s) or failed."""
+    """How well the log keeps up. `level` is ok, warn (lag >= 250 ms), alarm (>= 1 s) or failed: no
+    folder takes it, and actions are refused unless the wizard has `waived` the record.
+    """
 
     level: str
     lag_us: int
     path: str
     detail: str = ""
     remedy: str = ""
+    waived: bool = False
+
+
+class RecordWaived(Message, frozen=True, kw_only=True, tag="record.waived"):
+    """While no folder takes the log the wizard goes on without a record: from here on actions are
+    not refused for it. It holds until a folder takes the log. `console`: whose wizard.
+    """
+
+    console: str = ""
 
 
 class Notice(RestrictedMessage, frozen=True, kw_only=True, tag="notice"):
@@ -670,7 +685,7 @@ class ListenerLeft(Message, frozen=True, kw_only=True, tag="listener.left"):
 #: Messages that name the connection (`console`) whose request brought them about.
 NAMES_CONSOLE = (
     *(StopPressed, StopReleased, SessionChanged, PanelLocked, ProfileChanged, PhaseChanged),
-    *(Marker, Note, Mistake, TrialStarted, TrialEnded, BreakStarted, BreakEnded),
+    *(Marker, Note, Mistake, TrialStarted, TrialEnded, BreakStarted, BreakEnded, RecordWaived),
 )
 
 #: Every message that may stand in a log or on the stream.
@@ -682,6 +697,7 @@ AnyMessage = (
     | Checkpoint
     | Segment
     | RecorderState
+    | RecordWaived
     | Notice
     | ActionRequested
     | ActionDone

@@ -273,6 +273,10 @@ class AskPreflight(Request, frozen=True, kw_only=True, tag="preflight"):
     """Run the robot side's checks; the reply's `data` lists them."""
 
 
+class AskUnrecorded(Request, frozen=True, kw_only=True, tag="unrecorded"):
+    """Go on without a record while no folder takes the log; only a wizard may say so."""
+
+
 class AskEnd(Request, frozen=True, kw_only=True, tag="end"):
     """End the session: rest pose, drivers closed, log finished, process gone."""
 
@@ -428,6 +432,7 @@ AnyRequest = (
     | AskPicture
     | AskSound
     | AskTalk
+    | AskUnrecorded
     | Beat
 )
 
@@ -438,7 +443,9 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     `run` names what was started, or what was refused. `reason` says why not, `hint` what would
     help, and `command` which of the console's own keys (its id). `data` carries what the request
     asked for. `ended`: the kind of the message with which the run has ended already, so that nobody
-    waits for it. A client of protocol 1 gets `ok` for a verb that the bus refused, and no `ended`.
+    waits for it. `recorded`: whether every line so far was given to the kernel, so that it is in
+    the log whatever becomes of the robot process. A client of protocol 1 gets `ok` for a verb that
+    the bus refused, and no `ended`.
     """
 
     ref: int
@@ -449,6 +456,7 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     run: str = ""
     data: Json = None
     ended: str = ""
+    recorded: bool = True
 
 
 class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):

@@ -571,12 +571,15 @@ class ActionRunner:
         self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
 
 
+#: Code of a refusal that says what helps -> the console's key for it, if it has one.
+_HELPS = {"full": "queue_empty", "consent": "", "unrecorded": "unrecorded"}
+
+
 def _refusal_of(run: ActionRun) -> RequestError | None:
-    """Why it was refused, and what gives a full queue room or a consent; None: it was not."""
+    """Why it was refused, and what helps; None: it was not."""
     if not isinstance(run.ended, m.ActionRefused):
         return None
-    if run.refused is not None and run.refused.code in ("full", "consent"):
-        command = "queue_empty" if run.refused.code == "full" else ""
+    if run.refused is not None and (command := _HELPS.get(run.refused.code)) is not None:
         return RequestError(run.ended.reason, run.refused.remedy, command=command)
     return RequestError(run.ended.reason)
 
@@ -605,4 +608,6 @@ def _reason(verb: str, end: m.End) -> str:
             return f"not said: {reason}" if verb == "say" else f"not played: {reason}"
         case m.Refused(code="full", reason=reason):
             return f"{reason}: not played"
+        case m.Refused(code="unrecorded", reason=reason):
+            return reason
     return f"{end.driver}: {end.reason}" if end.reason else end.driver

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from woz_tui.config.experiment import Action, Experiment, Profile
 from woz_tui.config.profiles import CONTROL
 from woz_tui.config.session_verbs import BML
+from woz_tui.drivers.robot_verbs import takes_hands_off
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.session.action_runner import CommandRefusal
@@ -67,7 +68,7 @@ class ProfileLimits:
         profile, what = self.current, repr(verb)
         if profile is None or verb in _ALWAYS or verb in profile.verbs:
             return None
-        if verb == "mode" and args.get("mode") == "normal":  # the puppeteer's own stop
+        if takes_hands_off(verb, args):
             return None
         if verb == CONTROL:
             control = args.get(CONTROL)

@@ -21,13 +21,7 @@ from woz_tui.config.experiment import Action, Call, Experiment, Phase
 from woz_tui.config.keys.keymap import actions_on
 from woz_tui.config.session_verbs import BML, BML_VERB
 from woz_tui.drivers.argument_check import ArgumentError, checked
-from woz_tui.drivers.contract import (
-    Ask,
-    Driver,
-    HandInput,
-    Performer,
-    RejectedError,
-)
+from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
@@ -53,6 +47,7 @@ from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.profile_limits import ProfileLimits, lock_on, panel_refusal
 from woz_tui.session.recent_messages import RecentMessages
+from woz_tui.session.record_gate import RecordGate
 from woz_tui.session.repair_control import RepairController
 from woz_tui.session.response_delay import ResponseDelay
 from woz_tui.session.script_control import ScriptController
@@ -113,6 +108,7 @@ class Session:
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
+        self.record = RecordGate(self.hub, self.recorder)
         self.hub.listen(self._on_message)
         self.hub.listen(self.recent.add)
         self.phases = PhaseController(
@@ -197,6 +193,7 @@ class Session:
             },
             motionless=motionless(self.experiment, self.catalogue),
             unstopped=frozenset({ENGAGEMENT}),
+            unrecorded=self.recorder.refusal,
         )
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)
         self.texts = ActionTexts(
@@ -347,8 +344,8 @@ class Session:
         """What to do so that the action can be played, and the console's key for it."""
         if action is None or self.ended:
             return "", ""
-        if lock := self._lock_on(action):
-            return lock.hint, lock.command
+        if closed := self._closed_to_all(action):
+            return closed.hint, closed.command
         belongs = not self.parts.no_action(action, origin)
         return "", ("release" if self.bus.latched else "profile") if belongs else ""
 
@@ -358,16 +355,17 @@ class Session:
         action = self.experiment.action(name)
         if action is None:
             return f"there is no action {name!r}"
-        if lock := self._lock_on(action):
-            return lock.reason
+        if closed := self._closed_to_all(action):
+            return closed.reason
         if reason := self.parts.no_action(action, origin):
             return reason
         if self.bus.latched and not self.engagement.only_informs_model(action):
             return "the stop is pressed"
         return "" if action in self.experiment.repairs else self.profiles.no_action(action)
 
-    def _lock_on(self, action: Action) -> CommandRefusal | None:
-        return lock_on(action, self.locked, self.phases.why_locked(action.panel))
+    def _closed_to_all(self, action: Action) -> CommandRefusal | None:
+        lock = lock_on(action, self.locked, self.phases.why_locked(action.panel))
+        return lock or self.record.no_action(action)
 
     def send(
         self,
@@ -454,7 +452,8 @@ class Session:
     def _no_verb(self, call: Call, origin: RequestOrigin) -> CommandRefusal | None:
         """Why this hand may not send it at the moment; None: it may."""
         return (
-            self.profiles.no_verb(call.verb, call.args)
+            self.record.no_verb(call.verb, call.args)
+            or self.profiles.no_verb(call.verb, call.args)
             or panel_refusal(self.experiment, self.locked, call.verb, call.driver)
             or self.parts.no_verb(call.verb, call.driver, origin)
         )

@@ -32,6 +32,7 @@ OPENERS = {
     "PhasesDialog": "quotation_mark",
     "RobotDialog": "at",
     "MoveDialog": "percent_sign",
+    "UnrecordedDialog": "home",
 }
 
 

@@ -316,6 +316,14 @@ def test_the_recorders_levels(level: str, lag: int, shown: str) -> None:
     assert shown in status(pictured(m.RecorderState(level=level, lag_us=lag, path="x", t=NOW)))
 
 
+def test_going_on_without_a_record_stands_in_the_place_of_recording() -> None:
+    state = m.RecorderState(level="failed", lag_us=0, path="x", waived=True, t=NOW)
+    for width in (60, 80, 120):
+        shown = status(pictured(state), width).splitlines()[0]
+        assert "WITHOUT A RECORD" in shown
+        assert "NOT RECORDED" not in shown
+
+
 def test_a_slow_and_a_stalled_line_are_told() -> None:
     assert "▲ connection 200 ms" in status(pictured(), line=StatusInfo(True, 200_000))
     assert "CONNECTION STALLED" in status(pictured(), line=StatusInfo(False, None))

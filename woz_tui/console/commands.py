@@ -221,6 +221,11 @@ COMMANDS = (
         found=False,
         users=frozenset({"watcher"}),
     ),
+    _row(
+        "unrecorded",
+        opens("screens.unrecorded:UnrecordedDialog"),
+        hint=KeyHint(-1, "go on without a record", lambda state: state.unrecorded),
+    ),
     _row("failures", calls("screens.failures:open_failures"), once=True, users=EVERYBODY),
     _row("events", lambda app: app.filter_events(), opens=False, users=EVERYBODY),
     _row(

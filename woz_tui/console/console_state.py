@@ -550,6 +550,12 @@ class ConsoleState:
         return bool(self.perception or self.settings.study.blind)
 
     @property
+    def unrecorded(self) -> bool:
+        """Whether actions are refused because no folder takes the log."""
+        recorder = self.session.recorder
+        return recorder is not None and recorder.level == "failed" and not recorder.waived
+
+    @property
     def nobody_plays(self) -> bool:
         """Whether this console watches and no other one plays the robot, or this one's part."""
         watches = self.role == "watcher" and not self.lost and not self.ended

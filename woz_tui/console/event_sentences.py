@@ -267,10 +267,15 @@ def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None
         return None
     mark = "warning" if message.level == "warn" else "error"
     if message.level == "failed":
-        return EventLine(mark, "Log is not written", message.detail)
+        what = "Log is not written" if message.waived else "Log is not written: actions are refused"
+        return EventLine(mark, what, message.detail)
     if message.detail:
         return EventLine(mark, f"Log: {message.detail}", message.remedy)
     return EventLine(mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
+
+
+def _waived(message: m.RecordWaived, shown: EventContext) -> EventLine:
+    return EventLine("warning", "Going on without a record", _other(message.console, shown))
 
 
 def _notice(message: m.Notice, shown: EventContext) -> EventLine:
@@ -467,6 +472,7 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.ActionRefused: _action_end,
     m.SessionChanged: _session,
     m.RecorderState: _recorder,
+    m.RecordWaived: _waived,
     m.Notice: _notice,
     m.StopPressed: _stop,
     m.StopReleased: _released,

@@ -177,9 +177,14 @@ def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:
         "ok": ((f"{glyphs.yes} Recording", "good"), *figure),
         "warn": ((f"{glyphs.warning} Recording {lag} late", "warn"),),
         "alarm": ((f" {glyphs.error} RECORDING {_alarm(recorder.lag_us)} ", "alarm"),),
-        "failed": ((f" {glyphs.error} NOT RECORDED ", "alarm"),),
+        "failed": ((f" {glyphs.error} {_unrecorded(recorder.waived)} ", "alarm"),),
     }
     return levels.get(recorder.level, ((f"{glyphs.no} Not recording yet", "muted"),))
+
+
+def _unrecorded(waived: bool) -> str:
+    """No folder takes the log: everything is refused, or the wizard goes on all the same."""
+    return "WITHOUT A RECORD" if waived else "NOT RECORDED"
 
 
 def _log(state: ConsoleState, glyphs: Glyphs) -> Row:

@@ -1,0 +1,66 @@
+"""What the wizard sees while no folder takes the log, and how she goes on all the same."""
+
+from __future__ import annotations
+
+from tests.console import scenes
+from tests.console.driving import sitting
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+
+NOW = scenes.NOW
+DETAIL = "the log cannot be written to any folder (~/rec: the disk is full)"
+FAILED = m.RecorderState(
+    level="failed", lag_us=0, path="x", detail=DETAIL, remedy="free space", t=NOW
+)
+WAIVED = m.RecorderState(
+    level="failed", lag_us=0, path="x", detail=DETAIL, remedy="free space", waived=True, t=NOW
+)
+
+
+async def test_she_reads_why_and_goes_on_with_a_key_and_enter() -> None:
+    async with sitting(scenes.welcome(), size=(160, 50)) as seat:
+        await seat.tell(FAILED)
+        assert "NOT RECORDED" in seat.text("StatusLines")
+        assert "actions are refused" in seat.drawn()
+        assert "Home go on without a record" in seat.text("StopBar")
+        await seat.press("home")
+        assert "the disk is full" in seat.drawn()
+        assert "free space" in seat.drawn()
+        assert not [asked for asked in seat.feed.asked if isinstance(asked, r.AskUnrecorded)]
+        await seat.press("enter")
+        assert isinstance(seat.feed.asked[-1], r.AskUnrecorded)
+        await seat.tell(m.RecordWaived(t=NOW), WAIVED)
+        assert "WITHOUT A RECORD" in seat.text("StatusLines")
+        assert "Going on without a record" in seat.drawn()
+        assert "Home go on" not in seat.text("StopBar")
+
+
+async def test_a_refusal_names_the_key() -> None:
+    async with sitting(scenes.welcome()) as seat:
+        await seat.tell(
+            FAILED,
+            r.Reply(
+                ref=1,
+                ok=False,
+                reason="the log is not written",
+                hint="go on without a record",
+                command="unrecorded",
+            ),
+        )
+        assert "press Home to go on without a record" in seat.drawn()
+
+
+async def test_there_is_nothing_to_go_on_without_while_the_log_is_written() -> None:
+    async with sitting(scenes.welcome()) as seat:
+        await seat.press("home")
+        assert "The log is written" in seat.drawn()
+        await seat.press("enter")
+        assert not [asked for asked in seat.feed.asked if isinstance(asked, r.AskUnrecorded)]
+
+
+async def test_an_open_question_follows_the_log() -> None:
+    async with sitting(scenes.welcome()) as seat:
+        await seat.tell(FAILED)
+        await seat.press("home")
+        await seat.tell(m.RecorderState(level="warn", lag_us=0, path="x", t=NOW))
+        assert "The log is written" in seat.drawn()

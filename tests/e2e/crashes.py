@@ -8,10 +8,14 @@ from __future__ import annotations
 import argparse
 import contextlib
 import functools
+import itertools
 import random
+import resource
 import sys
 import threading
 from dataclasses import dataclass, field
+
+import psutil
 
 from tests.e2e.lab import Lab, Log, until
 from tests.e2e.program import Program
@@ -29,9 +33,11 @@ panels:
       - {name: both, steps: [{eyes: red}, {emotion: happy, volume: 0.3}]}
 """
 ACTIONS = ("say", "nod", "mark", "both")
-#: The most that is acknowledged before a robot process is killed, and the longest that it lives
-#: after that, in seconds: so it dies in the middle of whatever it does.
+#: The most that is asked before a robot process is killed, and the longest that it lives after
+#: that, in seconds: so it dies in the middle of whatever it does.
 MOST, LIFE_S = 30, 0.05
+#: The longest that a file may become once all disks are full, in bytes.
+FULL = (64, resource.RLIM_INFINITY)
 
 
 @dataclass
@@ -40,13 +46,17 @@ class Found:
 
     rounds: int = 0
     acknowledged: int = 0
+    lost: int = 0
+    refused: int = 0
     lines: int = 0
     torn: int = 0
     complaints: list[str] = field(default_factory=list)
 
 
-def run(lab: Lab, rounds: int, seed: int) -> Found:
-    """Crash `rounds` robot processes, each at another random moment."""
+def run(lab: Lab, rounds: int, seed: int, *, full: bool = False) -> Found:
+    """Crash `rounds` robot processes, each at another random moment. `full`: at another one, before
+    that, no folder takes anything any more.
+    """
     dice = random.Random(seed)
     experiment = lab.file("crashes.yaml", EXPERIMENT)
     found = Found()
@@ -58,14 +68,19 @@ def run(lab: Lab, rounds: int, seed: int) -> Found:
         until(functools.partial(answers, path), "a robot process")
         acknowledged: list[str] = []
         enough = dice.randrange(1, MOST)
+        fills = dice.randrange(enough) if full else -1
         killer = threading.Timer(dice.uniform(0.0, LIFE_S), process.kill)
         with Program(path) as program, contextlib.suppress(OSError):  # it is dead
-            while True:
-                reply = program.ask("action", action=dice.choice(ACTIONS))
-                if reply["ok"]:
-                    acknowledged.append(str(reply["run"]))
-                if len(acknowledged) == enough and not killer.ident:
+            for asked in itertools.count():
+                if asked == fills:
+                    psutil.Process(process.pid).rlimit(resource.RLIMIT_FSIZE, FULL)
+                if asked == enough:
                     killer.start()
+                reply = program.ask("action", action=dice.choice(ACTIONS))
+                if not reply["ok"]:
+                    found.refused += 1
+                elif reply.get("recorded", True):
+                    acknowledged.append(str(reply["run"]))
         if killer.ident:
             killer.join()
         else:
@@ -87,6 +102,7 @@ def _judge(lab: Lab, session: str, acknowledged: list[str], found: Found) -> Non
     lost = [run for run in acknowledged if run not in requested]
     found.rounds += 1
     found.acknowledged += len(acknowledged)
+    found.lost += len(lost)
     found.lines += len(lines)
     found.torn += damage.torn
     if lost:
@@ -105,12 +121,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=200)
     parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--full", action="store_true", help="fill all disks before")
     options = parser.parse_args()
     with Lab() as lab:
-        found = run(lab, options.rounds, options.seed)
+        found = run(lab, options.rounds, options.seed, full=options.full)
     sys.stdout.write(
         f"{found.rounds} robot processes killed: {found.acknowledged} acknowledged actions,"
-        f" {found.lines} lines, {found.torn} torn at the end, {len(found.complaints)} complaints\n"
+        f" {found.lost} of them not in the log, {found.refused} refused, {found.lines} lines,"
+        f" {found.torn} torn at the end, {len(found.complaints)} complaints\n"
     )
     sys.stdout.writelines(f"{complaint}\n" for complaint in found.complaints)
     return 1 if found.complaints else 0

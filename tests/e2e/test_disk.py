@@ -12,6 +12,7 @@ from woz_tui.log import log_reader
 
 pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
+HOME = "\x1b[H"
 FREE = (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
 
 
@@ -60,3 +61,44 @@ def test_full_disk(lab: Lab) -> None:
     assert played == ["Hello", "Nod", "Hello", "Hello"]
     (last, *_) = sorted(spill.glob("*.jsonl"))
     assert [line.raw for line in log_reader.read(last)] == [line.raw for line in lines]
+
+
+def test_no_folder_takes_the_log(lab: Lab) -> None:
+    """Nothing is played that is not recorded, until the wizard says so on her screen."""
+    spill = lab.folder / "spill"
+    terminal = lab.run(lab.file("guide.yaml", scenes.guide()), "--spill", str(spill), columns=120)
+    log = lab.log
+    terminal.send("h")
+    log.wait("action.done")
+    host = lab.host_process()
+    host.rlimit(resource.RLIMIT_FSIZE, (64, resource.RLIM_INFINITY))
+    terminal.send("n")
+    terminal.wait_text("Home go on without a record")
+    terminal.wait_for(lambda text: "NOT RECORDED" in text.split("\n")[0])
+    terminal.send("n")
+    terminal.wait_text("press Home to go on without a record")
+    terminal.send(HOME)
+    terminal.wait_text("Until then actions are refused. The stop is not.")
+    terminal.send("\r")
+    terminal.wait_for(lambda text: "WITHOUT A RECORD" in text.split("\n")[0])
+    terminal.send("n")
+    terminal.wait_text("✓ Nod")
+    terminal.send("\x1b")
+    terminal.wait_text("STOPPED")
+    host.rlimit(resource.RLIMIT_FSIZE, FREE)
+    terminal.wait_for(lambda text: "RECORDING TROUBLE" in text.split("\n")[0])
+    end_session(terminal)
+    assert terminal.wait_exit() == 0
+
+    damage = log_reader.Damage()
+    lines = list(log_reader.read(log.path, damage, places=[spill]))
+    assert [line.seq for line in lines] == list(range(len(lines)))
+    told = [line for line in lines if line.kind in ("action.refused", "record.waived")]
+    assert [line.kind for line in told] == ["action.refused", "action.refused", "record.waived"]
+    later = [line for line in lines if line.seq > told[-1].seq]
+    assert [line.fields["action"] for line in later if line.kind == "action.requested"] == ["Nod"]
+    (said,) = damage.sentences()
+    assert "no folder took the log from" in said
+    assert "the wizard went on without a record" in said
+    report = lab.woz("report", str(log.path))
+    assert said in " ".join(report.communicate()[0].decode().split())

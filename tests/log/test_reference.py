@@ -44,4 +44,4 @@ def test_the_examples_run(
     assert (folder / f"{STEM}.jsonl").exists()
     monkeypatch.chdir(tmp_path)
     exec(code, {})
-    assert "whole" in (out := capsys.readouterr().out) or "c1 0.223 ms" in out
+    assert "whole" in (out := capsys.readouterr().out) or "c00001 1.9 ms" in out

@@ -27,7 +27,7 @@ GOLDEN = Path(__file__).parent / "golden"
 BEGIN = datetime(2026, 3, 1, 10, 0, 0, tzinfo=UTC)
 SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 
-_MESSAGES: tuple[m.AnyMessage, ...] = (
+MESSAGES: tuple[m.AnyMessage, ...] = (
     m.SessionStart(
         session="S01",
         participant="P07",
@@ -103,15 +103,21 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         duration_us=1_462_000,
     ),
     m.ActionDone(run="a00001", action="Hello"),
+    m.Command(command="c00002", verb="gaze", args={"yaw": 10.0}, driver="head", source="key"),
+    m.Command(command="c00003", verb="gaze", args={"yaw": 12.0}, driver="head", source="key"),
     m.Superseded(command="c00002", driver="head", by="c00003", reason="a newer setpoint"),
     m.TimedOut(command="c00003", driver="head", reason="still running after 30 s"),
     m.LaneFaulted(driver="head", lane="body", command="c00003"),
     m.LaneRecovered(driver="head", lane="body"),
+    m.ActionRequested(run="a00003", action="Nod", source="script"),
+    m.Command(command="c00004", run="a00003", verb="home", args={}, driver="head", source="script"),
     m.Failed(
         command="c00004", driver="head", reason="servo 3 overheated", remedy="let it cool down"
     ),
     m.ActionFailed(run="a00003", action="Nod", reason="c00004: servo 3 overheated"),
+    m.Command(command="c00005", verb="drive", args={"x": 1.0}, driver="base", source="program"),
     m.Refused(command="c00005", driver="base", code="late", reason="it waited 10 s in the queue"),
+    m.ActionRequested(run="a00004", action="Map", source="key", key="m"),
     m.ActionRefused(run="a00004", action="Map", reason="the panel 'Places' is locked"),
     m.DriverLost(driver="head", detail="the port vanished", remedy="plug the cable in"),
     m.DriverFaulted(driver="head", detail="servo 3: overheated", remedy="let it cool down"),
@@ -204,6 +210,9 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.PanelLocked(panel="Whales", locked=True, source="phase"),
     m.ProfileChanged(profile="child", source="palette"),
     m.ExperimentReloaded(experiment_sha256=SHA, changes=["Speech: 'Bye' is new"]),
+    m.ActionRequested(run="a00006", action="Map", source="key", key="m"),
+    m.ActionRequested(run="a00005", action="Bye", source="key", key="b"),
+    m.Command(command="c00006", run="a00005", verb="say", args={}, driver="voice", source="key"),
     m.StopPressed(source="key", pressed=1_000_000),
     m.Stopped(command="c00006", driver="voice", reason="stop pressed"),
     m.ActionStopped(run="a00005", action="Bye", reason="stop pressed"),
@@ -312,6 +321,8 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         unwritten_since=90_000_000,
         waived_at=91_000_000,
     ),
+    m.Done(command="c00013", driver="voice", sent={}, latency_us=2_100, duration_us=1_800_000),
+    m.Reading(sensor="loudness", value=0.25, driver="ears"),
 )
 
 _PANELS = [
@@ -420,7 +431,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
 
 def messages() -> list[m.AnyMessage]:
     """The session's messages as the hub would have stamped them, 250 ms apart."""
-    return [_stamped(number, message) for number, message in enumerate(_MESSAGES)]
+    return [_stamped(number, message) for number, message in enumerate(MESSAGES)]
 
 
 def _stamped(number: int, message: m.AnyMessage) -> m.AnyMessage:

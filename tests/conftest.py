@@ -35,7 +35,6 @@ def pytest_collection_finish() -> None:
     """Thousands of collected tests live to the end: nobody looks for garbage among them, which
     would make every thread of a test wait.
     """
-    gc.collect()
     gc.freeze()
     gc.enable()
 

@@ -1,4 +1,4 @@
-"""One browser for each file of tests, one page for each kind of session."""
+"""One browser for all of these tests, one page for each kind of session."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.analysis.html.sessions import hostile, ordinary
 from woz_tui.analysis.html.report_page import write
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
     with browser(tmp_path_factory.mktemp("profile")) as opened:
         yield opened

@@ -111,16 +111,6 @@ def test_every_room_is_known_here() -> None:
     assert found == set(ROOMS)
 
 
-def test_no_file_is_too_long_to_have_one_purpose() -> None:
-    assert len(SOURCES) > 100
-    long = {
-        str(path.relative_to(ROOT)): lines
-        for path in SOURCES
-        if (lines := len(path.read_text().splitlines())) > 800
-    }
-    assert long == {}
-
-
 def test_no_name_that_could_stand_for_anything() -> None:
     vague = [
         str(path.relative_to(ROOT))

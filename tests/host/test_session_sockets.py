@@ -10,9 +10,12 @@ from pathlib import Path
 import pytest
 
 from tests.host.rig import Peer, Served, served
+from woz_tui.cli import main
+from woz_tui.cli.session_choice import find_session
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.problems import ProblemReport
 from woz_tui.drivers.plugins import PluginError
+from woz_tui.system import session_sockets
 from woz_tui.system.session_sockets import SessionSocketError, answers, bind, folder, inode
 
 
@@ -185,3 +188,38 @@ def test_what_is_no_socket_in_its_place_is_left_there(
     assert str(place) in str(caught.value)
     assert "WOZ_SOCKET" in str(caught.value)
     assert inode(place) is not None
+
+
+@pytest.mark.parametrize(
+    "name", ["../../X", "x/y", "/X", "..", ".X", "", "a\nb", "a\0b", "a\x1b[2J"]
+)
+def test_no_name_leads_out_of_the_folder(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    name: str,
+) -> None:
+    monkeypatch.delenv("WOZ_SOCKET", raising=False)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path / "run" / "user"))
+    (tmp_path / "run" / "user").mkdir(parents=True)
+    with pytest.raises(SessionSocketError, match="cannot be called"):
+        session_sockets.socket_path(name)
+    if name and "\0" not in name:
+        demo = str(Path(__file__).parents[2] / "experiments" / "demo.yaml")
+        logs = str(tmp_path / "recordings")
+        assert main(["host", demo, "--name", name, "--recordings", logs]) != 0
+        assert "cannot be called" in capsys.readouterr().err
+    if name and "/" not in name and "\0" not in name:
+        assert find_session(name, "woz listen") is None
+        assert "cannot be called" in capsys.readouterr().err
+    assert [path for path in tmp_path.rglob("*") if not path.is_dir()] in (
+        [],
+        [tmp_path / "run" / "user" / "woz" / "starting.lock"],
+    )
+
+
+@pytest.mark.parametrize("name", ["S07", "Übung 3", "a.b", "S07@robot.local-2"])
+def test_other_names_are_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.delenv("WOZ_SOCKET", raising=False)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    assert session_sockets.socket_path(name) == tmp_path / "woz" / f"{name}.sock"

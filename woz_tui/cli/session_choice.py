@@ -93,12 +93,16 @@ def find_session(name: str, command: str, options: str = "") -> Path | None:
     """The socket of the session `name`, or of the only one; None after printing why there is none.
     `command` is what is proposed to be typed with a name, and `options` behind it.
     """
-    if name:
-        socket = Path(name) if "/" in name else session_sockets.socket_path(name)
-        if session_sockets.answers(socket):
-            return socket
-        print(f"woz: no session is running at {socket}", file=sys.stderr)
-    running = session_sockets.running()
+    try:
+        if name:
+            socket = Path(name) if "/" in name else session_sockets.socket_path(name)
+            if session_sockets.answers(socket):
+                return socket
+            print(f"woz: no session is running at {socket}", file=sys.stderr)
+        running = session_sockets.running()
+    except session_sockets.SessionSocketError as error:
+        print(f"woz: {error}", file=sys.stderr)
+        return None
     if not name and len(running) == 1:
         return running[0]
     if running:

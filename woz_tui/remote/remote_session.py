@@ -246,7 +246,10 @@ class RemoteSession:
         before = None
         for number in itertools.count(1):
             more = f"-{number}" if number > 1 else ""
-            path = session_sockets.socket_path(f"{session}@{word}{more}")
+            try:
+                path = session_sockets.socket_path(f"{session}@{word}{more}")
+            except session_sockets.SessionSocketError as error:  # the other machine says its name
+                raise RemoteSessionError(str(error), final=True) from error
             if not session_sockets.answers(path):
                 return path
             if path == before:

@@ -56,7 +56,15 @@ def folder() -> Path:
 
 
 def socket_path(name: str) -> Path:
-    """The socket of the session called `name`; `$WOZ_SOCKET` overrides it."""
+    """The socket of the session called `name`; `$WOZ_SOCKET` overrides it.
+
+    Raises `SessionSocketError` if nothing can be called so, or the path is too long.
+    """
+    if not name.isprintable() or "/" in name or name.startswith(".") or not name:
+        raise SessionSocketError(
+            f"a session cannot be called {name!r}: its name is one of a file, without / and without"
+            " a dot in front, such as S07"
+        )
     override = os.environ.get("WOZ_SOCKET", "")
     path = Path(override) if override else folder() / f"{name}.sock"
     if len(os.fsencode(path)) > MAX_PATH:

@@ -31,6 +31,8 @@ def test_a_name_gets_a_file_stands_in_the_list_and_loses_its_access(
     assert cli.main(["access", "revoke", "anna"]) == 0
     cli.main(["access", "list"])
     assert "revoked" in capsys.readouterr().out
+    assert cli.main(["access", "revoke", "anna"]) == 1
+    assert "anna has no access any more" in capsys.readouterr().err
 
 
 def test_what_is_told_to_type_is_let_in(capsys: pytest.CaptureFixture[str]) -> None:
@@ -53,7 +55,7 @@ def test_what_is_told_to_type_is_let_in(capsys: pytest.CaptureFixture[str]) -> N
     [
         (["new", "a b"], "is no name"),
         (["new", "there"], "exists"),
-        (["revoke", "nobody"], "no access"),
+        (["revoke", "nobody"], "nobody was never given access"),
     ],
 )
 def test_what_cannot_be_done_is_told_and_changes_nothing(

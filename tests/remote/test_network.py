@@ -115,9 +115,18 @@ def _revoked(two: Machines) -> AccessFile:
     return access
 
 
+def _not_listed(two: Machines) -> AccessFile:
+    """The list was removed, as a damaged one has to be, and others have been let in since."""
+    access = two.access("kim", "wizard")
+    (two.authority.place / "names.json").unlink()
+    two.access("anna", "wizard")
+    return access
+
+
 STRANGERS: Mapping[str, tuple[Callable[[Machines], AccessFile], str]] = {
     "no role": (lambda two: two.access("carl", None), "carl has no role"),
-    "revoked": (_revoked, "revoked"),
+    "revoked": (_revoked, "the certificate of eve was revoked"),
+    "not listed": (_not_listed, "the robot does not know this certificate of kim"),
     "expired": (lambda two: two.access("old", "wizard", days=-1), ""),
     "of another authority": (_no_certificate, ""),
 }

@@ -90,7 +90,10 @@ def _list(_: Namespace) -> int:
 
 
 def _revoke(arguments: Namespace) -> int:
-    if not Authority().revoke(arguments.name):
-        raise AccessError(f"{arguments.name} has no access; see `woz access list`")
+    authority = Authority()
+    if not authority.revoke(arguments.name):
+        known = any(each.name == arguments.name for each in authority.names())
+        why = "has no access any more" if known else "was never given access"
+        raise AccessError(f"{arguments.name} {why}; see `woz access list`")
     print(f"{arguments.name} has no access any more; whoever is connected so is cut off.")
     return 0

@@ -127,6 +127,18 @@ class Authority:
         living = (each.name for each in self.names() if each.serial == serial and not each.revoked)
         return next(living, "")
 
+    def why_not(self, name: str, serial: str) -> str:
+        """Why a certificate of this authority with this name is not in the list, or not any more.
+        Only who has it is told.
+        """
+        serial = f"{int(serial, 16):x}"
+        if any(each.serial == serial and each.name == name for each in self.names()):
+            return f"the certificate of {name} was revoked"
+        return (
+            f"the robot does not know this certificate of {name}: `woz access new {name}` on the"
+            " robot makes another access file"
+        )
+
     def new(self, name: str, days: int, address: str, target: Path) -> IssuedName:
         """Give `name` a certificate for so many days and write its access file, mode 0600.
 

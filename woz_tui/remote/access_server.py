@@ -224,7 +224,7 @@ class AccessServer:
             name, serial = subject["commonName"], certificate["serialNumber"]
             try:
                 if self._authority.name_of(serial) != name:
-                    raise StrangerError(f"the certificate of {name} was revoked")
+                    raise StrangerError(self._authority.why_not(name, serial))
             except AccessError as error:
                 raise StrangerError(str(error)) from error
         role = self.roles.get(name, "")

@@ -248,9 +248,12 @@ def wav(pcm: bytes, rate: int = RATE, channels: int = 1) -> bytes:
 
 @pytest.fixture
 def late(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A voice that comes late is taken all the same: a busy machine may be slow."""
+    """A voice that comes late is taken all the same, and whole from its beginning: a busy machine
+    may be slow.
+    """
     monkeypatch.setattr("woz_tui.host.sound_service.LATE_S", 60.0)
-    monkeypatch.setattr("woz_tui.drivers.sound_feeds.HELD_S", 60.0)
+    for limit in ("HELD_S", "FRESH_S"):
+        monkeypatch.setattr(f"woz_tui.drivers.sound_feeds.{limit}", 60.0)
 
 
 @pytest.mark.usefixtures("late")
@@ -271,10 +274,9 @@ async def test_a_voice_from_standard_input(bench: Bench, header: bool) -> None:
 
 
 async def test_that_it_is_switched_off_is_told(bench: Bench) -> None:
-    loudspeaker(bench.host)
+    reader = loudspeaker(bench.host)
     running = await bench.woz("talk", stdin=PIPE)
-    assert running.stdin is not None
-    running.stdin.write(WORD)
+    await say(running, WORD, reader)
     assert "talk" in await line_with(running, "off")
 
 

@@ -59,8 +59,8 @@ def original(lab: Lab, servos: Servos) -> Log:
         for pose in POSES:
             _done(program, log, "verb", verb="pose", args={"joints": {**pose}, "seconds": 0.4})
         begin = len(servos.journal)
-        # So slowly that half a second more or less on a crowded machine is a few degrees.
-        slowly = {"joints": {"pan": -50, "tilt": 20, "roll": 10}, "seconds": 8}
+        # So slowly that a second more or less on a crowded machine is a few degrees.
+        slowly = {"joints": {"pan": -50, "tilt": 20, "roll": 10}, "seconds": 16}
         assert program.ask("verb", verb="pose", args=slowly)["ok"]
         until(lambda: _pan(servos, begin) < 8 or log.lines("command.failed"), "the head on its way")
         assert not log.lines("command.failed"), [line.raw for line in log.lines()[-8:]]

@@ -150,7 +150,7 @@ async def test_a_broker_that_reads_no_more_is_left() -> None:
         for _ in range(400):  # 25 MB: more than the kernel takes
             connection.send("/topic/a", 65536 * "x")
             await asyncio.sleep(0)
-        await asyncio.wait([reading], timeout=1.0)
+        await asyncio.wait([reading], timeout=PATIENCE_S)
         assert reading.done()
         with pytest.raises(StompError):
             await reading

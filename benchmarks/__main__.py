@@ -30,6 +30,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "bml_timing": ("on the simulated robot", "on EyePi", "bare timer", "words begin", "strokes"),
     "blob": ("20 x 15 rgb24, a ball", "160 x 120 rgb24, noise", "of a core"),
     "screen_bytes": ("calm 80x24", "demo 80x24", "load 80x24"),
+    "loop_watchdog": ("of a processor", "goal"),
     "motion_rate": ("robot process", "in the console's process", "bare loop"),
     "engagement_sample": ("bare queues", "the model, joint", "lines, fifo"),
     "report": ("json.loads on every line", "woz report --csv", "woz methods"),

@@ -145,6 +145,7 @@ def test_a_process_that_stood_still_reads_once_more_before_a_stop_is_missing(
     assert [name for name in first.confirmed if name == "head"] == confirmed
 
 
+@pytest.mark.safety
 def test_a_stop_counts_from_its_key_and_not_from_when_the_loop_came_to_it() -> None:
     async def scenario(rig: Rig) -> None:
         stand_still(after=1, seconds=4)
@@ -165,6 +166,7 @@ def test_a_stop_counts_from_its_key_and_not_from_when_the_loop_came_to_it() -> N
     assert not second.late
 
 
+@pytest.mark.safety
 @pytest.mark.parametrize(("blocks", "confirmed"), [(0.3, ["head", "base"]), (2.0, ["base"])])
 def test_a_stop_that_blocks_longer_than_promised_is_not_confirmed(
     blocks: float, confirmed: list[str]

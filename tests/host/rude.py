@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import asyncio
+import ctypes
 import sys
 import threading
 import time
@@ -70,7 +71,16 @@ class Rude(PassiveDriver):
                 await asyncio.sleep(3600)
             except asyncio.CancelledError:
                 continue
+        if self._rudeness == "blocks in say":
+            time.sleep(3)  # noqa: ASYNC251 - that is the rudeness
+        if self._rudeness == "keeps the interpreter":
+            ctypes.PyDLL(None).usleep(1_500_000)
+        if self._rudeness == "blocks in a timer":
+            asyncio.get_running_loop().call_later(0.1, self._block)
         return {}
+
+    def _block(self) -> None:
+        time.sleep(1)
 
     async def close(self) -> None:
         if self._rudeness == "blocks":

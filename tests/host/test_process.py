@@ -103,6 +103,17 @@ class RobotProcess:
     def ended(self) -> int:
         return self.process.wait(WAIT_S)
 
+    def logged(self, kind: str, **fields: str) -> dict[str, Any]:
+        """The first line of a kind in its log that has these values."""
+        until = time.monotonic() + WAIT_S
+        while time.monotonic() < until:
+            with contextlib.suppress(json.JSONDecodeError):  # half a line
+                for line in self.log():
+                    if fields.items() <= line.items() and line["kind"] == kind:
+                        return line
+            time.sleep(0.02)
+        raise AssertionError(f"no {kind} in its log")
+
     def log(self) -> list[dict[str, Any]]:
         """The lines of its log."""
         (path,) = (
@@ -167,6 +178,40 @@ def test_a_driver_that_blocks_the_end_does_not_keep_the_process(tmp_path: Path) 
         host.process.send_signal(signal.SIGTERM)
         assert host.ended() == 1
         assert "a driver does not stop" in log.read_text()
+
+
+@pytest.mark.parametrize(
+    ("rudeness", "call", "code", "seconds"),
+    [
+        ("blocks in say", "perform say", "in perform: time.sleep(3)", 3),
+        ("keeps the interpreter", "perform say", "in perform: ctypes.PyDLL(None).usleep", 1),
+        ("blocks in a timer", "", "in _block: time.sleep(1)", 1),
+    ],
+)
+def test_who_holds_up_the_process_is_named_with_call_and_line_of_code(
+    tmp_path: Path, rudeness: str, call: str, code: str, seconds: int
+) -> None:
+    with robot(tmp_path, rudeness) as host:
+        own_log = Path(host.announced()["host_log"])
+        host.ask('{"kind":"verb","verb":"say","args":{"text":"x"},"ref":1}')
+        stalled = host.logged("process.stalled", driver="voice")
+        assert stalled.get("call", "") == call
+        assert stalled["place"].startswith("rude.py:")
+        assert code in stalled["place"]
+        assert stalled["cause"] == "blocked"
+        assert stalled["duration_us"] >= (seconds - 0.2) * 1e6
+        text = own_log.read_text()
+        assert "voice held up the robot process for" in text
+        assert ("and still does" in text) == (rudeness == "blocks in say")
+
+
+def test_a_process_that_was_stopped_blames_no_driver(tmp_path: Path) -> None:
+    with robot(tmp_path) as host:
+        host.announced()
+        host.process.send_signal(signal.SIGSTOP)
+        time.sleep(1)  # so long it stands still
+        host.process.send_signal(signal.SIGCONT)
+        assert "driver" not in host.logged("process.stalled", cause="stopped")
 
 
 @pytest.mark.safety

@@ -323,6 +323,13 @@ MESSAGES: tuple[m.AnyMessage, ...] = (
     ),
     m.Done(command="c00013", driver="voice", sent={}, latency_us=2_100, duration_us=1_800_000),
     m.Reading(sensor="loudness", value=0.25, driver="ears"),
+    m.ProcessStalled(
+        driver="voice",
+        call="perform say",
+        place="driver.py:12 in perform: time.sleep(4)",
+        duration_us=4_000_000,
+        cause="blocked",
+    ),
 )
 
 _PANELS = [

@@ -462,6 +462,17 @@ def _listener(message: m.ListenerJoined | m.ListenerLeft, shown: EventContext) -
     return EventLine("info", what, f"after {seconds:.1f} s, {lost:.2f} s of it dropped")
 
 
+def _stalled(message: m.ProcessStalled, shown: EventContext) -> EventLine:
+    seconds = f"for {message.duration_us / 1e6:.1f} s"
+    if message.cause == "starved":
+        return EventLine("warning", f"Robot process got no processor time {seconds}")
+    if message.cause == "stopped":
+        return EventLine("warning", f"Robot process was stopped {seconds}")
+    where = ", ".join(filter(None, (message.call, message.place)))
+    who = shown.short_names.get(message.driver, message.driver) or "something"
+    return EventLine("warning", f"{who} held up the robot process {seconds}", where)
+
+
 SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {
     m.ActionRequested: _requested,
     m.Command: _command,
@@ -494,6 +505,7 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.ConsoleLost: _lost,
     m.ListenerJoined: _listener,
     m.ListenerLeft: _listener,
+    m.ProcessStalled: _stalled,
 }
 #: What machines tell of themselves, in events that are no faults.
 _OF_MACHINES = frozenset(
@@ -501,6 +513,6 @@ _OF_MACHINES = frozenset(
         *(m.RecorderState, m.Notice, m.DriverConnecting, m.DriverConnected, m.DriverLost),
         *(m.DriverFaulted, m.LaneFaulted, m.LaneRecovered, m.SensorChanged, m.ModeChanged),
         *(m.EngagementChanged, m.StopConfirmed, m.ConsoleAttached, m.ConsoleLost),
-        *(m.ListenerJoined, m.ListenerLeft),
+        *(m.ListenerJoined, m.ListenerLeft, m.ProcessStalled),
     }
 )

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import Catalogue, installed
+from woz_tui.host.loop_watchdog import LoopWatchdog
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.host.session_server import SessionServer
 from woz_tui.log.file_names import file_stem, name_after
@@ -179,16 +180,19 @@ def _without_refused(options: HostOptions, experiment: Experiment) -> HostOption
     return replace(options, identity=who, profile=profile, left_out=tuple(left_out))
 
 
-def _left_out_notice(what: str) -> m.Notice:
+def _tell_left_out(session: Session, left_out: tuple[str, ...]) -> None:
     """Without the code itself: the wizard may be blind to the conditions."""
-    remedy = f"choose the {what} again"
-    if what == "profile":
-        remedy += "; until then everything may be used"
-    return m.Notice(
-        level="warning",
-        text=f"no {what}: the file no longer allows the one from before the crash",
-        remedy=remedy,
-    )
+    for what in left_out:
+        remedy = f"choose the {what} again"
+        if what == "profile":
+            remedy += "; until then everything may be used"
+        session.hub.publish(
+            m.Notice(
+                level="warning",
+                text=f"no {what}: the file no longer allows the one from before the crash",
+                remedy=remedy,
+            )
+        )
 
 
 async def _serve(
@@ -219,12 +223,12 @@ async def _serve(
     rerun, training = _played(host, options, plan, cues)
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
+    LoopWatchdog(session.drivers, session.hub)
     reason = "crashed"
     remote: RemoteAccess | None = None
     try:
         await session.open()
-        for what in options.left_out:
-            session.hub.publish(_left_out_notice(what))
+        _tell_left_out(session, options.left_out)
         if training is None:
             await _assign_proposed(session)
         host.listen(listener)

@@ -682,6 +682,20 @@ class ListenerLeft(Message, frozen=True, kw_only=True, tag="listener.left"):
     lost_us: int = 0
 
 
+class ProcessStalled(Message, frozen=True, kw_only=True, tag="process.stalled"):
+    """The robot process stood still for `duration_us`, and is over it: meanwhile no key, stop or
+    reading counted. `cause`: blocked (by the code of `driver`, in its `call` if it is in one, at
+    `place`; without a driver by the process's own), starved (no processor was free for it) or
+    stopped (from outside, as by a signal).
+    """
+
+    duration_us: int
+    driver: str = ""
+    call: str = ""
+    place: str = ""
+    cause: str = msgspec.field(default_factory=lambda: "blocked")
+
+
 #: Messages that name the connection (`console`) whose request brought them about.
 NAMES_CONSOLE = (
     *(StopPressed, StopReleased, SessionChanged, PanelLocked, ProfileChanged, PhaseChanged),
@@ -756,6 +770,7 @@ AnyMessage = (
     | ConsoleLost
     | ListenerJoined
     | ListenerLeft
+    | ProcessStalled
     | StudyMessage
 )
 

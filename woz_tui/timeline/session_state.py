@@ -731,6 +731,7 @@ CASES: dict[type[m.Message], _Case] = {
     **dict.fromkeys((m.Marker, m.Note, m.Notice, m.VisitorChanged), S._moment),
     **dict.fromkeys((m.ActionScheduled, m.RerunSent, m.RerunSkipped), S._moment),
     **dict.fromkeys((m.ListenerJoined, m.ListenerLeft, m.RecordWaived), S._moment),
+    m.ProcessStalled: S._moment,
     m.ExperimentReloaded: S._reloaded,
     m.ActionsFilled: S._filled,
     **dict.fromkeys((m.ClockTie, m.Checkpoint, m.Segment, m.ExperimentFiles), _pass_over),

@@ -64,6 +64,7 @@ def test_a_part_that_is_missing_is_named_and_so_are_those_that_stand_still() -> 
     assert shown.endswith("confirmed: range, pepper (speech, motion)")
 
 
+@pytest.mark.safety
 def test_a_stop_that_was_confirmed_late_says_so_on_the_bar_and_in_the_events() -> None:
     late = m.StopConfirmed(confirmed=["head", "robot"], missing=[], elapsed_us=3_500_000, t=NOW)
     state = stopped(late)
@@ -72,6 +73,36 @@ def test_a_stop_that_was_confirmed_late_says_so_on_the_bar_and_in_the_events() -
     event = state.events[-1]
     assert (event.mark, event.text) == ("warning", "Stop confirmed late")
     assert event.detail == "after 3.5 s"
+
+
+@pytest.mark.parametrize(
+    ("stalled", "text", "detail"),
+    [
+        (
+            m.ProcessStalled(
+                driver="robot", call="perform say", place="x.py:3 in go", duration_us=4_000_000
+            ),
+            "robot held up the robot process for 4.0 s",
+            "perform say, x.py:3 in go",
+        ),
+        (
+            m.ProcessStalled(duration_us=400_000, cause="starved"),
+            "Robot process got no processor time for 0.4 s",
+            "",
+        ),
+        (
+            m.ProcessStalled(duration_us=9_000_000, cause="stopped"),
+            "Robot process was stopped for 9.0 s",
+            "",
+        ),
+    ],
+)
+def test_who_held_up_the_robot_process_is_an_event(
+    stalled: m.ProcessStalled, text: str, detail: str
+) -> None:
+    state = ConsoleState()
+    state.apply([scenes.welcome(), stalled], 0)
+    assert (state.events[-1].text, state.events[-1].detail) == (text, detail)
 
 
 def test_a_driver_that_is_not_connected_is_named_as_not_reached() -> None:

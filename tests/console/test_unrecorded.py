@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.console import scenes
 from tests.console.driving import sitting
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
+
+pytestmark = pytest.mark.safety
 
 NOW = scenes.NOW
 DETAIL = "the log cannot be written to any folder (~/rec: the disk is full)"

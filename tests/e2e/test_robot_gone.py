@@ -156,6 +156,7 @@ def test_what_waited_while_it_stood_still_is_not_played_and_the_stop_is(lab: Lab
     assert kinds.isdisjoint({"command.dispatched", "stop.released"})
 
 
+@pytest.mark.safety
 @pytest.mark.timeout(300)  # four of them
 def test_with_full_disks_nothing_is_acknowledged_that_a_crash_loses(lab: Lab) -> None:
     found = crashes.run(lab, rounds=4, seed=2, full=True)

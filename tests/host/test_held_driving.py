@@ -50,6 +50,7 @@ class Wizard:
             on_request=lambda client, request: None,
             on_stop=lambda client, request: None,
             on_close=lambda client, why: None,
+            recorded=self.stage.recorder.is_written,
         )
         client.hello, client.role = Hello(role=role, line=line, protocol=2), role
         return client

@@ -20,6 +20,8 @@ from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import PROTOCOL
 
+pytestmark = pytest.mark.safety
+
 HELLO = {"verb": "say", "args": {"text": "Hello"}}
 
 

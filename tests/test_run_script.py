@@ -116,3 +116,14 @@ def test_the_rest_is_what_was_not_run_bare(tmp_path: Path) -> None:
     # The run on the real clock is the last one: it reads no other file.
     assert asked[-1].endswith(" tests/bus/test_bus.py")
     assert "tests/cli/test_launch.py" not in asked[-1].split()
+
+
+def test_options_change_nothing_about_which_files_are_read(tmp_path: Path) -> None:
+    checkout(tmp_path, NOTING_PYTHON)
+    file = tmp_path / "tests" / "test_bus.py"
+    file.write_text("pytestmark = pytest.mark.real_clock\n")
+    command = [str(tmp_path / ".ci" / "test"), "-q", "--durations=0"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert "grep" not in done.stderr
+    asked = (tmp_path / "asked").read_text().splitlines()
+    assert asked[-1].endswith(" -q --durations=0 tests/test_bus.py")

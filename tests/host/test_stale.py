@@ -41,6 +41,7 @@ TIMELY: list[tuple[str, dict[str, Any]]] = [
     ("profile", {}),
     ("phase", {"phase": "closing"}),
     ("mistake", {}),
+    ("unrecorded", {}),
     ("end", {}),
 ]
 

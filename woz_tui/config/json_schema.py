@@ -14,7 +14,7 @@ import pathlib
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
 from woz_tui.config.bml_section import KEYS, TARGETS, TOPICS, TOPICS_WORDS
@@ -134,6 +134,8 @@ def _list(bare: Any, own: tuple[Any, ...], notes: tuple[Any, ...]) -> Schema:
 def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
     if isinstance(bare, type) and issubclass(bare, enum.Enum):
         return {"enum": [str(member.value) for member in bare]}
+    if typing.get_origin(bare) is Literal:
+        return {"enum": list(typing.get_args(bare))}
     if (one_of := find_note(notes, fields.OneOf)) is not None and bare is str:
         return {"enum": list(one_of.choices)}
     if find_note(notes, fields.Seconds) is not None and bare is float:

@@ -211,7 +211,7 @@ class BehaviourCalls:
         self._accepts = accepts
         self._targets = {**TARGETS, **{n.lower(): at for n, at in self._table.targets.items()}}
 
-    def calls(self, behaviour: Behaviour) -> list[VerbCall]:  # noqa: PLR0911 - a table
+    def calls(self, behaviour: Behaviour) -> list[VerbCall]:
         """What is to be called; nothing for a wait. Raises `UnplayableError`."""
         attributes = behaviour.attributes
         match behaviour.kind:

@@ -68,9 +68,7 @@ def _name(element: Xml.Element) -> str:
     return str(element.tag).rpartition("}")[2]
 
 
-def _value(  # noqa: PLR0911 - a table
-    element: Xml.Element, path: str, depth: int
-) -> RosValue:
+def _value(element: Xml.Element, path: str, depth: int) -> RosValue:
     if depth > DEEPEST:
         raise RosDataError(f"{path[:60]} is nested too deeply")
     kind, text = element.get("type", "str").strip().lower(), element.text or ""
@@ -165,9 +163,7 @@ def empty(kind: RosType) -> RosValue:
     return () if isinstance(kind, list) else {name: empty(inner) for name, inner in kind.items()}
 
 
-def _typed(  # noqa: PLR0911 - a table
-    value: RosValue, kind: RosType, path: str
-) -> RosValue:
+def _typed(value: RosValue, kind: RosType, path: str) -> RosValue:
     match kind, value:
         case _, None:
             return empty(kind)

@@ -58,7 +58,7 @@ class Bookmark(NamedTuple):
     text: str
 
 
-def bookmark_of(message: object, t: int) -> Bookmark | None:  # noqa: PLR0911 - a table of kinds
+def bookmark_of(message: object, t: int) -> Bookmark | None:
     """The mark that a line of the log is; None for most of them."""
     match message:
         case m.Marker(text=text):

@@ -213,9 +213,7 @@ class ReplayPlayer:
             return [*caught_up, reply]
         return [*caught_up, Reply(ref=request.ref, ok=True, data=data), *told]
 
-    def _carry_out(  # noqa: PLR0911 - a table of requests
-        self, request: AnyRequest, now: int
-    ) -> tuple[m.Json, list[Incoming]]:
+    def _carry_out(self, request: AnyRequest, now: int) -> tuple[m.Json, list[Incoming]]:
         """What the reply tells, and what follows. Raises `ReplayError`."""
         match request:
             case AskReplay(what="pause"):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import linecache
 import logging
-import os
 import signal
 import sys
 import sysconfig
@@ -24,9 +23,8 @@ from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol.messages import AnyMessage, ProcessStalled, SessionEnd
 from woz_tui.session.driver_faults import owners_of_file
+from woz_tui.system.processor_time import STALL_S, ProcessorWaits
 
-#: A loop that gives no sign of life for so much longer than usual stands still, in seconds.
-STALL_S = 0.25
 #: How often it gives one, and how often a thread looks.
 BEAT_S = 0.1
 #: A standstill that lasts so long is told in the program's log before it is over.
@@ -79,18 +77,13 @@ class LoopWatchdog:
         self._thread = threading.get_ident()
         self._beat_s = time.monotonic()
         self._timer: asyncio.TimerHandle | None = None
-        self._turns = -1
-        self._waited = 0
+        self._waits = ProcessorWaits()
         #: What the thread has seen since the last beat, the oldest first.
         self._sights: list[Sight] = []
         self._continued = False
         self._ended = threading.Event()
-        try:
-            self._turns = os.open("/proc/thread-self/schedstat", os.O_RDONLY | os.O_CLOEXEC)
-        except OSError:
-            log.warning("this kernel does not tell how long a thread waits for a processor")
         signal.signal(signal.SIGCONT, self._on_continue)
-        self._beat_s, self._waited = time.monotonic(), self._waits()
+        self._beat_s, self._waited_s = self._waits.now()
         self._beat()
         threading.Thread(target=self._look, name="watchdog", daemon=True).start()
 
@@ -105,17 +98,16 @@ class LoopWatchdog:
     # -- in the loop -------------------------------------------------------------------------
 
     def _beat(self) -> None:
-        now, before = time.monotonic(), self._beat_s
-        waited, waited_before = self._waits(), self._waited
+        before, waited_before_s = self._beat_s, self._waited_s
+        now, waited_s = self._waits.now()
         sights, continued = self._sights, self._continued
-        self._beat_s, self._waited = now, waited
+        self._beat_s, self._waited_s = now, waited_s
         self._sights, self._continued = [], False
         self._timer = self._loop.call_later(BEAT_S, self._beat)
         if now - before > BEAT_S + STALL_S:
             steps = [step for step in LONG_STEPS if step.ended >= before]
             step = max(steps, key=lambda step: step.seconds, default=None)
-            waited_s = (waited - waited_before) / 1e9
-            self._tell(now - before, waited_s, sights, step, continued)
+            self._tell(now - before, waited_s - waited_before_s, sights, step, continued)
 
     def _tell(
         self,
@@ -136,10 +128,6 @@ class LoopWatchdog:
             stall = msgspec.structs.replace(stall, driver=driver, call=call, place=place)
         log.warning("%s", sentence(stall))
         self._hub.publish(stall)
-
-    def _waits(self) -> int:
-        """Nanoseconds for which this thread has waited for a processor."""
-        return int(os.pread(self._turns, 64, 0).split()[1]) if self._turns >= 0 else 0
 
     def _on_continue(self, number: int, frame: FrameType | None) -> None:
         self._continued = True

@@ -46,7 +46,8 @@ def patient_contract() -> Iterator[None]:
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("WOZ_CONTRACT_PATIENCE", "8")  # also for whoever examines in another process
-        patch.setattr(contract_checks, "PROMPT_S", 8 * contract_checks.PROMPT_S)
+        for limit in ("PROMPT_S", "LAG_S"):
+            patch.setattr(contract_checks, limit, 8 * getattr(contract_checks, limit))
         for limit in ("NOTICE_S", "EXAMINE_S", "CLOSE_S"):
             patch.setattr(contract_checks, limit, 4 * getattr(contract_checks, limit))
         yield

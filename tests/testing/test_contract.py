@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -29,7 +28,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
-from woz_tui.testing import Device, DriverTests, PlainJob, check, contract_checks
+from woz_tui.testing import check, contract_checks
 from woz_tui.testing.contract_checks import MODEL_VERBS, RESERVED
 
 
@@ -161,7 +160,7 @@ class HardwareFirst(Right):
 
     def looked(self) -> None:
         self.missing = True
-        self.context.health(Health.LOST)
+        self.context.health(Health.LOST, remedy="plug it in")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         if self.missing:
@@ -304,199 +303,6 @@ async def test_wrong_behaviour_is_found(
 ) -> None:
     monkeypatch.setattr(contract_checks, "PROMPT_S", 0.5)
     assert complaint in await complaints(driver)
-
-
-# -- with a device --------------------------------------------------------------------------------
-
-
-class Cable:
-    """A device in the same program: things that a driver can wait for."""
-
-    def __init__(self) -> None:
-        self.out = asyncio.Event()
-        self.listeners: list[Callable[[Health], None]] = []
-
-    def unplug(self) -> None:
-        self.out.set()
-        self._tell(Health.LOST)
-
-    def plug(self) -> None:
-        self.out.clear()
-        self._tell(Health.CONNECTED)
-
-    def _tell(self, health: Health) -> None:
-        for listener in self.listeners:
-            listener(health)
-
-
-@dataclass(frozen=True)
-class Wired:
-    """Where the device is."""
-
-    cable: Cable | None = None
-
-
-class Spinner(Driver):
-    """A right driver of something that turns until the cable is pulled."""
-
-    Settings = Wired
-    summary = "turns"
-    settings: Wired
-    closed = False
-
-    @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (Verb("spin", "turn round"),)
-
-    async def open(self) -> None:
-        self.context.health(Health.CONNECTING)
-        if self.settings.cable is None:
-            self.told(Health.LOST)
-        else:
-            self.settings.cable.listeners.append(self.told)
-            self.told(Health.CONNECTED)
-
-    def told(self, health: Health) -> None:
-        if not self.closed:
-            self.context.health(health)
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        cable = self.settings.cable
-        if job.verb != "spin":
-            raise RejectedError(f"it cannot {job.verb}")
-        if self.closed or cable is None or cable.out.is_set():
-            raise DeviceLostError("it is not there")
-        await self.spin(cable)
-        raise DeviceLostError("the cable was pulled")
-
-    async def spin(self, cable: Cable) -> None:
-        await cable.out.wait()
-
-    async def stop(self, scope: Scope) -> None:
-        return
-
-    async def close(self) -> None:
-        self.closed = True
-
-
-class TestSpinner(DriverTests):
-    driver = Spinner
-    settings = Wired()
-
-    @contextlib.asynccontextmanager
-    async def device(self) -> AsyncIterator[Device]:
-        cable = Cable()
-        yield Device(Wired(cable), cable.unplug, cable.plug, PlainJob("spin"))
-
-
-class WaitsForTheCommand(Spinner):
-    """Its stop waits for the end of what it should stop."""
-
-    async def stop(self, scope: Scope) -> None:
-        if self.settings.cable is not None and scope is Scope.ALL:
-            await self.settings.cable.out.wait()
-
-
-class Deaf(Spinner):
-    """Goes on after it was cancelled, for a second."""
-
-    async def spin(self, cable: Cable) -> None:
-        try:
-            await cable.out.wait()
-        except asyncio.CancelledError:
-            await asyncio.sleep(1.0)
-            raise
-
-
-class Swallowing(Spinner):
-    """Says that a cancelled command was carried out."""
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        try:
-            return await super().perform(job)
-        except asyncio.CancelledError:
-            return {}
-
-
-class OneStopOnly(Spinner):
-    """Takes no more commands after a stop."""
-
-    async def stop(self, scope: Scope) -> None:
-        self.closed = self.closed or scope is Scope.ALL
-
-
-class Optimistic(Spinner):
-    """Says nothing of a pulled cable."""
-
-    def told(self, health: Health) -> None:
-        if health is not Health.LOST:
-            super().told(health)
-
-
-class Waiting(Spinner):
-    """Its command goes on without a device."""
-
-    async def spin(self, cable: Cable) -> None:
-        await asyncio.Event().wait()
-
-
-class Cancels(Spinner):
-    """Cancels what its commands wait for when the cable is pulled."""
-
-    def told(self, health: Health) -> None:
-        super().told(health)
-        if health is Health.LOST:
-            self.answer.cancel()
-
-    async def spin(self, cable: Cable) -> None:
-        self.answer = asyncio.get_running_loop().create_future()
-        await self.answer
-
-
-class LooksFirst(Spinner):
-    """Decides what it is asked only while its cable is in."""
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        if self.settings.cable is not None and self.settings.cable.out.is_set():
-            raise DeviceLostError("it is not there")
-        return await super().perform(job)
-
-
-class GivesUp(Spinner):
-    """Never finds again what it has lost."""
-
-    lost = False
-
-    def told(self, health: Health) -> None:
-        self.lost = self.lost or health is Health.LOST
-        super().told(Health.LOST if self.lost else health)
-
-
-@pytest.mark.parametrize(
-    ("broken", "complaint"),
-    [
-        (WaitsForTheCommand, r"stop\(ALL\) in the middle of a command: took more than 0.5 s"),
-        (Deaf, "a command that is stopped: goes on for more than 0.5 s"),
-        (Swallowing, "a command that is stopped: raised nothing"),
-        (OneStopOnly, "perform after a stop: ended at once and raised DeviceLostError"),
-        (Optimistic, "an unplugged device: health is not LOST"),
-        (Waiting, "an unplugged device: perform goes on"),
-        (Cancels, r"an unplugged device: perform raised CancelledError\(\)"),
-        (LooksFirst, "perform of an unknown verb without a device: raised DeviceLostError"),
-        (GivesUp, "a device that is back: is not CONNECTED"),
-    ],
-)
-def test_what_only_a_device_shows_is_found(
-    broken: type[Spinner], complaint: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    class Broken(TestSpinner):
-        driver = broken
-
-    monkeypatch.setattr(contract_checks, "NOTICE_S", 0.5)
-    monkeypatch.setattr(contract_checks, "PROMPT_S", 0.5)
-    with pytest.raises(AssertionError, match=complaint):
-        Broken().test_stop_and_cancel_end_a_command()
-        Broken().test_notices_a_lost_device()
 
 
 def test_the_words_it_reserves_are_those_of_actions_session_and_model() -> None:

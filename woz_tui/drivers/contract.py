@@ -418,9 +418,11 @@ class DriverFacts:
         robot: Whether it is a whole robot and not a part of one.
         needs: The hardware and programs that it needs.
         simulated: What stands in for the hardware, and how; empty: nothing does.
-        stop: What confirms its stop; empty: there is nothing to stop.
+        stop: What confirms its stop; empty: nobody says, or it is a `PassiveDriver`.
         page: Its page in the source tree.
         example: The settings of the simulated one, as `woz new` writes them: `address: simulated`.
+        shown: Which of `SHOWN` its tests show with a device (`testing.DriverTests`, which finds a
+            word that they do not show).
     """
 
     robot: bool = False
@@ -429,6 +431,17 @@ class DriverFacts:
     stop: str = ""
     page: str = ""
     example: str = ""
+    shown: tuple[str, ...] = ()
+
+
+#: What tests with a device can show of a driver, by the words of `DriverFacts.shown`.
+SHOWN = {
+    "stop": "it stands still when its stop returns, and from then on",
+    "loss": "it notices a pulled cable, also in the middle of a command",
+    "return": "it finds its device again, and nothing moves by itself then",
+    "errors": "an error of the device ends the command",
+    "units": "numbers reach the device, or come from it, in metres and degrees",
+}
 
 
 @dataclass(frozen=True, slots=True)

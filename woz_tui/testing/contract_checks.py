@@ -2,8 +2,10 @@
 
 What holds for every driver: verbs that an experiment file can name, an `open` that does not wait,
 refusals of the right kind, a stop in time, a `close` that leaves no task and no thread behind and
-after which nothing is published. With a `Device`: a command that ends when it is cancelled, a lost
-device that is noticed. Every finding is an error.
+after which nothing is published; nothing that holds up the event loop, no error that nobody waits
+for, no reading undeclared, no lost device without a remedy. With a `Device`: a command that ends
+when it is cancelled, a stop that is over when it returns, a lost device that is noticed and found
+again, errors and units of the device. Every finding is an error.
 """
 
 from __future__ import annotations
@@ -11,18 +13,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import dataclasses
+import math
 import os
 import re
 import threading
 import time
 from collections.abc import Awaitable, Callable, Iterable, Mapping
-from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Any
 
 from woz_tui.drivers.contract import (
     FACE_CONSENT,
     KINDS,
+    SPEECH,
     UNKNOWN,
     Argument,
     DeviceLostError,
@@ -39,6 +42,9 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.fields import Section
 from woz_tui.drivers.robot_verbs import COMMON_VERBS, main_argument
 from woz_tui.protocol.messages import Json
+from woz_tui.system.processor_time import STALL_S
+from woz_tui.testing.device import Device, Devices, answer
+from woz_tui.testing.life_watch import LifeWatch
 from woz_tui.testing.recording_context import PlainJob, RecordingContext, until
 
 #: Words that mean something else in every action: its own fields, and the session's verbs.
@@ -61,31 +67,21 @@ QUIET_S = 0.25
 
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 _LEVELS = ("ok", "info", "warning", "error")
+#: How often the device is asked, in seconds.
+_LOOK_S = 0.01
 _UNKNOWN_VERB = PlainJob("no-such-verb", source="program")
 
+_PATIENCE = float(os.environ.get("WOZ_CONTRACT_PATIENCE") or 1)
 #: `open`, `stop`, a refusal and the end of a cancelled command may take so long, in seconds: the
 #: session waits no longer for a stop. A slow machine may have more patience.
-PROMPT_S = 0.5 * float(os.environ.get("WOZ_CONTRACT_PATIENCE") or 1)
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class Device:
-    """A stand-in for the hardware, at the other end of the driver's wire.
-
-    Attributes:
-        settings: With which the driver finds it.
-        unplug: Pulls its cable.
-        plug: Puts the cable back; None if that cannot be done.
-        command: One that goes on for at least 20 s; None for a driver that offers no such verb.
-    """
-
-    settings: Any
-    unplug: Callable[[], object]
-    plug: Callable[[], object] | None = None
-    command: PlainJob | None = None
-
-
-Devices = AbstractAsyncContextManager[Device]
+PROMPT_S = 0.5 * _PATIENCE
+#: So long a driver may hold up the event loop that all drivers share, in seconds.
+LAG_S = STALL_S * _PATIENCE
+#: So long nothing may move by itself after a stop and after a device is back, in seconds.
+REST_S = 1.0
+#: A number that reached the device, or came from it, may be off by such a share: no two units are
+#: so near to each other.
+OFF = 0.1
 
 
 async def check(driver_class: type[Driver], settings: Any, folder: Path = Path()) -> list[Finding]:
@@ -277,74 +273,127 @@ def _sample(argument: Argument, text: str, joints: dict[str, Json]) -> Json:
 
 async def closes(driver_class: type[Driver], settings: Any, folder: Path = Path()) -> list[Finding]:
     """What is wrong with a driver's life: open, refusals, a stop with nothing running, close."""
-    return await _Life(driver_class, settings, folder).lived()
+    async with _Life(driver_class, settings, folder) as life:
+        await life.lived()
+    return life.findings
 
 
 async def closes_with(driver_class: type[Driver], device: Devices) -> list[Finding]:
     """The same with its device there, which it finds first."""
     async with device as there:
-        return await _Life(driver_class, there.settings).lived(found=True)
+        async with _Life(driver_class, there.settings) as life:
+            await life.lived(found=True)
+        return life.findings
 
 
 async def stops(driver_class: type[Driver], device: Devices) -> list[Finding]:
     """What is wrong with a stop in the middle of a command, and with a command that is cancelled.
 
-    Each time the next command must be taken again.
+    Where the device says what stands still, it does so when the stop returns, and goes on to. Each
+    time the next command must be taken again.
     """
-    async with device as there, _Life(driver_class, there.settings) as life:
-        if there.command is None:
+    async with device as there:
+        if (command := there.command) is None:
             return []
-        await life.until_connected()
-        running = await life.begins(there.command, "perform")
-        if running is None:
-            return life.findings
-        # As the bus does it: the stop is called at once, then all jobs are cancelled.
-        stop = life.quiet("stop(ALL) in the middle of a command", life.driver.stop(Scope.ALL))
-        stopping = asyncio.ensure_future(stop)
-        await asyncio.sleep(0)
-        await life.cancelled(running, "a command that is stopped")
-        await stopping
-        await life.driver.resume()
-        running = await life.begins(there.command, "perform after a stop")
-        if running is not None:
-            await life.cancelled(running, "a command that is cancelled")
+        driving = (verb for verb in driver_class.verbs(there.settings) if verb.drives)
+        drives = command.verb in {verb.name for verb in driving}
+        async with _Life(driver_class, there.settings) as life:
+            await life.connected()
+            for scope in (Scope.ALL, Scope.DRIVE) if drives else (Scope.ALL,):
+                after = "" if scope is Scope.ALL else " after a stop"
+                if (running := await life.begins(command, f"perform{after}")) is None:
+                    return life.findings
+                await life.moves(there)
+                await life.stopped(running, there, scope)
+                await life.driver.resume()
+            if (running := await life.begins(command, "perform after a stop")) is not None:
+                await life.cancelled(running, "a command that is cancelled")
+                await life.comes_to_rest(there, "a command that is cancelled")
         return life.findings
 
 
 async def loses(driver_class: type[Driver], device: Devices) -> list[Finding]:
-    """What is wrong when the device is unplugged in the middle of a command, and plugged in again.
+    """What is wrong when the device is unplugged in the middle of a command.
 
     Whatever is under way ends with `DeviceLostError`, health is LOST (or FAULTED), further commands
     are refused at once with `DeviceLostError`, and an unknown verb is rejected as before.
     """
-    async with device as there, _Life(driver_class, there.settings) as life:
-        await life.until_connected()
-        running = await life.begins(there.command, "perform") if there.command else None
-        there.unplug()
-        if running is not None:
-            await asyncio.wait([running], timeout=NOTICE_S)
-            if not running.done():
-                life.wrong(
-                    "an unplugged device",
-                    f"perform goes on for {NOTICE_S:g} s",
-                    "raise DeviceLostError",
-                )
-                running.cancel()
-            elif not isinstance(error := _raised(running), DeviceLostError):
-                life.wrong(
-                    "an unplugged device", f"perform raised {_shown(error)}, not DeviceLostError"
-                )
-        if not await life.healthy(Health.LOST, Health.FAULTED):
-            life.wrong("an unplugged device", f"health is not LOST after {NOTICE_S:g} s")
-        else:
-            await life.refuses("perform of an unknown verb without a device", RejectedError)
-            if there.command is not None:
-                await life.refuses("perform without a device", DeviceLostError, there.command)
-        if there.plug is not None and not life.findings:
+    async with device as there:
+        async with _Life(driver_class, there.settings) as life:
+            if await life.unplugged(there):
+                await life.refuses("perform of an unknown verb without a device", RejectedError)
+                if there.command is not None:
+                    await life.refuses("perform without a device", DeviceLostError, there.command)
+        return life.findings
+
+
+async def returns(driver_class: type[Driver], device: Devices) -> list[Finding]:
+    """What is wrong when the device is plugged in again after that: it is found again, and moves
+    only when it is asked to.
+    """
+    async with device as there:
+        there.needs("return")
+        assert there.plug is not None
+        async with _Life(driver_class, there.settings) as life:
+            if not await life.unplugged(there):
+                return life.findings
+            moving = not await there.stands_still()
             there.plug()
             if not await life.healthy(Health.CONNECTED):
                 life.wrong("a device that is back", f"is not CONNECTED after {NOTICE_S:g} s")
+                return life.findings
+            if moving:  # nobody could stop it meanwhile
+                await life.comes_to_rest(there, "a device that is back")
+            await life.rests(there, "a device that is back")
+            if there.command is not None:  # it may be refused until somebody has had a look
+                error = await _raised_within(life.driver.perform(there.command), QUIET_S)
+                if isinstance(error, DeviceLostError):
+                    life.wrong("perform on a device that is back", f"raised {error!r}")
         return life.findings
+
+
+async def fails(driver_class: type[Driver], device: Devices) -> list[Finding]:
+    """What is wrong when the device answers a command with an error: the command has to end."""
+    async with device as there:
+        there.needs("errors")
+        assert there.command is not None
+        assert there.fail is not None
+        async with _Life(driver_class, there.settings) as life:
+            await life.connected()
+            await answer(there.fail)
+            error = await _raised_within(life.driver.perform(there.command), NOTICE_S)
+            subject, remedy = "an error of the device", "raise DriverError with what it says"
+            if isinstance(error, TimeoutError):
+                life.wrong(subject, f"perform goes on for {NOTICE_S:g} s", remedy)
+            elif not isinstance(error, DriverError):
+                life.wrong(subject, f"perform raised {_shown(error)}", remedy)
+        return life.findings
+
+
+async def measures(driver_class: type[Driver], device: Devices) -> list[Finding]:
+    """What is wrong with the numbers that reach the device, and with those that come from it."""
+    async with device as there:
+        there.needs("units")
+        async with _Life(driver_class, there.settings) as life:
+            await life.connected()
+            if there.senses is not None:
+                await life.senses(there.senses)
+            if there.received is not None and there.command is not None:
+                running = await life.begins(there.command, "perform")
+                if running is not None:
+                    await life.reaches(there.received, there.expected, there.command)
+                    await life.cancelled(running, "a command that is cancelled")
+        return life.findings
+
+
+async def claimed(driver_class: type[Driver], device: Devices) -> list[Finding]:
+    """What its `facts` say was shown, and nobody could show."""
+    async with device as there:
+        return [
+            _error("facts", f"say that {each!r} was shown", f"there are: {', '.join(there.shows)}")
+            for each in driver_class.facts.shown
+            if each not in there.shows
+        ]
 
 
 class _Life:
@@ -355,6 +404,8 @@ class _Life:
         self._sensors = set(driver_class.sensors(settings))
         self._tasks, self._threads = asyncio.all_tasks(), set(threading.enumerate())
         self._context = RecordingContext(folder)
+        self._watch = LifeWatch(self.wrong, LAG_S)
+        self._closed = False
         self.driver = driver_class("driver", settings, self._context)
 
     def wrong(self, subject: str, text: str, remedy: str = "") -> None:
@@ -362,13 +413,38 @@ class _Life:
         self.findings.append(_error(subject, text, remedy))
 
     async def __aenter__(self) -> _Life:
-        await self.quiet("open", self.driver.open())
+        self._watch.begin()
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        await self.quiet("close", self.driver.close(), limit=CLOSE_S)
+        await self.close()
+        self._watch.end()
+        self._told_rightly()
 
-    async def lived(self, found: bool = False) -> list[Finding]:
+    async def close(self) -> None:
+        """Close it, once."""
+        if not self._closed:
+            self._closed = True
+            await self.quiet("close", self.driver.close(), limit=CLOSE_S)
+
+    def _told_rightly(self) -> None:
+        """Whatever it has told from its beginning to its end."""
+        context = self._context
+        named = {each.sensor for each in context.readings} | {each[0] for each in context.states}
+        named |= {SPEECH} if context.told else set()
+        if undeclared := sorted(named - self._sensors):
+            self.wrong("sensors", f"publishes {', '.join(undeclared)} undeclared")
+        for health, detail, remedy in context.healths:
+            if health in (Health.LOST, Health.FAULTED) and not remedy:
+                what = f"said without a remedy: {detail or 'nothing'}"
+                self.wrong(f"Health.{health.name}", what, "say what to do about it")
+
+    async def connected(self) -> None:
+        """Open it, and wait until it has found its device."""
+        await self.quiet("open", self.driver.open())
+        await self.until_connected()
+
+    async def lived(self, found: bool = False) -> None:
         """Stop and release, open, refuse before and after it has looked, stop, close twice."""
         context, driver = self._context, self.driver
         await self.quiet("stop(ALL) before open", driver.stop(Scope.ALL))
@@ -386,7 +462,7 @@ class _Life:
         await self.refuses("perform of an unknown verb, once it has looked", RejectedError)
         for scope in Scope:
             await self.quiet(f"stop({scope.name}) with nothing running", driver.stop(scope))
-        await self.quiet("close", driver.close(), limit=CLOSE_S)
+        await self.close()
         published = context.published
         await self.quiet("close for the second time", driver.close())
         await self.refuses("perform after close", DriverError)
@@ -394,12 +470,112 @@ class _Life:
         await asyncio.sleep(QUIET_S)
         if context.published > published:
             self.wrong("close", "published something afterwards", "end what publishes first")
-        named = {each.sensor for each in context.readings} | {each[0] for each in context.states}
-        if named - self._sensors:
-            self.wrong(
-                "sensors", f"publishes {', '.join(sorted(named - self._sensors))} undeclared"
-            )
-        return self.findings
+
+    # -- with a device ---------------------------------------------------------------------------
+
+    async def unplugged(self, there: Device) -> bool:
+        """Pull the cable in the middle of a command; False if the driver does not notice."""
+        await self.connected()
+        running = await self.begins(there.command, "perform") if there.command else None
+        there.unplug()
+        if running is not None:
+            await asyncio.wait([running], timeout=NOTICE_S)
+            if not running.done():
+                what = f"perform goes on for {NOTICE_S:g} s"
+                self.wrong("an unplugged device", what, "raise DeviceLostError")
+                running.cancel()
+            elif not isinstance(error := _raised(running), DeviceLostError):
+                what = f"perform raised {_shown(error)}, not DeviceLostError"
+                self.wrong("an unplugged device", what)
+        if await self.healthy(Health.LOST, Health.FAULTED):
+            return True
+        self.wrong("an unplugged device", f"health is not LOST after {NOTICE_S:g} s")
+        return False
+
+    async def moves(self, there: Device) -> None:
+        """Wait until the device says that it moves: one that never does cannot show a stop."""
+
+        async def moves() -> bool:
+            return not await there.stands_still()
+
+        if there.still is not None and not await _becomes(moves):
+            what = f"says for {NOTICE_S:g} s of a command that everything stands still"
+            self.wrong("Device.still", what, "give the Device a command that moves what it sees")
+
+    async def stopped(self, running: asyncio.Task[Any], there: Device, scope: Scope) -> None:
+        """Stop a command: the device stands still when the stop returns, and from then on."""
+        what = f"stop({scope.name}) in the middle of a command"
+
+        async def stop() -> None:
+            await self.quiet(what, self.driver.stop(scope))
+            if not await there.stands_still():
+                remedy = "return when the device has said that it stands still"
+                self.wrong(what, "returned while the device still moves", remedy)
+
+        # As the bus does it: the stop is called at once, then all jobs are cancelled.
+        stopping = asyncio.ensure_future(stop())
+        await asyncio.sleep(0)
+        await self.cancelled(running, "a command that is stopped")
+        await stopping
+        await self.rests(there, what)
+
+    async def comes_to_rest(self, there: Device, what: str) -> None:
+        """The device stands still within NOTICE_S."""
+        if not await _becomes(there.stands_still):
+            self.wrong(what, f"the device still moves {NOTICE_S:g} s later", "have it stand still")
+
+    async def rests(self, there: Device, what: str) -> None:
+        """The device does not begin to move by itself for REST_S."""
+        if there.still is None:
+            return
+        end = time.monotonic() + REST_S
+        while time.monotonic() < end:
+            await asyncio.sleep(_LOOK_S)
+            if not await there.stands_still():
+                remedy = "move only when you are asked to"
+                self.wrong(what, "afterwards the device moves by itself", remedy)
+                return
+
+    async def senses(self, sense: Callable[[], Any]) -> None:
+        """What the device senses comes as readings."""
+        wanted: Mapping[str, float] = {}
+        come: dict[str, float | None] = {}
+
+        async def came() -> bool:
+            nonlocal wanted
+            wanted = await answer(sense)
+            come.update((each.sensor, each.value) for each in self._context.readings)
+            return not _far(come, wanted)
+
+        if not await _becomes(came):
+            for name in _far(come, wanted):
+                text = f"is {come.get(name)!r} where the device senses {wanted[name]:g}"
+                self.wrong(f"sensor {name}", text, "distances are in m, angles in degrees")
+
+    async def reaches(
+        self,
+        received: Callable[[], Any],
+        expected: Mapping[str, float] | None,
+        command: PlainJob,
+    ) -> None:
+        """The numbers of a command arrive at the device as they were meant."""
+        wanted = expected if expected is not None else _numbers(command.args)
+        got: Mapping[str, float] = {}
+
+        async def reached() -> bool:
+            nonlocal got
+            got = await answer(received)
+            return not _far(got, wanted)
+
+        if not wanted:
+            what = f"{command.verb} has no number to compare with"
+            self.wrong("Device.received", what, "give Device(expected=...)")
+        elif not await _becomes(reached):
+            for name in _far(got, wanted):
+                text = f"{name}: {wanted[name]:g} reached the device as {got.get(name)!r}"
+                self.wrong(
+                    f"perform of {command.verb}", text, "lengths are in m, angles in degrees"
+                )
 
     async def healthy(self, *wanted: Health, within: float | None = None) -> bool:
         """Whether the driver's health is one of these within so many seconds, or NOTICE_S."""
@@ -417,6 +593,7 @@ class _Life:
 
     async def begins(self, command: PlainJob, what: str) -> asyncio.Task[Mapping[str, Json]] | None:
         """A command that is under way; None if it ended at once."""
+        self._watch.doing(what)
         running = asyncio.ensure_future(self.driver.perform(command))
         await asyncio.wait([running], timeout=QUIET_S)
         if not running.done():
@@ -427,6 +604,7 @@ class _Life:
 
     async def cancelled(self, running: asyncio.Task[Any], what: str) -> None:
         """Cancel it and see that it ends."""
+        self._watch.doing(what)
         running.cancel()
         await asyncio.wait([running], timeout=PROMPT_S)
         if not running.done():
@@ -438,6 +616,7 @@ class _Life:
 
     async def quiet(self, what: str, call: Awaitable[object], limit: float | None = None) -> None:
         """A call that raises nothing and takes no longer than `limit`, or PROMPT_S, in seconds."""
+        self._watch.doing(what)
         limit = PROMPT_S if limit is None else limit
         match await _raised_within(call, limit):
             case None:
@@ -454,6 +633,7 @@ class _Life:
         self, what: str, kind: type[DriverError], command: PlainJob = _UNKNOWN_VERB
     ) -> None:
         """A command that is refused at once with the right exception."""
+        self._watch.doing(what)
         remedy = f"raise {kind.__name__}"
         error = await _raised_within(self.driver.perform(command), PROMPT_S)
         if isinstance(error, TimeoutError):
@@ -473,6 +653,37 @@ class _Life:
             await asyncio.sleep(0.01)
         for one in left:
             self.wrong("close", f"left {one!r} running")
+
+
+def _numbers(args: Mapping[str, Json]) -> dict[str, float]:
+    """The numbers among a command's arguments, joints by their names."""
+    found: dict[str, float] = {}
+    for name, value in args.items():
+        if isinstance(value, Mapping):
+            found |= _numbers(value)
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            found[name] = float(value)
+    return found
+
+
+def _far(got: Mapping[str, float | None], wanted: Mapping[str, float]) -> list[str]:
+    """The names of what is something else than wanted, or not there."""
+    return [
+        name
+        for name, value in wanted.items()
+        if (found := got.get(name)) is None
+        or not math.isclose(found, value, rel_tol=OFF, abs_tol=1e-3)
+    ]
+
+
+async def _becomes(true: Callable[[], Awaitable[bool]]) -> bool:
+    """Whether that is so within NOTICE_S."""
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(NOTICE_S):
+            while not await true():  # noqa: ASYNC110 - what hardware does sets no event
+                await asyncio.sleep(_LOOK_S)
+            return True
+    return False
 
 
 def _raised(ended: asyncio.Task[Any]) -> BaseException | None:

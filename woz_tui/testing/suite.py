@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 from woz_tui.drivers.contract import Driver, Finding
 from woz_tui.testing import contract_checks
-from woz_tui.testing.contract_checks import Device
+from woz_tui.testing.device import Device
 
 
 class DriverTests:
@@ -25,9 +25,9 @@ class DriverTests:
     settings: ClassVar[Any]
 
     def device(self) -> AbstractAsyncContextManager[Device]:
-        """A stand-in for the hardware, made anew for each test; without it three tests are skipped.
+        """A stand-in for the hardware, made anew for each test and entered in its event loop.
 
-        Entered in the event loop in which the driver runs.
+        Without it whatever needs one is skipped, and by name what it cannot show.
         """
         raise unittest.SkipTest("define device() to test stop, loss and return of the hardware")
 
@@ -44,12 +44,28 @@ class DriverTests:
         _passes(contract_checks.closes_with(self.driver, self.device()))
 
     def test_stop_and_cancel_end_a_command(self) -> None:
-        """While a command runs; the next one is carried out again."""
+        """While a command runs; what moves stands still then; the next one is carried out again."""
         _passes(contract_checks.stops(self.driver, self.device()))
 
     def test_notices_a_lost_device(self) -> None:
-        """In the middle of a command; it finds the device again if that can be plugged in."""
+        """In the middle of a command."""
         _passes(contract_checks.loses(self.driver, self.device()))
+
+    def test_finds_its_device_again(self) -> None:
+        """It is plugged in again after that, and nothing moves by itself."""
+        _passes(contract_checks.returns(self.driver, self.device()))
+
+    def test_an_error_of_the_device_ends_the_command(self) -> None:
+        """It is not taken for done, nor waited for."""
+        _passes(contract_checks.fails(self.driver, self.device()))
+
+    def test_numbers_are_in_the_units_of_the_contract(self) -> None:
+        """Those that reach the device, and those that come from it."""
+        _passes(contract_checks.measures(self.driver, self.device()))
+
+    def test_shows_what_its_facts_claim(self) -> None:
+        """`woz robots` repeats them to a lab that chooses."""
+        _passes(contract_checks.claimed(self.driver, self.device()))
 
 
 def _passes(findings: Coroutine[Any, Any, list[Finding]]) -> None:

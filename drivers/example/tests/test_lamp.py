@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import tempfile
 from collections.abc import AsyncIterator
+from pathlib import Path
 
 import pytest
 from lamp_on_a_wire import LampOnAWire
@@ -20,10 +22,19 @@ class TestTheContract(DriverTests):
 
     @contextlib.asynccontextmanager
     async def device(self) -> AsyncIterator[Device]:
-        wire = LampOnAWire()
-        wire.slow = True
-        yield Device(LampSettings(wire.port), unplug=wire.pull, command=glow(seconds=20))
-        wire.pull()
+        with tempfile.TemporaryDirectory() as folder:
+            wire = LampOnAWire(Path(folder) / "port")
+            yield Device(
+                LampSettings(str(wire.port)),
+                unplug=wire.pull,
+                plug=wire.plug,
+                command=glow(seconds=20),
+                still=wire.still,
+                fail=wire.overheat,
+                received=wire.received,
+                senses=wire.press,
+            )
+            wire.pull()
 
 
 def glow(color: str = "#ff8000", seconds: float = 0.2) -> PlainJob:
@@ -31,8 +42,8 @@ def glow(color: str = "#ff8000", seconds: float = 0.2) -> PlainJob:
 
 
 @pytest.fixture
-async def wire() -> AsyncIterator[LampOnAWire]:
-    lamp = LampOnAWire()
+async def wire(tmp_path: Path) -> AsyncIterator[LampOnAWire]:
+    lamp = LampOnAWire(tmp_path / "port")
     yield lamp
     lamp.pull()
 
@@ -44,7 +55,7 @@ def context() -> RecordingContext:
 
 @pytest.fixture
 async def lamp(wire: LampOnAWire, context: RecordingContext) -> AsyncIterator[Lamp]:
-    driver = Lamp("lamp", LampSettings(wire.port), context)
+    driver = Lamp("lamp", LampSettings(str(wire.port)), context)
     await driver.open()
     await until(lambda: context.healths[-1][0] is Health.CONNECTED)
     yield driver
@@ -80,11 +91,11 @@ async def test_the_button_is_a_sensor(
 
 
 async def test_the_stop_and_a_cancellation_freeze_it(lamp: Lamp, wire: LampOnAWire) -> None:
-    wire.slow = True
     fading = asyncio.create_task(lamp.perform(glow(seconds=10)))
     await until(lambda: "COLOR 255 128 0 10000" in wire.heard)
     await lamp.stop(Scope.ALL)
     assert wire.heard[-1] == "FREEZE"
+    assert wire.still()
     fading.cancel()
     await asyncio.wait([fading])
     assert fading.cancelled()
@@ -92,7 +103,7 @@ async def test_the_stop_and_a_cancellation_freeze_it(lamp: Lamp, wire: LampOnAWi
 
 
 async def test_the_doctor_says_what_is_wrong(wire: LampOnAWire) -> None:
-    for port, level in ((wire.port, "ok"), ("/dev/no-such-port", "error")):
+    for port, level in ((str(wire.port), "ok"), ("/dev/no-such-port", "error")):
         (finding,) = await Lamp.examine(Probe("lamp", LampSettings(port)))
         assert finding.level == level
     assert "not there" in finding.text

@@ -22,6 +22,7 @@ from woz_tui.drivers.contract import (
     Driver,
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Health,
     Job,
@@ -48,6 +49,11 @@ class Lamp(Driver):
 
     Settings = LampSettings
     summary = "LED lamp with a button, on a serial line"
+    facts = DriverFacts(
+        needs="a lamp on a serial port",
+        stop="the lamp answers that it holds its colour",
+        shown=("stop", "loss", "return", "errors", "units"),
+    )
     settings: LampSettings
 
     @classmethod

@@ -276,6 +276,11 @@ class ReachyMiniSimulator(WebRobot):
             "imu": None,
         }
 
+    @property
+    def moving(self) -> bool:
+        """Whether a move runs."""
+        return bool(self._moves or self._tasks)
+
     def _running(self) -> list[dict[str, str]]:
         return [{"uuid": move} for move in self._moves]
 
@@ -327,7 +332,7 @@ class ReachyMiniSimulator(WebRobot):
 
     def _begun(self, name: str, work: Callable[[], Any]) -> web.Response:
         move = str(uuid.uuid4())
-        if not (self._moves or self._tasks):
+        if not self.moving:
             self._stop_requested = False
 
         async def run() -> None:
@@ -374,7 +379,7 @@ class ReachyMiniSimulator(WebRobot):
 
     async def _set_target(self, request: web.Request) -> web.Response:
         body = await self._body(request)
-        if self._moves or self._tasks or self.oddities.locked:
+        if self.moving or self.oddities.locked:
             return web.json_response({"status": "ignored", "reason": "move_running"})
         if body:
             self.target = self._goal(body, "target_")
@@ -385,7 +390,7 @@ class ReachyMiniSimulator(WebRobot):
         match message:
             case {"type": "set_full_target", **rest}:
                 self.calls.append(("set_full_target", message))
-                if self._moves or self._tasks or self.oddities.locked:
+                if self.moving or self.oddities.locked:
                     return
                 head, antennas = rest.get("head"), rest.get("antennas") or self.target.antennas
                 body = rest.get("body_yaw")
@@ -399,7 +404,7 @@ class ReachyMiniSimulator(WebRobot):
                 self._begin_task(task, wanted)
             case {"type": "stop_move"}:
                 self.calls.append(("stop_move", None))
-                self._stop_requested = bool(self._moves or self._tasks)
+                self._stop_requested = self.moving
             case {"type": "set_volume", "volume": int(volume)}:
                 self.calls.append(("set_volume", volume))
                 self.volume = volume
@@ -413,7 +418,7 @@ class ReachyMiniSimulator(WebRobot):
             (antennas[0], antennas[1]),
             self.pose.body if body is None else body,
         )
-        if not (self._moves or self._tasks):
+        if not self.moving:
             self._stop_requested = False
 
         async def run() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,8 @@ import pytest
 from tests.config.catalogue import CATALOGUE, Bare, NoSettings, VoiceSettings
 from tools.driver_settings import bundled
 from woz_tui.cli import robots
-from woz_tui.drivers.contract import Driver, DriverFacts, Verb
+from woz_tui.drivers.contract import Driver, DriverFacts, Job, PassiveDriver, Scope, Verb
+from woz_tui.protocol.messages import Json
 
 ROOT = Path(__file__).parents[2]
 
@@ -19,7 +22,33 @@ ROOT = Path(__file__).parents[2]
 class Whole(Bare):
     Settings = NoSettings
     summary = "a robot of glass"
-    facts = DriverFacts(robot=True, needs="a quiet room", stop="its bell", simulated="always")
+    facts = DriverFacts(
+        robot=True,
+        needs="a quiet room",
+        stop="its bell",
+        simulated="always",
+        shown=("stop", "loss"),
+    )
+
+
+class Mover(Driver):
+    """It does not say what confirms its stop."""
+
+    Settings = NoSettings
+    summary = "moves"
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        return {}
+
+    async def stop(self, scope: Scope) -> None:
+        return
+
+
+class Senses(PassiveDriver):
+    """Nothing of it moves."""
+
+    Settings = NoSettings
+    summary = "a sensor"
 
 
 class Unkind(Bare):
@@ -58,6 +87,27 @@ def test_one_is_shown_with_settings_and_arguments(capsys: pytest.CaptureFixture[
     assert "where it is [required]" in out
     assert "1 to 200 Hz" in out
     assert "speed: number, 0.1 to 4" in out
+
+
+def test_only_what_cannot_move_has_nothing_to_stop(capsys: pytest.CaptureFixture[str]) -> None:
+    for driver, stop in ((Mover, "not said"), (Senses, "nothing to stop"), (Whole, "its bell")):
+        assert shown("it", catalogue={"it": driver}) == 0
+        assert re.search(rf"^stop +{stop}", capsys.readouterr().out, re.MULTILINE)
+
+
+def test_it_says_what_tests_have_shown_and_what_not(capsys: pytest.CaptureFixture[str]) -> None:
+    catalogue: dict[str, type[Driver]] = {"glass": Whole, "ear": Senses, "arm": Mover}
+    assert shown("glass", catalogue=catalogue) == 0
+    out = capsys.readouterr().out
+    assert re.search("^tested +stop, loss *$", out, re.MULTILINE)
+    assert "stop    it stands still" in out
+    assert "units   not shown: " in out
+    assert shown(catalogue=catalogue) == 0
+    assert "a sensor; tested with no device" in capsys.readouterr().out
+    assert shown("--json", catalogue=catalogue) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["glass"]["shown"] == ["stop", "loss"]
+    assert (told["arm"]["passive"], told["ear"]["passive"]) == (False, True)
 
 
 class Declared(Bare):

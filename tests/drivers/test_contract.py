@@ -27,10 +27,16 @@ from woz_drivers.ros.settings import RosSettings
 from woz_drivers.speech.settings import SpeechSettings, SynthesisSettings
 
 from tests.drivers.body.rig import robot
+from tests.drivers.faces import test_faces
+from tests.drivers.furhat import test_furhat_contract
 from tests.drivers.hands.test_hands_driver import CONTROLS
+from tests.drivers.nao import test_nao_contract
+from tests.drivers.reachy_mini import test_reachy_mini
+from tests.drivers.ros import test_contract as test_ros_contract
 from tests.drivers.servo_stand import head
 from tests.fakes.led_face import PluggedFace
-from tests.fakes.rangefinder import PluggedSensor
+from tests.fakes.rangefinder import PluggedSensor, a02
+from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.plugins import installed
@@ -87,8 +93,13 @@ class TestRangefinder(DriverTests):
     async def device(self) -> AsyncIterator[Device]:
         with TemporaryDirectory() as folder:
             sensor = PluggedSensor(Path(folder) / "port")
-            settings = RangefinderSettings(str(sensor.port))
-            yield Device(settings, sensor.unplug, sensor.plug)
+
+            def sense() -> dict[str, float]:
+                sensor.send(a02(1234))
+                return {"distance": 1.234}
+
+            settings = RangefinderSettings(str(sensor.port), framing="a02")
+            yield Device(settings, sensor.unplug, sensor.plug, senses=sense)
             sensor.unplug()
 
 
@@ -109,7 +120,7 @@ class TestLedFace(DriverTests):
             face = PluggedFace(Path(folder) / "port")
             command = PlainJob("pattern", {"picture": "arrow", "seconds": 25.0})
             settings = LedFaceSettings(str(face.port))
-            yield Device(settings, face.unplug, face.plug, command)
+            yield Device(settings, face.unplug, face.plug, command, fail=face.grow_strange)
             face.unplug()
 
 
@@ -122,5 +133,43 @@ class TestDynamixel(DriverTests):
     @contextlib.asynccontextmanager
     async def device(self) -> AsyncIterator[Device]:
         with TemporaryDirectory() as folder, ServoBus([11, 12, 13], Path(folder) / "port") as bus:
-            command = PlainJob("pose", {"joints": {"pan": 80.0}, "seconds": 20.0})
-            yield Device(head(bus.link, torque=True), bus.pull, bus.plug, command)
+            pan = bus.servo(11)
+            pan.position += 30.0 / pan.degrees_per_count
+
+            def still() -> bool:
+                return not pan.torque or abs(pan.goal - pan.position) < 1
+
+            def overload() -> None:
+                pan.raise_alarm(OVERLOAD)
+
+            def sense() -> dict[str, float]:
+                degrees = (pan.position - pan.counts / 2) * pan.degrees_per_count
+                return {"joint.pan": degrees}
+
+            yield Device(
+                head(bus.link, torque=True),
+                bus.pull,
+                bus.plug,
+                PlainJob("pose", {"joints": {"pan": 80.0}, "seconds": 20.0}),
+                still=still,
+                senses=sense,
+                fail=overload,
+            )
+
+
+#: Each runs `test_shows_what_its_facts_claim`, too.
+WITH_A_DEVICE: tuple[type[DriverTests], ...] = (
+    *(TestRangefinder, TestLedFace, TestDynamixel, test_faces.TestTheContract),
+    *(
+        test_furhat_contract.TestTheContract,
+        test_nao_contract.TestNao,
+        test_nao_contract.TestPepper,
+    ),
+    *(test_reachy_mini.TestTheContract, test_ros_contract.TestRos1, test_ros_contract.TestRos2),
+)
+
+
+def test_only_drivers_that_are_tried_with_a_device_claim_anything() -> None:
+    tried = {each.driver for each in WITH_A_DEVICE}
+    claim = {driver for driver in installed().values() if driver.facts.shown}
+    assert claim == tried

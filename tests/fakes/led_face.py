@@ -159,6 +159,10 @@ class PluggedFace(PluggedSensor):
         self.board = Board(*self.board.size)
         self.send(self.board.introduce())
 
+    def grow_strange(self) -> None:
+        """It answers like something else from now on."""
+        self.hello = b"\x00what is this\x00"
+
     def _serve(self) -> None:
         data = self.received()
         self.heard += data

@@ -24,7 +24,7 @@ from woz_tui.config.problems import hint
 from woz_tui.config.settings_table import settings_rows
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
-from woz_tui.drivers.contract import Driver, DriverFacts, Verb
+from woz_tui.drivers.contract import SHOWN, Driver, DriverFacts, PassiveDriver, Verb
 from woz_tui.drivers.robot_verbs import COMMON_VERBS
 from woz_tui.protocol.messages import Json
 
@@ -89,6 +89,12 @@ class RobotDescription:
         """What its class says of it."""
         return self.driver.facts
 
+    @property
+    def tested(self) -> str:
+        """What its tests show with a device."""
+        shown = (word for word in SHOWN if word in self.facts.shown)
+        return ", ".join(shown) or "with no device"
+
     def facts_shown(self) -> Iterator[tuple[str, str]]:
         """Word and sentence of each thing to be told."""
         names = [verb.name for verb in self.verbs]
@@ -98,7 +104,9 @@ class RobotDescription:
         yield "verbs", ", ".join(common) or ("" if own else nothing)
         yield "own verbs", ", ".join(own)
         yield "sensors", ", ".join(self.sensors) or nothing
-        yield "stop", self.facts.stop or "nothing to stop"
+        passive = issubclass(self.driver, PassiveDriver)
+        yield "stop", self.facts.stop or ("nothing to stop" if passive else "not said")
+        yield "tested", self.tested
         yield "simulated", self.facts.simulated or "no"
         yield "needs", self.facts.needs
         yield "files", ", ".join(self.files)
@@ -112,6 +120,8 @@ class RobotDescription:
             "verbs": [verb.name for verb in self.verbs],
             "sensors": [*self.sensors],
             "stop": self.facts.stop,
+            "passive": issubclass(self.driver, PassiveDriver),
+            "shown": [*self.facts.shown],
             "simulated": self.facts.simulated,
             "needs": self.facts.needs,
             "files": [*self.files],
@@ -191,7 +201,7 @@ def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
 
 
 #: What is told of a robot beside its common verbs.
-_FACTS = ("own verbs", "sensors", "stop", "simulated", "needs")
+_FACTS = ("own verbs", "sensors", "stop", "tested", "simulated", "needs")
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -213,7 +223,8 @@ def _print_all(console: TextConsole, found: Iterable[RobotDescription]) -> None:
         if each.facts.robot:
             _print_block(console, each)
     console.print(Text("Parts of robots", style="bold"))
-    rows = [(each.kind, each.driver.summary) for each in every if not each.facts.robot]
+    parts = (each for each in every if not each.facts.robot)
+    rows = [(each.kind, f"{each.driver.summary}; tested {each.tested}") for each in parts]
     console.print(_columns(rows))
     console.print()
     for line in (
@@ -232,6 +243,12 @@ def _print_block(console: TextConsole, each: RobotDescription) -> None:
 
 def _print_one(console: TextConsole, each: RobotDescription) -> None:
     _print_block(console, each)
+    console.print(Text("tested with a stand-in for its hardware", style="bold"))
+    shown = each.facts.shown
+    console.print(
+        _columns((word, f"{'' if word in shown else 'not shown: '}{SHOWN[word]}") for word in SHOWN)
+    )
+    console.print()
     if rows := settings_rows(each.driver.Settings):
         console.print(Text("settings, with their defaults in brackets", style="bold"))
         console.print(

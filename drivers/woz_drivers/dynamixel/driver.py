@@ -57,6 +57,7 @@ class DynamixelServos(Driver):
         needs="servos on a serial port",
         stop="each servo answers that it holds its place",
         page="docs/how-to/hardware.md",
+        shown=("stop", "loss", "return", "errors", "units"),
     )
     settings: ServoSettings
 

@@ -72,6 +72,7 @@ class Faces(PassiveDriver):
     facts = DriverFacts(
         needs="a camera, the extra `faces` and 6 MB of networks, which one command fetches",
         page="docs/how-to/faces.md",
+        shown=("loss", "return"),
     )
     settings: FacesSettings
 

@@ -118,6 +118,7 @@ class Furhat(Driver):
         stop="the robot's own events, by part: speech, gesture, gaze",
         page="docs/how-to/furhat.md",
         example="address: simulated",
+        shown=("stop", "loss", "return"),
     )
     settings: FurhatSettings
 

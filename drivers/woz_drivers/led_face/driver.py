@@ -115,6 +115,7 @@ class LedFace(PassiveDriver):
     facts = DriverFacts(
         needs="a microcontroller with the firmware of drivers/firmware",
         page="docs/how-to/hardware.md",
+        shown=("loss", "return", "errors"),
     )
     settings: LedFaceSettings
 

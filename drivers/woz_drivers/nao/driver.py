@@ -46,6 +46,7 @@ class Nao(NaoqiRobot):
         stop="the robot's answers, by part: walking, motion, animations, speech, sounds ...",
         page="docs/how-to/nao.md",
         example="address: simulated",
+        shown=("stop", "loss", "return", "errors", "units"),
     )
 
     CHECKS = text_remarks.CHECKS | {"pose": {"joints": written_pose}}

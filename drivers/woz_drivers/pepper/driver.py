@@ -40,6 +40,7 @@ class Pepper(NaoqiRobot):
         stop="the robot's answers, by part: base, motion, animation, speech, sound ...",
         page="docs/how-to/pepper.md",
         example="robots: [simulated]",
+        shown=("stop", "loss", "return", "errors", "units"),
     )
     settings: PepperSettings
 

@@ -42,6 +42,7 @@ class Rangefinder(PassiveDriver):
     facts = DriverFacts(
         needs="a sensor on a serial port",
         page="docs/how-to/hardware.md",
+        shown=("loss", "return", "units"),
     )
     settings: RangefinderSettings
 

@@ -194,6 +194,7 @@ class ReachyMini(Driver):
         stop="its daemon runs no move, its pose stands still, its sound has ended",
         page="docs/how-to/reachy-mini.md",
         example="address: simulated",
+        shown=("stop", "loss", "return", "units"),
     )
     settings: ReachyMiniSettings
 

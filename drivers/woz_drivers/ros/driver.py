@@ -73,6 +73,7 @@ class Ros(Driver):
         page="docs/how-to/ros.md",
         example="address: simulated, verbs: {say: {publish: /tts, type: std_msgs/String,"
         ' message: {data: "{text}"}}}',
+        shown=("stop", "loss", "return", "units"),
     )
     settings: RosSettings
 

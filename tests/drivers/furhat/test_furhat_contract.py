@@ -20,9 +20,14 @@ class TestTheContract(DriverTests):
     @contextlib.asynccontextmanager
     async def device(self) -> AsyncIterator[Device]:
         async with FurhatSimulator(ManualPace(ManualClock())) as robot:
+
+            def silent() -> bool:
+                return not robot.speaking
+
             yield Device(
                 FurhatSettings(address=robot.address),
                 unplug=robot.freeze,
                 plug=robot.thaw,
                 command=PlainJob("say", {"text": "What I have to say has no end."}),
+                still=silent,
             )

@@ -34,11 +34,21 @@ class TestTheContract(DriverTests):
     @contextlib.asynccontextmanager
     async def device(self) -> AsyncIterator[Device]:
         async with ReachyMiniSimulator() as robot:
+
+            def still() -> bool:
+                return not robot.moving
+
+            def hear() -> dict[str, float]:
+                robot.doa = (0.0, True)  # to its left
+                return {"direction": 90.0}
+
             yield Device(
                 ReachyMiniSettings(robot.address, voice=VOICE),
                 unplug=lambda: asyncio.ensure_future(robot.close()),
                 plug=lambda: asyncio.ensure_future(robot.start()),
                 command=PlainJob("pose", {"joints": {"pan": 60.0}, "seconds": 60.0}),
+                still=still,
+                senses=hear,
             )
 
 

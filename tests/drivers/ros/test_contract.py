@@ -24,11 +24,21 @@ class TestRos2(DriverTests):
         """A simulated robot that turns for 40 s."""
         wanted = settings(ros=self.ros)
         async with simulator(wanted, pace=1.0) as robot:
+
+            def still() -> bool:
+                return robot.speed == (0.0, 0.0)
+
+            def received() -> dict[str, float]:
+                return {"m/s": robot.speed[0]}
+
             yield Device(
                 replace(wanted, address=robot.address),
                 unplug=robot.freeze,
                 plug=robot.thaw,
                 command=PlainJob("drive", {"x": 20.0, "turn": 0.0}),
+                still=still,
+                received=received,
+                expected={"m/s": 0.5},
             )
             robot.thaw()
 

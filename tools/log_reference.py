@@ -62,6 +62,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "emotion": ("", "what the face shows"),
     "ended": ("µs", "moment, on the `t` axis, at which it ended"),
     "engaged": ("", "whether the condition of engagement holds"),
+    "evidence": ("", "on what it stands that it was done: see the line's description"),
     "expected_us": ("µs", "remaining duration, from this line on"),
     "expects": ("", "correct answers: names of actions"),
     "experiment": ("", "the experiment file"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import cast
 
 from tests.fakes.virtual_time import LoopClock, block
 from woz_tui.bus.bus import Bus
@@ -19,6 +20,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import Command, Json
 
 BEHAVIOUR = (
@@ -33,6 +35,8 @@ VERBS = (
     Verb("drive", "", BEHAVIOUR, lane="base", drives=True, limit_s=5.0),
     Verb("pose", "", BEHAVIOUR, lane="body", arrives=True, limit_s=5.0),
     Verb("aim", "", BEHAVIOUR, lane="body", stream=True, arrives=True, limit_s=5.0),
+    Verb("blink", "", BEHAVIOUR, lane="face", evidence="reported"),
+    Verb("count", "", BEHAVIOUR, lane="mind", evidence=""),
 )
 LANES = {verb.name: verb.lane for verb in VERBS}
 
@@ -50,6 +54,7 @@ class Scripted:
     calls: list[tuple[str, str]] = field(default_factory=list)
     #: What tells how motions end that go on after their command, by command.
     arrivals: dict[str, Callable[[str], None]] = field(default_factory=dict)
+    jobs: dict[str, Job] = field(default_factory=dict)
     #: Commands that reached it while the stop was latched: there must be none, ever.
     while_latched: list[str] = field(default_factory=list)
     latched: Callable[[], bool] = field(default=lambda: False)
@@ -87,7 +92,13 @@ class Scripted:
                 raise asyncio.CancelledError
             case "deaf":
                 await self._deaf(seconds)
+            case "reported" | "measured" as kind:
+                job.evidence(kind)
+            case "seen" as kind:
+                job.evidence(cast(Evidence, kind))
             case "goes on":
+                job.evidence("reported")
+                self.jobs[job.command] = job
                 self.arrivals[job.command] = job.goes_on()
             case "expects":
                 job.expects(seconds)

@@ -83,7 +83,8 @@ class Arm(Driver):
         self.calls.append((job.verb, job.args))
         if job.verb == "wave":
             job.mark("stroke", "up")
-            self.arrive = job.goes_on()
+            job.evidence("reported")
+            self.arrive, self.waving = job.goes_on(), job
             return {"waved": 1}
         if job.args.get("kg") == 13:
             raise RejectedError("too heavy", "take less")

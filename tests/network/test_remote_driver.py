@@ -142,8 +142,11 @@ async def test_marks_and_arrivals_come_across_and_a_command_is_predicted(tmp_pat
         job = PlainJob("wave")
         await two.remote.perform(job)
         assert (job.marks, job.arrivals) == ([("stroke", "up")], [])
+        assert job.evidences == ["reported"]
+        two.arm.waving.evidence("measured")
         two.arm.arrive("")
         await until(lambda: job.arrivals == [""])
+        assert job.evidences == ["reported", "measured"]
         assert await two.remote.predict("lift", {"kg": 1.0}) == Forecast(
             1.5, ((0.5, "stroke", "lift"),)
         )

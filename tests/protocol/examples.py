@@ -101,8 +101,9 @@ MESSAGES: tuple[m.AnyMessage, ...] = (
         sent={"text": "Grüß Gott, P07!", "seconds": 1.45},
         latency_us=1900,
         duration_us=1_462_000,
+        evidence="reported",
     ),
-    m.ActionDone(run="a00001", action="Hello"),
+    m.ActionDone(run="a00001", action="Hello", evidence="reported"),
     m.Command(command="c00002", verb="gaze", args={"yaw": 10.0}, driver="head", source="key"),
     m.Command(command="c00003", verb="gaze", args={"yaw": 12.0}, driver="head", source="key"),
     m.Superseded(command="c00002", driver="head", by="c00003", reason="a newer setpoint"),
@@ -279,7 +280,7 @@ MESSAGES: tuple[m.AnyMessage, ...] = (
         confidence=0.5,
     ),
     m.SensorChanged(sensor="battery", state="ok", every_s=10.0),
-    m.MotionArrived(command="c00014", driver="head"),
+    m.MotionArrived(command="c00014", driver="head", evidence="measured"),
     m.MotionInterrupted(
         command="c00015", driver="head", reason="replaced by a newer one", by="c00016"
     ),

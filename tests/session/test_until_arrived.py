@@ -27,16 +27,19 @@ class Slow(Puppet):
         yaw = (Argument("yaw", "number"),)
         return (
             Verb("gaze", "", yaw, lane="head", stream=True, arrives=True),
-            Verb("say", "", (Argument("text", "text"),), lane="voice"),
+            Verb("say", "", (Argument("text", "text"),), lane="voice", evidence="reported"),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         self.calls.append((job.verb, dict(job.args)))
         if job.verb == "gaze":
+            job.evidence("reported")
             tell: Callable[[str], None] = job.goes_on()
             why = "the neck is stuck" if job.args["yaw"] < 0 else ""
             if job.args["yaw"] <= 90:
-                asyncio.get_running_loop().call_later(2.0, tell, why)
+                loop = asyncio.get_running_loop()
+                loop.call_later(1.9, job.evidence, "measured")
+                loop.call_later(2.0, tell, why)
         return dict(job.args)
 
 
@@ -48,6 +51,7 @@ ACTIONS = (
     action("Look", together(look(30.0)), together(call("say", text="There"))),
     action("Stuck", together(look(-30.0)), together(call("say", text="There"))),
     action("Speak", together(call("say", text="Hm"))),
+    action("Watch", together(look(30.0)), together(call("mark", "session", text="There"))),
     action("Glance", together(call("gaze", yaw=30.0)), together(call("say", text="There"))),
 )
 
@@ -126,3 +130,12 @@ def test_a_stop_ends_an_action_that_waits_for_its_motion(tmp_path: Path) -> None
     stage = played(tmp_path, "Look", "stop")
     assert ends(stage) == [("Look", "ActionStopped")]
     assert not said(stage)
+
+
+def test_an_action_is_as_sure_as_the_weakest_of_its_steps(tmp_path: Path) -> None:
+    def known(*steps: str) -> list[str]:
+        stage = played(tmp_path / steps[0], *steps)
+        return [line.evidence for line in stage.lines if isinstance(line, m.ActionDone)]
+
+    assert known("Look") == ["reported"]  # the gaze was measured, the voice says so
+    assert known("Watch") == ["measured"]  # a marker reaches no hardware

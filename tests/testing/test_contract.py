@@ -87,6 +87,7 @@ def offering(*verbs: Verb) -> type[Right]:
         ((Verb("filter", "a"),), "verb filter: is a verb of the engagement model"),
         ((Verb("go", ""),), "verb go: needs a summary"),
         ((Verb("go", "a", limit_s=0),), "verb go: limit_s must be more than 0, not 0"),
+        ((Verb("go", "a", evidence="seen"),), "verb go: unknown evidence 'seen'"),  # type: ignore[arg-type]
         ((Verb("say", "a", (Argument("what", "text"),)),), "verb say: its main argument is 'what'"),
         ((Verb("say", "a"),), "verb say: its main argument is ''"),
         (

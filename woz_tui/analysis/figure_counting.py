@@ -235,6 +235,7 @@ class _Counting:
                 continue
             tally, verb = self.at(command.context), command.request.verb
             tally.ends[verb, command.outcome] += 1
+            tally.evidence[verb, command.evidence] += 1
             latency, duration = command.latency_us, command.duration_us
             if latency is not None:
                 tally.dispatched[verb].add(latency)

@@ -22,6 +22,7 @@ from woz_tui.analysis.figures import (
     VerbTimes,
     WizardCount,
 )
+from woz_tui.protocol.action_messages import EVIDENCE
 
 
 def _by_name() -> defaultdict[str, Durations]:
@@ -39,7 +40,8 @@ ALL_CUES = "all"
 @dataclass(slots=True)
 class PartSums:
     """What adds up: numbers, durations and counts. Those with a name of `figures.PartFigures` or
-    `figures.EngagementFigures` are the same there; `ends`, `dispatched` and `done` are by verb.
+    `figures.EngagementFigures` are the same there; `ends`, `dispatched`, `done` and `evidence` are
+    by verb.
     """
 
     us: int = 0
@@ -52,6 +54,7 @@ class PartSums:
     ends: Counter[tuple[str, str]] = field(default_factory=Counter)
     dispatched: defaultdict[str, Durations] = field(default_factory=_by_name)
     done: defaultdict[str, Durations] = field(default_factory=_by_name)
+    evidence: Counter[tuple[str, str]] = field(default_factory=Counter)
     gaps: Durations = field(default_factory=Durations)
     cues: list[CueRow] = field(default_factory=list)
     mistakes: int = 0
@@ -151,7 +154,10 @@ def _same(total: PartSums, kind: type[PartFigures | EngagementFigures]) -> dict[
 
 def _verb(total: PartSums, verb: str) -> VerbTimes:
     ends = {end: total.ends[verb, end] for end in COMMAND_ENDS if total.ends[verb, end]}
-    return VerbTimes(ends, total.dispatched[verb], total.done[verb])
+    known: dict[str, int] = {
+        kind: total.evidence[verb, kind] for kind in EVIDENCE if total.evidence[verb, kind]
+    }
+    return VerbTimes(ends, total.dispatched[verb], total.done[verb], known)
 
 
 def _counts(counts: Counter[CountKey]) -> list[ActionCount]:

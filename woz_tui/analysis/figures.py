@@ -83,11 +83,14 @@ class WizardCount:
 
 @dataclass(frozen=True, slots=True)
 class VerbTimes:
-    """The commands of one verb: how they ended (see `COMMAND_ENDS`), how long they took."""
+    """The commands of one verb: how they ended (see `COMMAND_ENDS`), how long they took, and of
+    those that are done how many are known by which `action_messages.EVIDENCE`.
+    """
 
     ends: Mapping[str, int]
     dispatched: Durations
     done: Durations
+    evidence: Mapping[str, int]
 
     @property
     def commands(self) -> int:

@@ -27,6 +27,7 @@ from woz_tui.analysis.text_format import (
     listed,
     percent,
 )
+from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.protocol.messages import Json
 from woz_tui.timeline.episodes import PRACTICE
 
@@ -206,14 +207,16 @@ def commands(figures: SessionFigures) -> ReportTable:
     """Commands by verb: how they ended, and their times; the most frequent first."""
     found = sorted(figures.whole.verbs.items(), key=lambda item: (-item[1].commands, item[0]))
     ends = _occurring(COMMAND_ENDS[1:], (times.ends for _, times in found))
+    known = _occurring(reversed(EVIDENCE), (times.evidence for _, times in found))
     rows = [
         (
             *(LogText(verb), str(times.commands), *_counts(ends, times.ends)),
+            *_counts(known, times.evidence),
             *(*_spread(times.dispatched), *_spread(times.done)),
         )
         for verb, times in found
     ]
-    heads = ("Verb", "Sent", *(end.replace("_", " ") for end in ends))
+    heads = ("Verb", "Sent", *(end.replace("_", " ") for end in ends), *known)
     title = "Commands: request to start, start to end (median, p95, longest)"
     return ReportTable(title, [*heads, "To start", "p95", "max", "To end", "p95", "max"], rows)
 

@@ -36,6 +36,7 @@ from woz_tui.analysis.figures import (
     WizardCount,
 )
 from woz_tui.analysis.measures import MEASURES, Measure, milliseconds, seconds
+from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.protocol.messages import Json, Reading
 from woz_tui.system.text_cleaning import seconds as exact
 
@@ -327,6 +328,12 @@ EVENTS: TableDefinition[Any] = TableDefinition(
             "text",
             "said, typed or recognised; of a difference what the robot had and what was wanted",
         ),
+        _text(
+            "evidence",
+            "of actions and commands, on what it stands that they were done: measured (a sensor of "
+            "the device), reported (by the device or its program), timed (sent; nobody can know "
+            "more); empty: it reaches no hardware, or the log does not say",
+        ),
         _text("reason", "why it ended so, in words"),
         _text("run", "ties an action, its commands and mistakes"),
         _text("command", "id of the command"),
@@ -461,6 +468,13 @@ def _how_many(end: str) -> Column[Any]:
     )
 
 
+def _how_sure(evidence: str) -> Column[Any]:
+    return Column(
+        *(evidence, "integer", f"how many of `done` are known so: {evidence}"),
+        lambda _, row: row[2].evidence.get(evidence, 0),
+    )
+
+
 def _spread(name: str, meaning: str, attribute: str, *, fine: bool) -> Iterator[Column[Any]]:
     unit, convert = ("ms", milliseconds) if fine else ("s", seconds)
 
@@ -485,6 +499,7 @@ LATENCIES: TableDefinition[tuple[PartFigures, str, VerbTimes]] = TableDefinition
         Column("verb", "string", "what was to be done", lambda _, row: row[1]),
         Column("commands", "integer", "how many commands", lambda _, row: row[2].commands),
         *map(_how_many, COMMAND_ENDS),
+        *map(_how_sure, reversed(EVIDENCE)),
         *_spread("dispatch", "time from a command's request to its start", "dispatched", fine=True),
         *_spread("perform", "time from its start to `command.done`", "done", fine=False),
     ),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import logging
 import math
 from collections import deque
@@ -23,6 +24,7 @@ from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
 from woz_tui.protocol import codec
+from woz_tui.protocol.action_messages import EVIDENCE, Evidence
 from woz_tui.protocol.messages import (
     Command,
     CommandMark,
@@ -131,6 +133,12 @@ class LaneJob:
         self.outlasts = False
         self.motion_end: str | None = None
         self.on_motion_end: Callable[[LaneJob], None] = lambda job: None
+        #: On what its end stands, or that of its motion.
+        self.evidence_said: str = pending.verb.evidence
+
+    def evidence(self, kind: Evidence) -> None:
+        """See `drivers.contract.Job`; a word that is none is no evidence at all."""
+        self.evidence_said = kind if kind in EVIDENCE else "timed"
 
     def goes_on(self) -> Callable[[str], None]:
         """See `drivers.contract.Job`."""
@@ -375,7 +383,7 @@ class Lane:
     ) -> None:
         self._task = None
         self._current = None
-        end = _outcome(pending, task, self.driver_name, started_us, self._hub.now())
+        end = _outcome(pending, job, task, started_us, self._hub.now())
         if pending.finish(end) and pending.verb.arrives and isinstance(end, Done):
             self._follow(pending, job)
         if self.faulted:
@@ -389,21 +397,25 @@ class Lane:
         """Tell when the motion of a command that is done has arrived."""
         self._moving[pending.command.command] = pending
         if not job.outlasts:
-            self._motion_ended(pending, "")
+            self._motion_ended(pending, "", evidence=job.evidence_said)
         elif job.motion_end is not None:
-            self._motion_ended(pending, job.motion_end, tells=job.tells)
+            self._job_motion_ended(pending, job)
         else:
-            job.on_motion_end = lambda job: self._motion_ended(
-                pending, job.motion_end or "", tells=job.tells
-            )
+            job.on_motion_end = functools.partial(self._job_motion_ended, pending)
+
+    def _job_motion_ended(self, pending: PendingCommand, job: LaneJob) -> None:
+        why = job.motion_end or ""
+        self._motion_ended(pending, why, tells=job.tells, evidence=job.evidence_said)
 
     def _motion_ended(
         self,
         pending: PendingCommand,
         why: str,
         by: str = "",
+        *,
         tells: tuple[str, ...] = (),
         stopped: bool = False,
+        evidence: str = "",
     ) -> None:
         """It has arrived, or not: `tells` is what a driver's words for `why` may quote."""
         command = pending.command.command
@@ -421,7 +433,9 @@ class Lane:
                 )
             )
         else:
-            self._hub.publish(MotionArrived(command=command, driver=self.driver_name))
+            self._hub.publish(
+                MotionArrived(command=command, driver=self.driver_name, evidence=evidence)
+            )
 
     def end_motions(self, why: str, by: str = "", stopped: bool = False) -> None:
         """Tell that the motions of commands that are done will not arrive."""
@@ -471,12 +485,12 @@ class Lane:
 
 def _outcome(
     pending: PendingCommand,
+    job: LaneJob,
     task: asyncio.Task[Mapping[str, Json]],
-    driver: str,
     started_us: int,
     now_us: int,
 ) -> End:
-    command = pending.command.command
+    command, driver = pending.command.command, pending.command.driver
     if task.cancelled():
         return Failed(command=command, driver=driver, reason="the driver cancelled the command")
     error = task.exception()
@@ -487,6 +501,7 @@ def _outcome(
             sent=_plain(task.result()),
             latency_us=started_us - pending.requested_us,
             duration_us=now_us - started_us,
+            evidence=job.evidence_said,
         )
     if isinstance(error, RejectedError):
         return Refused(

@@ -26,6 +26,7 @@ from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import SHOWN, Driver, DriverFacts, PassiveDriver, Verb
 from woz_tui.drivers.robot_verbs import COMMON_VERBS
+from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.protocol.messages import Json
 
 #: Columns of a page that goes into a file or a pipe.
@@ -103,6 +104,8 @@ class RobotDescription:
         nothing = "those of its robot file" if self.declared else "none"
         yield "verbs", ", ".join(common) or ("" if own else nothing)
         yield "own verbs", ", ".join(own)
+        for kind in reversed(EVIDENCE):
+            yield kind, ", ".join(verb.name for verb in self.verbs if verb.evidence == kind)
         yield "sensors", ", ".join(self.sensors) or nothing
         passive = issubclass(self.driver, PassiveDriver)
         yield "stop", self.facts.stop or ("nothing to stop" if passive else "not said")
@@ -118,6 +121,7 @@ class RobotDescription:
             "summary": self.driver.summary,
             "robot": self.facts.robot,
             "verbs": [verb.name for verb in self.verbs],
+            "evidence": {verb.name: verb.evidence for verb in self.verbs},
             "sensors": [*self.sensors],
             "stop": self.facts.stop,
             "passive": issubclass(self.driver, PassiveDriver),
@@ -184,11 +188,11 @@ def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
     """The whole robots as tables of Markdown: who offers which common verb, and the rest."""
     every = descriptions(catalogue, None).values()
     found = [each for each in every if each.facts.robot and not each.declared]
-    offered = [{verb.name for verb in each.verbs} for each in found]
+    offered = [{verb.name: verb.evidence for verb in each.verbs} for each in found]
     verbs = [
-        (f"`{verb}`", *("yes" if verb in names else "-" for names in offered))
+        (f"`{verb}`", *(known.get(verb, "-") or "yes" for known in offered))
         for verb in COMMON_VERBS
-        if any(verb in names for names in offered)
+        if any(verb in known for known in offered)
     ]
     rest = []
     for each in found:

@@ -20,6 +20,7 @@ from woz_tui.drivers import plugins
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Driver, DriverError, Scope, Verb
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import Json
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock
@@ -70,6 +71,9 @@ class _TriedJob:
 
     def mark(self, sort: str, text: str = "") -> None:
         """Nobody follows its words."""
+
+    def evidence(self, kind: Evidence) -> None:
+        """Whoever sits before it hears it."""
 
 
 def add_speakers(parser: ArgumentParser) -> None:

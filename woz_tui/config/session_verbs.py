@@ -4,6 +4,7 @@ those of the section `engagement` its engagement model.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 
 from woz_tui.bml.xml_elements import LONGEST
@@ -29,8 +30,11 @@ BML = "bml"
 #: Who carries out verbs beside the drivers: no driver may have such a name.
 PERFORMERS = (SESSION, ENGAGEMENT, BML)
 
+#: A verb of the session itself: it reaches no hardware, so its end needs no evidence.
+own_verb = functools.partial(Verb, evidence="")
+
 #: A pause between steps, in seconds; it is no call.
-WAIT = Verb(
+WAIT = own_verb(
     "wait",
     "wait before the next step",
     (Argument("seconds", "seconds", "how long", required=True, range=Range(0.0, 3600.0, "s")),),
@@ -38,7 +42,7 @@ WAIT = Verb(
 
 
 #: Plays a block of the Behaviour Markup Language.
-BML_VERB = Verb(
+BML_VERB = own_verb(
     BML,
     "play a block of the Behaviour Markup Language",
     (
@@ -52,7 +56,7 @@ BML_VERB = Verb(
 
 
 def _brief(name: str, summary: str, *arguments: Argument) -> Verb:
-    return Verb(name, summary, arguments, brief=True)
+    return own_verb(name, summary, arguments, brief=True)
 
 
 def _sign(*choices: str) -> Argument:
@@ -71,15 +75,15 @@ def session_verbs(conditions: Sequence[str] = (), panels: Sequence[str] = ()) ->
     """The verbs with the choices that one experiment allows."""
     panel = Argument("panel", "text", "a panel's title", required=True, choices=tuple(panels))
     return (
-        Verb(
+        own_verb(
             "mark", "put a marker into the log", (Argument("text", "text", "text of the marker"),)
         ),
-        Verb(
+        own_verb(
             "note",
             "write a note into the log",
             (Argument("text", "text", "the note", required=True),),
         ),
-        Verb(
+        own_verb(
             "set",
             "change the condition or the trial",
             (
@@ -87,8 +91,8 @@ def session_verbs(conditions: Sequence[str] = (), panels: Sequence[str] = ()) ->
                 Argument("trial", "whole", "the trial's number", range=Range(0, 100_000)),
             ),
         ),
-        Verb("lock", "lock a panel", (panel,)),
-        Verb("unlock", "unlock a panel", (panel,)),
+        own_verb("lock", "lock a panel", (panel,)),
+        own_verb("unlock", "unlock a panel", (panel,)),
     )
 
 

@@ -12,12 +12,13 @@ import enum
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Literal, Protocol
 
 import msgspec
 
 from woz_tui.drivers.feeds import Feed
 from woz_tui.drivers.fields import Range
+from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import Json, Shown, Speech
 from woz_tui.system.clock import Clock
 
@@ -103,9 +104,10 @@ class Verb:
     `waits`: it may be queued; else it is refused while its lane is busy. `arrives`: it moves
     something to a goal, and the log says when that is there (`motion.arrived`): when `perform`
     returns, unless the driver says that it goes on (`Job.goes_on`). `together`: its commands do not
-    wait for each other. `needs_consent`: it has something remember the person whose name is the
-    main argument, so that it is refused until they have consented (`FACE_CONSENT`); `learn_face`
-    always does.
+    wait for each other. `evidence`: on what its end usually stands (`Evidence`): measured, reported
+    or timed, which is what is assumed of a driver that says nothing; empty: it reaches no hardware.
+    `needs_consent`: it has something remember the person whose name is the main argument, so that
+    it is refused until they have consented (`FACE_CONSENT`); `learn_face` always does.
     """
 
     name: str
@@ -120,6 +122,7 @@ class Verb:
     arrives: bool = False
     together: bool = False
     needs_consent: bool = False
+    evidence: Evidence | Literal[""] = "timed"
 
     def __post_init__(self) -> None:
         if self.name == LEARN_FACE:  # a driver that forgets to say so learns nobody either
@@ -162,6 +165,13 @@ class Job(Protocol):
 
     def mark(self, sort: str, text: str = "") -> None:
         """Tell of a point within the command, now; see `messages.CommandMark`. From any thread."""
+
+    def evidence(self, kind: Evidence) -> None:
+        """Say on what the end of this command stands, where it is not the verb's `evidence`.
+
+        Call it before `perform` returns. Of a motion that goes on, say it again before it is told
+        that it has arrived: then it is that of the arrival.
+        """
 
 
 class Health(enum.Enum):

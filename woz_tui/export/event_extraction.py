@@ -211,12 +211,14 @@ class EventExtractor:
     def _action(self, action: ActionEpisode) -> ExportEvent:
         event = self._begun(action, "action", action.request)
         event.reason = self._text(action.ended, "reason")
+        event.evidence = self._text(action.ended, "evidence")
         event.latency, event.mistake = action.latency_us, action.mistake is not None
         return event
 
     def _command(self, command: CommandEpisode) -> ExportEvent:
         event = self._begun(command, "command", command.request)
         event.reason = self._text(command.ended, "reason")
+        event.evidence = self._text(command.ended, "evidence")
         event.driver = command.driver
         event.latency, event.acted = command.latency_us, command.started
         event.mistake = command.mistake is not None
@@ -224,7 +226,7 @@ class EventExtractor:
         spoken = args.get("text") if isinstance(args, dict) else None
         if command.label == _SAY and isinstance(spoken, str):
             event.text = spoken
-        used = {"command", "driver", "reason", "latency_us", "duration_us"}
+        used = {"command", "driver", "reason", "evidence", "latency_us", "duration_us"}
         event.details |= details(self._fields(command.ended), used)
         return event
 

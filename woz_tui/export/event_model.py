@@ -56,6 +56,7 @@ class ExportEvent(InContext):
         label: What of its kind it is: an action's name, a state, a trial's number.
         text: What was said, typed or recognised.
         outcome: How it ended; `open`: the log ended first.
+        evidence: For actions and commands, on what it stands that it was done.
         latency: For actions and commands, from the request to the driver's start.
         acted: When the driver started, for commands.
         mistake: The wizard labelled it as one.
@@ -75,6 +76,7 @@ class ExportEvent(InContext):
     source: str = ""
     key: str = ""
     outcome: str = ""
+    evidence: str = ""
     reason: str = ""
     run: str = ""
     command: str = ""

@@ -26,7 +26,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.protocol.messages import Json
 
 #: Which form of these messages; two sides of different forms do not talk.
-LINK = 3
+LINK = 4
 
 
 class _Body(msgspec.Struct, frozen=True, tag_field="is"):
@@ -173,6 +173,13 @@ class MarkSent(_Body, frozen=True, tag="mark"):
     text: str
 
 
+class EvidenceSaid(_Body, frozen=True, tag="evidence"):
+    """`Job.evidence`: on what the end of a command stands, or of its motion."""
+
+    id: int
+    kind: str
+
+
 class MotionGoesOn(_Body, frozen=True, tag="goes-on"):
     """`Job.goes_on`: the motion of a command is not over with it."""
 
@@ -290,6 +297,7 @@ FromDriver = (
     | Ended
     | Expects
     | MarkSent
+    | EvidenceSaid
     | MotionGoesOn
     | MotionEnded
     | StopTaken

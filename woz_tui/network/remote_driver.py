@@ -15,7 +15,7 @@ import secrets
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, cast
 
 import msgspec
 
@@ -47,6 +47,7 @@ from woz_tui.network.driver_line import (
 )
 from woz_tui.network.shared_feeds import LOOK_S, SessionFeeds, may_be_lost
 from woz_tui.protocol import codec
+from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import Json, Shown, Speech
 
 #: Which robot process this is, for the other computers.
@@ -86,6 +87,7 @@ def offer_hash(driver: type[Driver], settings: Any) -> str:
     verbs = [
         (
             *(verb.name, verb.lane, verb.stream, verb.drives, verb.waits, verb.arrives),
+            verb.evidence,
             *(
                 (each.name, each.kind, each.required, each.range, each.choices)
                 for each in verb.arguments
@@ -154,7 +156,7 @@ class RemoteDriver(Driver):
         self._barred = ""
         self._jobs: dict[int, Job] = {}
         #: Of commands that have ended: their motion goes on.
-        self._motions: dict[int, Callable[[str], None]] = {}
+        self._motions: dict[int, tuple[Job, Callable[[str], None]]] = {}
         self._ends: dict[int, asyncio.Future[Any]] = {}
         self._stops: dict[int, tuple[asyncio.Future[None], asyncio.Future[Any]]] = {}
         self._sensors: dict[str, str] = {}
@@ -465,13 +467,20 @@ class RemoteDriver(Driver):
                     report = None if confirmed is None else StopReport(confirmed, missing)
                     _settle(self._stops[number][0], None, None)
                     _settle(self._stops[number][1], failure, report)
-            case dm.Expects() | dm.MarkSent() | dm.MotionGoesOn() | dm.MotionEnded():
+            case (
+                dm.Expects()
+                | dm.MarkSent()
+                | dm.EvidenceSaid()
+                | dm.MotionGoesOn()
+                | dm.MotionEnded()
+            ):
                 self._tell_of_command(body)
             case _ if not self._closed.is_set():
                 self._tell(body)
 
     def _tell_of_command(
-        self, body: dm.Expects | dm.MarkSent | dm.MotionGoesOn | dm.MotionEnded
+        self,
+        body: dm.Expects | dm.MarkSent | dm.EvidenceSaid | dm.MotionGoesOn | dm.MotionEnded,
     ) -> None:
         match body:
             case dm.Expects(id=number, seconds=seconds):
@@ -480,12 +489,17 @@ class RemoteDriver(Driver):
             case dm.MarkSent(id=number, sort=sort, text=text):
                 if number in self._jobs:
                     self._jobs[number].mark(sort, text)
+            case dm.EvidenceSaid(id=number, kind=kind):
+                moving, _ = self._motions.get(number, (None, None))
+                if (job := self._jobs.get(number) or moving) is not None:
+                    job.evidence(cast(Evidence, kind))
             case dm.MotionGoesOn(id=number):
                 if number in self._jobs:
-                    self._motions[number] = self._jobs[number].goes_on()
+                    job = self._jobs[number]
+                    self._motions[number] = job, job.goes_on()
             case dm.MotionEnded(id=number, why=why):
                 if number in self._motions:
-                    self._motions.pop(number)(why)
+                    self._motions.pop(number)[1](why)
 
     def _tell(self, body: dm.FromDriver) -> None:
         """What the driver says to its session."""

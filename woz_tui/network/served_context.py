@@ -20,6 +20,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.feeds import Feed, Feeds
 from woz_tui.network import driver_messages as dm
 from woz_tui.protocol import codec
+from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import Shown, Speech
 from woz_tui.system.clock import Clock
 
@@ -151,6 +152,10 @@ class ServedJob:
     def mark(self, sort: str, text: str = "") -> None:
         """Told to the session."""
         self.send(dm.MarkSent(self.id, sort, text))
+
+    def evidence(self, kind: Evidence) -> None:
+        """Told to the session."""
+        self.send(dm.EvidenceSaid(self.id, kind))
 
     def goes_on(self) -> Callable[[str], None]:
         """Told to the session; so is its end."""

@@ -5,6 +5,9 @@ All others import them from `woz_tui.protocol.messages`.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from typing import Literal, get_args
+
 import msgspec
 
 from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
@@ -18,6 +21,18 @@ HANDS = frozenset(
 )
 #: Sources of what the robot does by itself, or does again.
 BY_ITSELF = frozenset({"engagement", "replay"})
+
+
+#: On what it stands that something has happened: time has passed and nobody can know more; the
+#: device or its program says so; a sensor of the device shows it.
+Evidence = Literal["timed", "reported", "measured"]
+#: The same, the weakest first.
+EVIDENCE: tuple[Evidence, ...] = get_args(Evidence)
+
+
+def weakest(said: Collection[str]) -> Evidence | Literal[""]:
+    """The lowest of several evidences; empty if nobody says any."""
+    return next((kind for kind in EVIDENCE if kind in said), "")
 
 
 def is_by_hand(source: str, key: str) -> bool:
@@ -59,7 +74,9 @@ class ActionEnd(RestrictedMessage, frozen=True, kw_only=True):
 
 
 class ActionDone(ActionEnd, frozen=True, kw_only=True, tag="action.done"):
-    """Every command of the action was done."""
+    """Every command of the action was done. `evidence` is the lowest of theirs, as in `Done`."""
+
+    evidence: str = ""
 
 
 class ActionFailed(ActionEnd, frozen=True, kw_only=True, tag="action.failed"):
@@ -170,11 +187,17 @@ class End(Ack, frozen=True, kw_only=True):
 
 
 class Done(End, frozen=True, kw_only=True, tag="command.done"):
-    """It was carried out. `sent` is what really went to the hardware, after clamping."""
+    """It was carried out. `sent` is what really went to the hardware, after clamping.
+
+    `evidence`, on what that stands: measured (a sensor of the device shows it), reported (the
+    device or its program says so), timed (it was sent; nobody can know more). Empty: it reaches no
+    hardware, or an older log, which does not say.
+    """
 
     sent: dict[str, Json]
     latency_us: int
     duration_us: int
+    evidence: str = ""
 
 
 class Failed(End, frozen=True, kw_only=True, tag="command.failed"):
@@ -207,7 +230,10 @@ class Superseded(End, frozen=True, kw_only=True, tag="command.superseded"):
 class MotionArrived(Ack, frozen=True, kw_only=True, tag="motion.arrived"):
     """The motion that a command began has really arrived. It comes after `command.done`, which of
     some verbs (a gaze) says only that the goal was taken; `describe` names the verbs that have it.
+    `evidence` as in `Done`.
     """
+
+    evidence: str = ""
 
 
 class MotionInterrupted(Ack, frozen=True, kw_only=True, tag="motion.interrupted"):

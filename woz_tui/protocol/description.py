@@ -35,6 +35,7 @@ class VerbDescription(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     Commands of one `lane` of a driver wait for each other. `stream`: only the newest counts.
     `drives`: needs a wizard who watches. `brief`: done at once. `arrives`: after `command.done`
     comes `motion.arrived` or `motion.interrupted`. `limit_s`: it may take so long, in seconds.
+    `evidence`: on what its end usually stands, as in `messages.Done`.
     """
 
     name: str
@@ -47,6 +48,7 @@ class VerbDescription(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     drives: bool = False
     brief: bool = False
     arrives: bool = False
+    evidence: str = ""
 
 
 class SensorDescription(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

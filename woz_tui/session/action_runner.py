@@ -14,7 +14,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
 from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import HANDS, is_by_hand
+from woz_tui.protocol.action_messages import HANDS, is_by_hand, weakest
 from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.session.action_texts import ActionTexts, Steps, calls_in, missing_value_error
 from woz_tui.session.participant_identity import RequestError
@@ -63,6 +63,7 @@ class ActionRun:
     """One action being played; `pending` are the commands of the present step, of `together`
     in all, and `arriving` those whose motion it waits for. `left`: how it ends after this step,
     unless something of the step goes wrong. `refused`: the command because of which it never began.
+    `evidence`: of what was done so far.
     """
 
     id: str
@@ -79,6 +80,7 @@ class ActionRun:
     left: m.ActionEnd | None = None
     ended: m.ActionEnd | None = None
     refused: m.Refused | None = None
+    evidence: set[str] = field(default_factory=set)
 
     @property
     def still_to_come(self) -> list[Call]:
@@ -349,7 +351,11 @@ class ActionRunner:
         run.at += 1
         if run.at >= len(run.steps):
             reason = "" if calls_in(run.steps) else _left_out(run.action)
-            self._finish(run, m.ActionDone(run=run.id, action=run.action.name, reason=reason))
+            evidence = weakest(run.evidence)
+            self._finish(
+                run,
+                m.ActionDone(run=run.id, action=run.action.name, reason=reason, evidence=evidence),
+            )
             return
         step = run.steps[run.at]
         if isinstance(step, float | int):
@@ -400,6 +406,8 @@ class ActionRunner:
         if run.problem is None:
             run.problem = self._problem(run, verb, end)
         if end.command not in run.arriving or not isinstance(end, m.Done):
+            if isinstance(end, m.Done):
+                run.evidence.add(end.evidence)
             self._settle(run, end.command)
 
     def _on_message(self, message: m.AnyMessage) -> None:
@@ -410,7 +418,9 @@ class ActionRunner:
         run = next((run for run in self._runs.values() if command in run.arriving), None)
         if run is None or command not in run.pending:
             return
-        if isinstance(message, m.MotionInterrupted) and run.problem is None:
+        if isinstance(message, m.MotionArrived):
+            run.evidence.add(message.evidence)
+        elif run.problem is None:
             run.problem = self._not_arrived(run, message)
         self._settle(run, command)
 

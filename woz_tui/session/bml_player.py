@@ -33,7 +33,7 @@ from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.session_verbs import BML, PERFORMERS
 from woz_tui.drivers.contract import Driver, Forecast, Job, RejectedError, Scope
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import HANDS
+from woz_tui.protocol.action_messages import HANDS, weakest
 from woz_tui.protocol.messages import Json
 from woz_tui.session.action_runner import ActionRunner, CommandRefusal, RequestOrigin
 from woz_tui.session.participant_identity import RequestError
@@ -72,6 +72,8 @@ class _Played:
     begun: set[int] = field(default_factory=set)
     dropped: set[int] = field(default_factory=set)
     lanes: set[tuple[str, str]] = field(default_factory=set)
+    #: Of the commands that were done (`messages.Done`).
+    evidence: set[str] = field(default_factory=set)
     #: Why a behaviour is taken from it.
     taken: dict[str, str] = field(default_factory=dict)
 
@@ -147,6 +149,8 @@ class BmlPlayer:
                 if any(each.first.block or each.second.block for each in block.constraints):
                     played.plan = await self._plan(block)  # other blocks' times, counted from now
             await self._play(played, job)
+            if evidence := weakest(played.evidence):
+                job.evidence(evidence)
         finally:
             played.over.set()
         return {"block": block.id}
@@ -376,6 +380,8 @@ class BmlPlayer:
         stopped = isinstance(over, m.Stopped) and self.bus.latched  # so is the whole block
         if not isinstance(over, m.Done) and not stopped:
             raise _BehaviourError(f"{over.driver}: {over.reason}".strip(": "))
+        if isinstance(over, m.Done):
+            played.evidence.add(over.evidence)
 
     async def _pass_points(
         self, played: _Played, name: str, times: Mapping[str, float], job: Job

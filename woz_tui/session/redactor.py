@@ -59,7 +59,7 @@ NAMES = frozenset(
     (
         *("ts", "driver", "source", "console", "key", "level", "code", "outcome", "sort", "block"),
         *("run", "action", "panel", "command", "verb", "when_busy", "by", "original_command"),
-        "sha256",
+        *("sha256", "evidence"),
     )
 )
 #: What says how a command goes: nothing of it is shown where its words tell something.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from woz_tui.bus.lane import LaneJob
-from woz_tui.config.session_verbs import ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.session_verbs import ENGAGEMENT, PERFORMERS, SESSION, own_verb
 from woz_tui.drivers.contract import Argument, Job, RejectedError, Scope, Verb
 from woz_tui.protocol.messages import Json
 
@@ -17,9 +17,11 @@ from woz_tui.protocol.messages import Json
 __all__ = ["ENGAGEMENT", "PERFORMERS", "SESSION", "VERBS", "SessionPerformer"]
 
 VERBS: tuple[Verb, ...] = (
-    Verb("mark", "put a marker into the log", (Argument("text", "text", "text of the marker"),)),
-    Verb("note", "put a note into the log", (Argument("text", "text", required=True),)),
-    Verb(
+    own_verb(
+        "mark", "put a marker into the log", (Argument("text", "text", "text of the marker"),)
+    ),
+    own_verb("note", "put a note into the log", (Argument("text", "text", required=True),)),
+    own_verb(
         "set",
         "set participant, condition or trial",
         (
@@ -28,8 +30,8 @@ VERBS: tuple[Verb, ...] = (
             Argument("trial", "whole", "number of the trial"),
         ),
     ),
-    Verb("lock", "lock a panel", (Argument("panel", "text", "its title", required=True),)),
-    Verb("unlock", "unlock a panel", (Argument("panel", "text", "its title", required=True),)),
+    own_verb("lock", "lock a panel", (Argument("panel", "text", "its title", required=True),)),
+    own_verb("unlock", "unlock a panel", (Argument("panel", "text", "its title", required=True),)),
 )
 
 #: Carries one verb out, whose arguments tell something (see `messages.RestrictedMessage`); raises

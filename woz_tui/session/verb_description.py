@@ -53,6 +53,7 @@ def _verb(driver: str, verb: Verb) -> VerbDescription:
         drives=verb.drives,
         brief=verb.brief,
         arrives=verb.arrives,
+        evidence=verb.evidence,
     )
 
 

@@ -41,6 +41,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Section
 from woz_tui.drivers.robot_verbs import COMMON_VERBS, main_argument
+from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.protocol.messages import Json
 from woz_tui.system.processor_time import STALL_S
 from woz_tui.testing.device import Device, Devices, answer
@@ -180,6 +181,8 @@ def _verb(verb: Verb) -> Iterable[Finding]:
         yield _error(subject, "needs a lane")
     if not verb.limit_s > 0:
         yield _error(subject, f"limit_s must be more than 0, not {verb.limit_s}")
+    if verb.evidence and verb.evidence not in EVIDENCE:
+        yield _error(subject, f"unknown evidence {verb.evidence!r}", ", ".join(EVIDENCE))
     main = verb.arguments[0].name if verb.arguments else ""
     if verb.name in COMMON_VERBS and main != main_argument(verb.name):
         yield _error(

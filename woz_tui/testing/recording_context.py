@@ -19,6 +19,7 @@ from woz_tui.drivers.contract import (
     SensorStatement,
 )
 from woz_tui.drivers.feeds import Feed, Feeds
+from woz_tui.protocol.action_messages import EVIDENCE, Evidence
 from woz_tui.protocol.messages import (
     Json,
     Reading,
@@ -131,6 +132,8 @@ class PlainJob:
     arrivals: list[str] = field(default_factory=list)
     #: Sort and text of each mark.
     marks: list[tuple[str, str]] = field(default_factory=list)
+    #: On what its end stands, where the driver says it.
+    evidences: list[str] = field(default_factory=list)
 
     def expects(self, seconds: float) -> None:
         """Keep it."""
@@ -143,6 +146,12 @@ class PlainJob:
     def mark(self, sort: str, text: str = "") -> None:
         """Keep it."""
         self.marks.append((sort, text))
+
+    def evidence(self, kind: Evidence) -> None:
+        """Keep it. Raises `ValueError` for a word that is none."""
+        if kind not in EVIDENCE:
+            raise ValueError(f"{kind!r} is no evidence; there are: {', '.join(EVIDENCE)}")
+        self.evidences.append(kind)
 
 
 async def until(true: Callable[[], bool], within: float = 30.0) -> None:

@@ -186,6 +186,11 @@ class ActionEpisode(Episode, frozen=True, kw_only=True):
         return self.ended.reason if self.ended else ""
 
     @property
+    def evidence(self) -> str:
+        """On what it stands that it was done, as its end says; empty: nobody says."""
+        return self.ended.evidence if isinstance(self.ended, m.ActionDone) else ""
+
+    @property
     def lines(self) -> Iterable[m.Message]:
         """Without those of its commands."""
         both = (self.request, self.held, self.ended, self.mistake)
@@ -234,6 +239,11 @@ class CommandEpisode(Episode, frozen=True, kw_only=True):
     def reason(self) -> str:
         """As its end says."""
         return self.ended.reason if self.ended else ""
+
+    @property
+    def evidence(self) -> str:
+        """On what it stands that it was done, as its end says; empty: nobody says."""
+        return self.ended.evidence if isinstance(self.ended, m.Done) else ""
 
     @property
     def driver(self) -> str:

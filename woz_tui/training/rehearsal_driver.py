@@ -54,6 +54,7 @@ class Rehearsal(Driver):
         if seconds:
             job.expects(seconds)
             await asyncio.sleep(seconds)
+        job.evidence("timed")
         return dict(job.args)
 
     async def stop(self, scope: Scope) -> None:

@@ -7,6 +7,7 @@ from tests.console import scenes
 from tests.console.scripted import raw
 from tests.replay.logs import stamped
 from woz_tui.console.console_state import DONE_US, ConsoleState
+from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.message_feed import Incoming, Loss
 from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
@@ -82,6 +83,19 @@ def test_an_action_is_queued_then_runs_then_is_done_for_a_moment() -> None:
     assert state(picture, "Hello", NOW + 100) is ButtonState.DONE
     assert state(picture, "Hello", NOW + 101 + DONE_US) is ButtonState.READY
     assert not picture.runs.active
+
+
+def test_what_nobody_can_know_is_sent_and_not_done() -> None:
+    before = NOW - 2 * scenes.SECOND
+    picture = begun(
+        *scenes.played("a2", "Map", before, 1), *scenes.played("a1", "Hello", NOW, None)
+    )
+    picture.apply([m.ActionDone(run="a1", action="Hello", evidence="timed", t=NOW + 500)], 0)
+    assert state(picture, "Hello", NOW + 500) is ButtonState.SENT
+    assert state(picture, "Hello", NOW + 501 + DONE_US) is ButtonState.READY
+    assert {event.text: event.mark for event in picture.events} == {"Hello": "sent", "Map": "done"}
+    marks = {(glyphs.sent, glyphs.done) for glyphs in (UNICODE, ASCII)}
+    assert marks == {("→", "✓"), ("^", "+")}  # told apart without colours
 
 
 def test_progress_tells_the_time_left_and_the_share_gone_by() -> None:

@@ -195,6 +195,7 @@ _LOOK = {
     ButtonState.HELD: "wait",
     ButtonState.RUNNING: "run",
     ButtonState.DONE: "good",
+    ButtonState.SENT: "plain",
     ButtonState.WAITS: "wait",
     ButtonState.LEFT_OUT: "muted",
     ButtonState.FAILED: "bad",

@@ -88,7 +88,7 @@ EVENTS = 400
 ENDS = 64
 #: Events that may tell what the wizard was not to see, when that changes in the middle.
 _TELLING = ("info", "forced", "heard")
-_LINGER = {"done": DONE_US, "refused": REFUSED_US} | dict.fromkeys(
+_LINGER = {"done": DONE_US, "sent": DONE_US, "refused": REFUSED_US} | dict.fromkeys(
     ("stopped", "replaced", "waits", "left_out"), STOPPED_US
 )
 

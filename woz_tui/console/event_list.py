@@ -38,6 +38,7 @@ _MINUTES_US = 99_950_000
 LOOK = {
     "running": "run",
     "done": "good",
+    "sent": "plain",
     "waits": "wait",
     "left_out": "muted",
     "failed": "bad",

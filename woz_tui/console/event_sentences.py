@@ -10,14 +10,14 @@ from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.console.command_text import command_words
 from woz_tui.console.engagement.engagement_text import change_reason, state_sentence
 from woz_tui.console.engagement.engagement_view import texts
-from woz_tui.console.running_actions import RunOutcome, shown_outcome
+from woz_tui.console.running_actions import RunOutcome, shown_end
 from woz_tui.console.stop_confirmation import missing_words
 from woz_tui.console.study.study_sentences import event_text
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import DriverView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
-from woz_tui.timeline.episodes import OUTCOMES, StopEpisode
+from woz_tui.timeline.episodes import StopEpisode
 from woz_tui.timeline.session_state import SessionState
 
 #: Who or what pressed, where it was not a key.
@@ -44,7 +44,7 @@ _FAULTS = frozenset({"failed", "refused", "warning", "error", "stop"})
 #: Verbs that move something by one step: pressed in a row, they are one line.
 _STEPPING = frozenset({"control", "nudge"})
 #: How the step before may stand, so that one more of the same is no line of its own.
-_STEPS_AGAIN = frozenset({"running", "done", "waits", "stopped", "replaced"})
+_STEPS_AGAIN = frozenset({"running", "done", "sent", "waits", "stopped", "replaced"})
 
 
 class EventContext(Protocol):
@@ -251,8 +251,9 @@ def _action_end(message: m.ActionEnd, shown: EventContext) -> EventLine | None:
     )
     if isinstance(message, m.ActionDone) or left:
         return None
-    how = shown_outcome(OUTCOMES[type(message)])
-    return EventLine(how, shown.label(message.action), message.reason, run=message.run)
+    return EventLine(
+        shown_end(message), shown.label(message.action), message.reason, run=message.run
+    )
 
 
 def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None:

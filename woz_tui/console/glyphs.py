@@ -16,6 +16,7 @@ class Glyphs:
     queued: str = "◷"
     held: str = "◷"
     done: str = "✓"
+    sent: str = "→"
     waits: str = "◷"
     left_out: str = "○"
     failed: str = "✗"
@@ -86,7 +87,7 @@ _PLAIN = str.maketrans({"“": '"', "”": '"', "…": "~", "→": ">", "·": "-
 UNICODE = Glyphs()
 #: Each sign's stand-in, and another one where a sign has several meanings.
 _STAND_INS = str.maketrans("▶┃◷✓✗⊘■◇○·▲✎◆◌●▸→─┈│━░…°“”»", '>|:+X-#xo.!n*o*>>-.|#.~d"">')
-_OTHERS = {"spot": "O", "target": "o", "position": "O", "middle": "-", "forced": "="}
+_OTHERS = {"sent": "^", "spot": "O", "target": "o", "position": "O", "middle": "-", "forced": "="}
 _ARROWS = {"up": "up", "down": "dn", "left": "lf", "right": "rt"}
 ASCII = AsciiGlyphs(
     **{field.name: str(field.default).translate(_STAND_INS) for field in fields(Glyphs)}

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from woz_tui.config.session_verbs import BML
 from woz_tui.console.command_text import command_words, spoken_text
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.timeline.episodes import (
     OUTCOMES,
     ActionEpisode,
@@ -23,19 +24,34 @@ from woz_tui.timeline.session_state import SessionState
 FAILURES = 200
 #: What is said of a command that was taken, but moves nothing before the robot's mode is over.
 LATER = "applies after this mode"
+#: What is said of a command that is done as far as anybody can know: nothing tells whether it
+#: happened.
+SENT = "sent"
 #: The outcomes that look like another one.
 _LOOKS: dict[str, str] = {Word.TIMED_OUT: Word.FAILED, Word.SUPERSEDED: "replaced"}
 
 
-def shown_outcome(outcome: str) -> str:
-    """How an outcome of the timeline is shown."""
+#: How what worked ended, as `RunOutcome` says it.
+WORKED = (Word.DONE, SENT, "waits")
+
+
+def shown_outcome(outcome: str, evidence: str = "") -> str:
+    """How an outcome of the timeline is shown, of something that is known by `evidence`."""
+    if outcome == Word.DONE and evidence == EVIDENCE[0]:
+        return SENT
     return _LOOKS.get(outcome, outcome)
+
+
+def shown_end(ended: m.ActionEnd) -> str:
+    """The same of the end of an action whose beginning is not known."""
+    return shown_outcome(OUTCOMES[type(ended)], getattr(ended, "evidence", ""))
 
 
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
-    """How a run ended; `how` is done, waits (done, but it counts later), left_out (this robot does
-    nothing of it), failed, refused, stopped or replaced. `utterance`: the words of the run.
+    """How a run ended; `how` is done, sent (nobody can know whether it happened), waits (done, but
+    it counts later), left_out (this robot does nothing of it), failed, refused, stopped or
+    replaced. `utterance`: the words of the run.
     `begin`: when it was asked for, as far as that is known; else its end.
     """
 
@@ -202,7 +218,7 @@ class RunningActions:
         last = self.outcomes.get(action)
         for failure in reversed(self.failures):
             if failure.action == action:
-                worked = last is not None and last.how in ("done", "waits") and last.t > failure.t
+                worked = last is not None and last.how in WORKED and last.t > failure.t
                 return None if failure.run in self.seen or worked else failure
         return None
 
@@ -224,27 +240,28 @@ class RunningActions:
                     found = self._command(episode) or found
                 case ActionEpisode(ended=m.ActionEnd() as ended):
                     by, waits = episode.request.console, episode.waits
-                    found = self._action(ended, episode.outcome, episode.begin, waits, by=by)
+                    how = shown_outcome(episode.outcome, episode.evidence)
+                    found = self._action(ended, how, episode.begin, waits, by=by)
                 case MomentEpisode(
                     message=m.ActionEnd() as ended
                 ):  # of a run that began before the log
-                    found = self._action(ended, OUTCOMES[type(ended)], ended.t)
+                    found = self._action(ended, shown_end(ended), ended.t)
         return found
 
     def _action(
-        self, ended: m.ActionEnd, outcome: str, begin: int, waits: bool = False, *, by: str = ""
+        self, ended: m.ActionEnd, how: str, begin: int, waits: bool = False, *, by: str = ""
     ) -> RunOutcome:
         text = self.utterance(ended.run)
         self._requested_words.pop(ended.run, None)
         said, remedy = self._utterances.pop(ended.run, ""), self._remedies.pop(ended.run, "")
         what = f"“{said}”" if said else ended.action
-        how, reason = shown_outcome(outcome), ended.reason
-        if waits and outcome == Word.DONE:
+        reason = ended.reason
+        if waits and how in WORKED:
             how, reason = "waits", LATER
         found = RunOutcome(ended.run, how, ended.t, reason, text, begin)
-        if outcome != Word.REFUSED or not self._is_another(by):
+        if how != Word.REFUSED or not self._is_another(by):
             self.outcomes[ended.action] = found
-        if outcome == Word.FAILED:
+        if how == Word.FAILED:
             self._fail(Failure(ended.run, ended.action, what, ended.reason, remedy, begin))
         return found
 
@@ -268,7 +285,7 @@ class RunningActions:
             if ended.remedy:
                 keep_latest(self._remedies, run, ended.remedy)
             return None  # its action's end is still to come
-        how = shown_outcome(command.outcome)
+        how = shown_outcome(command.outcome, command.evidence)
         if how == Word.FAILED:
             why = f"{ended.driver}: {ended.reason}".strip(": ")
             self._fail(Failure(request.command, "", what, why, ended.remedy, command.begin))

@@ -19,6 +19,7 @@ class ButtonState(enum.Enum):
     HELD = "held"
     RUNNING = "running"
     DONE = "done"
+    SENT = "sent"
     WAITS = "waits"
     LEFT_OUT = "left_out"
     FAILED = "failed"

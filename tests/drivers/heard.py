@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from woz_tui.bus.hub import Hub
+from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import AnyMessage, Json, Message, Reading, SensorChanged
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import Clock, RealClock
@@ -83,17 +84,24 @@ class Ordered:
     command: str = "c1"
     announced: list[float] = field(default_factory=list)
     source: str = "key"
+    #: Why each motion that went on ended; empty: it arrived.
+    arrivals: list[str] = field(default_factory=list)
+    evidences: list[str] = field(default_factory=list)
 
     def expects(self, seconds: float) -> None:
         """Remember what the driver announced."""
         self.announced.append(seconds)
 
     def goes_on(self) -> Callable[[str], None]:
-        """Nobody waits for its motion."""
-        return lambda why: None
+        """Remember why its motion ended."""
+        return self.arrivals.append
 
     def mark(self, sort: str, text: str = "") -> None:
         """Nobody follows its words."""
+
+    def evidence(self, kind: Evidence) -> None:
+        """Remember what its end stands on."""
+        self.evidences.append(kind)
 
 
 async def until(holds: Callable[[], bool]) -> None:

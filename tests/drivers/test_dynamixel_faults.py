@@ -394,3 +394,56 @@ async def test_a_slow_adapter_is_waited_for_and_named(
         await it.do("pose", joints={"pan": 5.0}, seconds=0.1)
         assert it.bus.goals(11)[-1] == 2048 + round(5 / (360 / 4096))
         assert it.heard.all(DriverLost) == []
+
+
+# -- what is done has been seen --------------------------------------------------------------------
+
+
+async def test_a_pose_at_which_no_joint_arrives_fails_and_says_where_it_stands(
+    tmp_path: Path,
+) -> None:
+    async with stand(tmp_path, torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        it.bus.servo(11).stuck = True
+        with pytest.raises(DriverError, match="pan stands at 0 degrees and not at 40") as failed:
+            await it.do("pose", joints={"pan": 40.0, "tilt": 20.0}, seconds=0.2)
+        assert "what holds it" in failed.value.remedy
+        it.bus.servo(11).stuck = False
+        await it.do("pose", joints={"pan": -20.0}, seconds=0.2)
+        assert abs(it.bus.servo(11).position - (2048 - 20 / (360 / 4096))) < 5 / (360 / 4096)
+
+
+async def test_a_pose_without_one_of_its_joints_has_not_arrived(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        await it.do("torque", on=True, joint="pan")
+        pose = it.ordered("pose", {"joints": {"pan": 10.0, "tilt": 5.0}, "seconds": 0.1})
+        sent = await it.driver.perform(pose)
+        assert sent["left_out"] == {"tilt": "torque is off"}
+        assert pose.arrivals == ["tilt torque is off"]
+
+
+async def test_a_gaze_has_arrived_when_its_joint_is_seen_there(tmp_path: Path) -> None:
+    async with stand(tmp_path, pan="pan", torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        gaze = it.ordered("gaze", {"yaw": 30.0})
+        await it.driver.perform(gaze)
+        await until(lambda: bool(gaze.arrivals))
+        assert (gaze.arrivals, gaze.evidences) == ([""], ["measured"])
+        assert abs(it.bus.servo(11).position - (2048 + 30 / (360 / 4096))) < 5 / (360 / 4096)
+        it.bus.servo(11).stuck = True
+        gaze = it.ordered("gaze", {"yaw": -30.0})
+        await it.driver.perform(gaze)
+        await until(lambda: bool(gaze.arrivals))
+        (why,) = gaze.arrivals
+        assert why.startswith("pan stands at ") and why.endswith("and not at -30")
+
+
+async def test_torque_of_a_servo_that_stays_limp_under_its_alarm_fails(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.bus.servo(12).pretends = True
+        it.bus.servo(12).raise_alarm(OVERLOAD)
+        with pytest.raises(DriverError, match="tilt stays limp: overload") as failed:
+            await it.do("torque", on=True, joint="tilt")
+        assert "`reboot`" in failed.value.remedy
+        with pytest.raises(RejectedError, match="torque of tilt is off"):
+            await it.do("pose", joints={"tilt": 0.0})

@@ -56,6 +56,10 @@ class Motor:
     driven: float = 0.0
     #: Its bus watchdog waits so many times as long as it is told to.
     patience: float = 1.0
+    #: Something holds it: it stays where it is.
+    stuck: bool = False
+    #: Under an alarm it says that it takes the torque, and stays limp.
+    pretends: bool = False
 
     def __post_init__(self) -> None:
         if self.position < 0:
@@ -156,7 +160,7 @@ class Motor:
     def advance(self, now: float, elapsed: float) -> bool:
         """Move for `elapsed` seconds; says whether the watchdog bit just now."""
         bitten = self._watch(now)
-        if self.torque:
+        if self.torque and not self.stuck:
             way = self.goal - self.position
             step = self._speed() / self.degrees_per_count * elapsed
             moved = min(max(way, -step), step)
@@ -220,6 +224,8 @@ class Motor:
 
     def write(self, address: int, data: bytes) -> int:
         """Write as an instruction would; returns the error it answers with (0: taken)."""
+        if self.pretends and self.alarm and address == 64:
+            return 0
         refused = self._refusal(address, data)
         if refused:
             return refused

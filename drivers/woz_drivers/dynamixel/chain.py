@@ -41,6 +41,9 @@ REFRESH_S = 0.5
 CATCH_UP = 2.0
 #: Silent servos are asked again one by one, one every so many seconds.
 PROBE_S = 1.0
+#: A joint may come to its goal so long after its setpoint, in seconds.
+SETTLE_S = 1.0
+STUCK_REMEDY = "see what holds it, and its load; `tolerance` says how near to its goal is there"
 
 
 @dataclass(eq=False, slots=True)
@@ -56,6 +59,17 @@ class PlannedMove:
     joints: set[str] = field(default_factory=set)
     left_out: dict[str, str] = field(default_factory=dict)
     taken: list[str] = field(default_factory=list)
+    #: Since when all setpoints are at their goals.
+    over_since: float | None = None
+
+
+@dataclass(eq=False, slots=True)
+class FollowedGaze:
+    """Targets in degrees that joints follow, and what is told of their arrival."""
+
+    targets: Mapping[str, float]
+    tell: Callable[[str], None]
+    over_since: float | None = None
 
 
 class ServoChain(ServoUpkeep):
@@ -74,6 +88,7 @@ class ServoChain(ServoUpkeep):
         super().__init__(wire, settings, context)
         self._following = following
         self._moves: list[PlannedMove] = []
+        self._gaze: FollowedGaze | None = None
         self._probes: deque[Servo] = deque()
         self._last_tick: float | None = None
         self._next_refresh = 0.0
@@ -152,8 +167,18 @@ class ServoChain(ServoUpkeep):
         self._moves.append(move)
         return planned
 
-    def follow(self, targets: Mapping[str, float], *, relative: bool) -> dict[str, float]:
-        """Let joints follow targets in degrees, or step by them; returns the targets as bounded."""
+    def follow(
+        self,
+        targets: Mapping[str, float],
+        *,
+        relative: bool,
+        tell: Callable[[str], None] | None = None,
+    ) -> dict[str, float]:
+        """Let joints follow targets in degrees, or step by them; returns the targets as bounded.
+
+        `tell` is called once, here: with nothing when all joints are there, or with the reason why
+        they will not be.
+        """
         left_out = self._obstacles(targets)
         if len(left_out) == len(targets):
             raise self._refusal(left_out)
@@ -167,7 +192,18 @@ class ServoChain(ServoUpkeep):
                 servo.follow = TargetFollower(servo.limits, servo.setpoint)
             base = servo.follow.target if relative else 0.0
             servo.follow.target = accepted[name] = servo.limits.clamp(base + value)
+        self._end_gaze("the head was turned further")
+        if tell is not None and left_out:
+            tell("; ".join(f"{name} {why}" for name, why in sorted(left_out.items())))
+        elif tell is not None:
+            self._gaze = FollowedGaze(accepted, tell)
         return accepted
+
+    def _end_gaze(self, why: str) -> None:
+        """Tell that the gaze has arrived, or why it will not."""
+        gaze, self._gaze = self._gaze, None
+        if gaze is not None:
+            gaze.tell(why)
 
     def drop(self, move: PlannedMove) -> None:
         """End a movement where it is: its setpoints stay. One that has ended changes nothing."""
@@ -303,12 +339,34 @@ class ServoChain(ServoUpkeep):
             servo.setpoint = limited_setpoint(servo.limits, servo.setpoint, wanted, elapsed)
 
     def _end_moves(self, now: float) -> None:
-        """Report movements whose last setpoint has been written."""
+        """Report movements that are over: the joints are at their goals, or do not get there."""
         for move in list(self._moves):
-            if self._over(move, now):
-                for name in move.joints:
-                    self.servos[name].hold()
-                self._finish(move)
+            if not self._over(move, now):
+                continue
+            assert move.plan is not None
+            move.over_since = now if move.over_since is None else move.over_since
+            away = self._away({name: move.plan.tracks[name].goal for name in move.joints})
+            if away and now - move.over_since < SETTLE_S:
+                continue
+            for name in move.joints:
+                self.servos[name].hold()
+            if away:
+                move.done.set_exception(DriverError(away, STUCK_REMEDY))
+            self._finish(move)
+        if (gaze := self._gaze) is None or any(self.servos[one].follow for one in gaze.targets):
+            return
+        gaze.over_since = now if gaze.over_since is None else gaze.over_since
+        away = self._away(gaze.targets)
+        if not away or now - gaze.over_since >= SETTLE_S:
+            self._end_gaze(away)
+
+    def _away(self, goals: Mapping[str, float]) -> str:
+        """Which joints are not where they shall be, as their servos measure it; empty: none."""
+        return "; ".join(
+            f"{name} stands at {self.servos[name].present:.0f} degrees and not at {goal:.0f}"
+            for name, goal in goals.items()
+            if abs(self.servos[name].present - goal) > self.settings.tolerance
+        )
 
     def _over(self, move: PlannedMove, now: float) -> bool:
         assert move.plan is not None
@@ -371,6 +429,7 @@ class ServoChain(ServoUpkeep):
 
     def fail_all(self, error: DriverError) -> None:
         """Every movement under way ends with `error`."""
+        self._end_gaze(error.what)
         for move in self._moves:
             if not move.done.done():
                 move.done.set_exception(error)
@@ -378,6 +437,8 @@ class ServoChain(ServoUpkeep):
 
     def _take_over(self, name: str, why: str = "") -> None:
         self.servos[name].hold()
+        if self._gaze is not None and name in self._gaze.targets:
+            self._end_gaze(f"{name} {why or 'was taken by another movement'}")
         for move in list(self._moves):
             if name in move.joints:
                 move.joints.discard(name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from woz_drivers.dynamixel import verbs
@@ -173,6 +173,9 @@ class DynamixelServos(Driver):
             if job is not None:
                 job.expects(plan.duration)
             await asyncio.wrap_future(move.done)
+            if job is not None and (move.left_out or move.taken):
+                missing = move.left_out | dict.fromkeys(move.taken, "was taken by another movement")
+                job.goes_on()("; ".join(f"{name} {why}" for name, why in missing.items()))
         except asyncio.CancelledError:
             self.loop.ask(lambda chain, _now: chain.drop(move))
             raise
@@ -181,7 +184,10 @@ class DynamixelServos(Driver):
     async def _follow(self, job: Job) -> dict[str, Json]:
         targets = verbs.turn(self.settings, job.args)
         relative = job.verb == "nudge"
-        accepted = await self._ask(lambda chain, _now: chain.follow(targets, relative=relative))
+        arrived = None if relative else _arrival(job)
+        accepted = await self._ask(
+            lambda chain, _now: chain.follow(targets, relative=relative, tell=arrived)
+        )
         sent: dict[str, Json] = {"joints": {k: round(v, 3) for k, v in accepted.items()}}
         if not relative:
             clamped = {k: targets[k] for k, v in accepted.items() if v != targets[k]}
@@ -305,6 +311,17 @@ class DynamixelServos(Driver):
         if not self._started:
             raise DeviceLostError("the servo driver is not open")
         return await asyncio.wrap_future(self.loop.ask(action))
+
+
+def _arrival(job: Job) -> Callable[[str], None]:
+    """What tells that the motion of a job has been seen to arrive, or why it has not."""
+    goes_on = job.goes_on()
+
+    def tell(why: str) -> None:
+        job.evidence("measured")
+        goes_on(why)
+
+    return tell
 
 
 def _held(chain: ServoChain, _now: float) -> dict[str, float]:

@@ -148,7 +148,8 @@ HOLDABLE = 2.0
 #: servo with a homing offset in position mode was seen to do so (ROBOTIS forum, thread 7814).
 TURNED = 0.5
 TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`torque: on`)"
-#: A protocol 1 servo that shut itself down cannot be restarted over the wire.
+#: Of a servo that shut itself down; one of protocol 1 cannot be restarted over the wire.
+X_REMEDY = "remove the load and let it cool, then `reboot` and `torque: on`"
 PROTOCOL_1_REMEDY = "remove the load and let it cool, then switch the servos' power off and on"
 
 
@@ -440,12 +441,39 @@ def torque_on(wire: ServoWire, servo: Servo, settings: ServoSettings) -> None:
     line.write(table.goal_block(), calibration.goal_value(servo.written, servo.joint.speed))
     line.write(table.torque, 1)
     servo.torque = True
+    _see_torque(wire, servo, table)
     if abs(line.number(table.present) - raw) > TURNED * model.steps:
         torque_off(wire, servo)
         raise UnfitError(
             "counts another turn as soon as it holds, and would go through the whole of it",
             "set Homing Offset (20) to 0 and use `zero`",
         )
+
+
+def _see_torque(wire: ServoWire, servo: Servo, table: ControlTable) -> None:
+    """One that has shut itself down answers that it takes the torque, and stays limp."""
+    status = wire.read(servo.joint.id, table.status_block())
+    if status is None:
+        raise SilentError()
+    if torque_enabled(table, status.data):
+        return
+    servo.torque = False
+    bits = (
+        status.error
+        if table.alarm is None
+        else table.alarm.within(table.status_block(), status.data)
+    )
+    names = control_tables.alarms(table, bits)
+    raise UnfitError(
+        f"stays limp: {', '.join(names)}" if names else "stays limp, and reports no alarm",
+        alarm_remedy(servo),
+    )
+
+
+def alarm_remedy(servo: Servo) -> str:
+    """What to do about a servo that has shut itself down."""
+    old = servo.model is not None and servo.model.table.protocol == 1
+    return PROTOCOL_1_REMEDY if old else X_REMEDY
 
 
 def _mark_torque_limit(line: ServoRegisters, torque_limit: Register, max_torque: Register) -> int:

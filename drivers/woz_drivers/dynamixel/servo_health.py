@@ -19,7 +19,6 @@ ROUND_S = 1.0
 #: A warning is repeated only after the value has fallen back by this share of its limit.
 EASING = 0.05
 
-X_REMEDY = "remove the load and let it cool, then `reboot` and `torque: on`"
 POWER_REMEDY = (
     "check its power supply and plugs, make sure that nobody is in reach, then `torque: on`"
 )
@@ -107,7 +106,8 @@ class ServoUpkeep(abc.ABC):
             return
         servo.alarms = alarms
         if alarms:
-            self._context.notice("error", f"{servo.label}: {', '.join(alarms)}", _remedy(servo))
+            remedy = servos.alarm_remedy(servo)
+            self._context.notice("error", f"{servo.label}: {', '.join(alarms)}", remedy)
         else:
             self._context.notice("info", f"{servo.label}: the alarm is over")
 
@@ -115,7 +115,7 @@ class ServoUpkeep(abc.ABC):
         servo.torque = False
         why = f"lost its torque ({', '.join(servo.alarms) or 'it may have restarted'})"
         self.let_go(servo, why)
-        remedy = _remedy(servo) if servo.alarms else POWER_REMEDY
+        remedy = servos.alarm_remedy(servo) if servo.alarms else POWER_REMEDY
         self._context.notice("error", f"{servo.label} {why}", remedy)
 
     def _watchdog(self, servo: Servo, value: int) -> None:
@@ -183,7 +183,7 @@ def report(settings: ServoSettings, servos_: Iterable[Servo]) -> tuple[Health, s
     for servo in known:
         if servo.alarms and not servo.trouble:
             faults.append(f"{servo.label}: {', '.join(servo.alarms)}")
-            remedies.append(_remedy(servo))
+            remedies.append(servos.alarm_remedy(servo))
     if faults:
         return Health.FAULTED, "; ".join(faults), "; ".join(dict.fromkeys(remedies))
     models = Counter(servo.model.name for servo in known if servo.model is not None)
@@ -197,8 +197,3 @@ def signed_load(table: control_tables.ControlTable, raw: int) -> int:
         return raw
     sign = 1 << table.load_sign_bit
     return -(raw & (sign - 1)) if raw & sign else raw & (sign - 1)
-
-
-def _remedy(servo: Servo) -> str:
-    old = servo.model is not None and servo.model.table.protocol == 1
-    return servos.PROTOCOL_1_REMEDY if old else X_REMEDY

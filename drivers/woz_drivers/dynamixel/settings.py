@@ -76,6 +76,9 @@ class ServoSettings(Section):
     reply_timeout: Annotated[
         float | None, Range(1, 500, "ms"), Doc("wait so long for an answer; empty: by the adapter")
     ] = None
+    tolerance: Annotated[
+        float, Range(0.5, 45, "deg"), Doc("so near to its goal a joint has arrived")
+    ] = 5.0
     rest_on_close: Annotated[bool, Doc("take the rest pose before the torque goes off")] = True
     rest_speed: Annotated[float, Range(1, 500, "deg/s"), Doc("speed towards the rest pose")] = 30.0
     temperature_warning: Annotated[float, Range(20, 100, "C"), Doc("warn above")] = 60.0

@@ -26,9 +26,9 @@ def servo_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
     if settings.follows:
         return power
     verbs = [
-        common_verb("pose", "", _seconds(1.0), arrives=True),
-        common_verb("poses", arrives=True),
-        common_verb("home", "", _seconds(2.0), arrives=True),
+        common_verb("pose", "", _seconds(1.0), arrives=True, evidence="measured"),
+        common_verb("poses", arrives=True, evidence="measured"),
+        common_verb("home", "", _seconds(2.0), arrives=True, evidence="measured"),
         *power,
     ]
     if names := (*settings.moves, *settings.poses):
@@ -36,11 +36,13 @@ def servo_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
         share = "share of the way from home"
         amplitude = Argument("amplitude", "number", share, False, 1.0, Range(0.0, 2.0))
         summary = "play a named move, or take a named pose"
-        verbs.append(common_verb("play", summary, speed, amplitude, choices=names))
+        verbs.append(
+            common_verb("play", summary, speed, amplitude, choices=names, evidence="measured")
+        )
     if settings.pan or settings.tilt:
         # Each step counts, so `nudge` is queued; of a stream of gazes only the last one counts.
         verbs += [
-            _turn("gaze", 90.0),
+            replace(_turn("gaze", 90.0), arrives=True),
             _turn("nudge", 45.0),
         ]
     return tuple(verbs)
@@ -53,12 +55,12 @@ def _seconds(default: float) -> Argument:
 def _power_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
     joint = Argument("joint", "choice", "only this one", False, "", choices=("", *settings.joints))
     summary = "switch the joints on (they hold) or off (they go limp)"
-    torque = common_verb("torque", summary, joint, lane=POWER)
+    torque = common_verb("torque", summary, joint, lane=POWER, evidence="reported")
     if settings.protocol == 1:
         return (torque,)
     alarmed = replace(joint, summary="only this one; empty: all with an alarm")
     summary = "restart servos that report an alarm; they are limp afterwards"
-    return (torque, Verb("reboot", summary, (alarmed,), POWER))
+    return (torque, Verb("reboot", summary, (alarmed,), POWER, evidence="reported"))
 
 
 def _turn(name: str, reach: float) -> Verb:

@@ -289,7 +289,7 @@ async def test_a_program_that_speaks_by_itself(desk: Desk) -> None:
 
 @pytest.mark.espeak
 async def test_espeak_ng_speaks_whatever_is_typed(desk: Desk) -> None:
-    driver = await desk.open(synthesise="", play=("true", "{wav}"))
+    driver = await desk.open(synthesise="")
     for text in ("Hi.", "-h", "<speak>x</speak> & {text}", "Grüß dich!"):
         sent = await driver.perform(say(text))
         assert sent["source"] == "synthesised"

@@ -89,6 +89,17 @@ async def test_the_last_line_of_a_player_is_its_reason(desk: Desk) -> None:
         await driver.perform(say("Hello"))
 
 
+async def test_a_player_that_ends_long_before_its_sound_has_not_played_it(desk: Desk) -> None:
+    driver = await desk.open(play=("sh", "-c", "exit 0", "{wav}"))
+    desk.wav("gong.wav", 2.8)
+    with pytest.raises(DriverError, match=r"sh ended after 0\.\d s of 2\.8 s of sound") as early:
+        await driver.perform(Ordered("sound", {"file": "gong.wav"}))
+    assert "as long as the sound" in early.value.remedy
+    assert "of 2.8 s of sound" in (await desk.heard.first(DriverFaulted)).detail
+    await driver.perform(say("Hi"))  # shorter than what a sound card may keep back
+    await desk.heard.first(DriverConnected, after=1)
+
+
 async def test_a_player_that_hangs_is_killed(desk: Desk) -> None:
     driver = await desk.open(
         play=desk.command("play", "--wav", "{wav}", "--hang"), margin=0.3, volume=0.5

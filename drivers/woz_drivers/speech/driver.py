@@ -65,9 +65,13 @@ _SAY = common_verb(
     *VOICE_ARGUMENTS,
     Argument("volume", "number", "how loud, 0 to 1", range=Range(0, 1)),
     limit_s=_LONGEST_SPEECH_S + 5,
+    evidence="reported",  # its program has ended, and well
 )
-_SOUND = common_verb("sound", "play a WAV file")
-_VOLUME = common_verb("volume", "set how loud the next sounds are", lane="volume")
+_SOUND = common_verb("sound", "play a WAV file", evidence="reported")
+_VOLUME = common_verb("volume", "set how loud the next sounds are", lane="volume", evidence="")
+#: A player that ends so long before its sound, and before the half of it, has not played it: it may
+#: end a little early, where the sound card has a buffer. In seconds.
+_EARLY_S = 0.5
 
 
 class Speech(Driver):
@@ -412,6 +416,7 @@ class Speech(Driver):
             await self._run(
                 command_lines.fill(words, {**values, "wav": str(played)}),
                 content.seconds + self.settings.margin,
+                sound_s=content.seconds,
             )
 
     async def _speak(self, job: Job, text: str) -> Mapping[str, Json]:
@@ -429,12 +434,24 @@ class Speech(Driver):
         heard = {"volume": volume} if self.settings.takes_volume else {}
         return {"text": text, "source": words[0], **heard}
 
-    async def _run(self, words: Sequence[str], seconds: float, text: str | None = None) -> None:
-        """Run a program that is heard; its failure is the driver's health until one succeeds."""
+    async def _run(
+        self, words: Sequence[str], seconds: float, text: str | None = None, *, sound_s: float = 0.0
+    ) -> None:
+        """Run a program that is heard; its failure is the driver's health until one succeeds.
+
+        `sound_s`: so long the sound is that it plays, if that is known.
+        """
+        began_us = self.context.clock.now_us()
         running = await child_process.start(words, self.context.folder, text=text)
         self._audible.add(running)
         try:
             await finish(running, seconds)
+            played_s = (self.context.clock.now_us() - began_us) / 1_000_000
+            if sound_s - played_s > max(_EARLY_S, sound_s / 2):
+                raise DriverError(
+                    f"{running.program} ended after {played_s:.1f} s of {sound_s:.1f} s of sound",
+                    "try its command in a terminal: it must go on for as long as the sound does",
+                )
         except DriverError as error:
             self._broken = error
             self._fault(error)

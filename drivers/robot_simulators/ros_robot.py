@@ -121,6 +121,7 @@ class SimulatedRosRobot(WebRobot):
         accepts_goals: While it is not set, goals wait to be accepted (ROS 2).
         tells_results: Whether it says how goals ended (ROS 1).
         goal_s: How long a goal takes, in its seconds.
+        dead: Topics and actions whose node has ended; of the drive's topic the base does not move.
         ended: The goals that have ended, the oldest first.
     """
 
@@ -140,6 +141,7 @@ class SimulatedRosRobot(WebRobot):
         self.accepts_goals.set()
         self.tells_results = True
         self.interface = interface
+        self.dead: set[str] = set()
         self.goal_s = GOAL_S
         self.goals: dict[str, SimulatedGoal] = {}
         self.ended: list[SimulatedGoal] = []
@@ -276,7 +278,7 @@ class SimulatedRosRobot(WebRobot):
 
     def act(self, topic: str, message: Message) -> None:
         """Do what a message from outside asks for."""
-        if topic == self.interface.get("drive"):
+        if topic == self.interface.get("drive") and topic not in self.dead:
             twist = message.get("twist", message)
             forward = twist.get("linear", {}).get("x", 0.0)
             turn = twist.get("angular", {}).get("z", 0.0)
@@ -284,7 +286,7 @@ class SimulatedRosRobot(WebRobot):
             self._sideways = twist.get("linear", {}).get("y", 0.0)
             self.velocities.append(self._commanded)
         for voice in self.interface.get("speech", ()):
-            if topic == voice["topic"]:
+            if topic == voice["topic"] and topic not in self.dead:
                 self.fall_silent()
                 text = next((str(each) for each in message.values() if isinstance(each, str)), "")
                 self._speech = self.run(self._speak(voice, text))
@@ -341,7 +343,7 @@ class SimulatedRosRobot(WebRobot):
     def _actionlib(self, topic: str, message: Message) -> None:
         """Actions of ROS 1 are topics: goal, cancel, status, result."""
         action, _, word = topic.rpartition("/")
-        if action not in self.interface["actions"]:
+        if action not in self.interface["actions"] or action in self.dead:
             return
         if word == "goal":
             ident = message.get("goal_id", {}).get("id") or f"goal {len(self.calls)}"

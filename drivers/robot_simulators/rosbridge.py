@@ -130,6 +130,8 @@ class RosbridgeSimulator(SimulatedRosRobot):
                 "type": self._named([services.get(args["service"], "")], "srv")[0]
             },
             "action_servers": lambda: {"action_servers": [*self.interface["actions"]]},
+            "publishers": lambda: {"publishers": self._nodes(args["topic"])},
+            "subscribers": lambda: {"subscribers": self._nodes(args["topic"])},
             "get_time": lambda: {"time": self.types.default("time")},
         }
         if self.ros == 2:
@@ -141,6 +143,11 @@ class RosbridgeSimulator(SimulatedRosRobot):
         if question not in answers:
             raise MisfitError(f"Service /rosapi/{question} does not exist")
         return answers[question]()
+
+    def _nodes(self, topic: str) -> list[str]:
+        """Those that publish a topic, or listen to it: rosbridge itself is always among them."""
+        dead = any(topic == one or topic.startswith(f"{one}/") for one in self.dead)
+        return ["/rosbridge_websocket", *([] if dead else ["/robot"])]
 
     def all_topics(self) -> dict[str, str]:
         """Topics with their types; with ROS 1 actions are topics."""
@@ -273,6 +280,8 @@ class _Client:
     async def _goal(self, message: Message) -> None:
         robot, action = self._robot, message["action"]
         answer: Message = {"op": "action_result", "action": action, "id": message.get("id")}
+        if action in robot.dead:
+            return  # rosbridge waits for its server
         kind = robot.interface["actions"].get(action, "")
         if not kind or plain(kind) != plain(message["action_type"]) or robot.refuse_goals:
             await asyncio.Event().wait()  # as the real one: nobody ever hears of it

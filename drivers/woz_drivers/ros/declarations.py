@@ -97,6 +97,11 @@ class VerbDeclaration:
         return self.publish or self.service or self.action
 
     @property
+    def is_answered(self) -> bool:
+        """Whether the robot itself says that it has ended."""
+        return bool(self.service or self.action or self.ends.subscribe)
+
+    @property
     def part(self) -> str:
         """The type of what is sent: of the message, the request or the goal."""
         return self.type_ + ("_Request" if self.service else "_Goal" if self.action else "")

@@ -437,7 +437,11 @@ class DeclaredVerb:
                 )
                 _check_success(declared.action, result, declared.success)
                 sent["result"] = result
+            if self._ends is not None and declared.publish:
+                await self._need_listener()
             await self._robot.unless_lost(self._until_end(job, args))
+            if self._ends is None and declared.publish:
+                await self._need_listener()
         except asyncio.CancelledError:
             # Stopped, replaced or timed out; a stop is sent beside this, and twice does no harm.
             self._end_later()
@@ -456,6 +460,15 @@ class DeclaredVerb:
         finally:
             self._going_on -= 1
         return sent
+
+    async def _need_listener(self) -> None:
+        """Raises `DriverError` where nobody was there to hear what was published."""
+        topic = self._declared.publish
+        if await self._robot.is_there("subscribers", topic) is False:
+            raise DriverError(
+                f"{self._verb}: no node of the robot listens to {topic}",
+                "start its node, or correct the topic in the robot file",
+            )
 
     def _end_later(self) -> asyncio.Task[None]:
         """Begin to end it: the next command of the lane is not sent before."""

@@ -47,6 +47,12 @@ _CANCEL_AGAIN_S = 0.1
 _CANCELLED_WITHIN_S = 10.0
 #: An action of ROS 2 has told of a goal that it accepts after so long, in seconds.
 ACCEPTED_S = 2.0
+#: Whether the node of an action, or the listener of a topic, is there is asked so often, and so
+#: long the answer is waited for, in seconds.
+SERVED_S, _THERE_WITHIN_S = 3.0, 1.0
+_UNKNOWN_S = 60.0
+#: What rosbridge's own node is called: it advertises and subscribes for us.
+_ROSBRIDGE = "rosbridge"
 #: Of the server's complaints so many different ones are shown.
 _MOST_COMPLAINTS = 20
 #: States of a goal, by version of ROS: `actionlib_msgs/GoalStatus`, `action_msgs/GoalStatus`.
@@ -133,6 +139,9 @@ class Rosbridge:
         self.goals: dict[str, SentGoal] = {}
         #: Of actions of ROS 2 that have told it: the goals that they have accepted.
         self._accepted: dict[str, frozenset[str]] = {}
+        #: Whether somebody is there, and until when that is believed, by `publishers` or
+        #: `subscribers` and topic.
+        self._there: dict[tuple[str, str], tuple[bool | None, float]] = {}
         #: Of the further connections; another one after each loss.
         self._session: aiohttp.ClientSession | None = None
         self._spare: aiohttp.ClientWebSocketResponse[bool] | None = None
@@ -454,6 +463,9 @@ class Rosbridge:
                     raise DriverError(
                         f"{action} did not accept its goal", "does the robot know what it names?"
                     )
+                while not ended.done():
+                    await self._need_server(sent)
+                    await asyncio.wait([ended], timeout=SERVED_S)
                 status, result = await asyncio.shield(ended)
         except TimeoutError:
             raise DriverError(f"{action} did not end within {within:g} s", _UNANSWERED) from None
@@ -469,6 +481,41 @@ class Rosbridge:
             raise DriverError(f"{action} was cancelled on the robot")
         how = _ENDED_BADLY[self._ros].get(status, f"ended in state {status}")
         raise DriverError(f"{action} was {how}: {result!s:.200}", "look at the robot's own node")
+
+    async def _need_server(self, goal: SentGoal) -> None:
+        """Raises `DriverError` if no node carries the goal's action out (any more)."""
+        status = f"{goal.action}/{'_action/' if self._ros == 2 else ''}status"
+        if await self.is_there("publishers", status) is False:
+            goal.accepted = False
+            raise DriverError(
+                f"no node of the robot carries out {goal.action}",
+                "start its node again: it is not there, or has ended",
+            )
+
+    async def is_there(self, who: str, topic: str) -> bool | None:
+        """Whether a topic has `publishers` or `subscribers` beside rosbridge itself, by the word of
+        rosapi; None: it does not say. What was there lately is not asked about again, nor for a
+        while a rosapi that does not know.
+        """
+        name = topic if topic.startswith("/") else f"/{topic}"
+        now = asyncio.get_running_loop().time()
+        known, until = self._there.get((who, name), (None, float("-inf")))
+        if now < until:
+            return known
+        try:
+            answer = await self.call(f"/rosapi/{who}", {"topic": name}, _THERE_WITHIN_S)
+        except DeviceLostError:
+            raise
+        except DriverError:
+            answer = None
+        nodes = answer.get(who) if isinstance(answer, dict) else None
+        if not isinstance(nodes, list):
+            self._there[who, name] = None, now + _UNKNOWN_S
+            return None
+        there = any(_ROSBRIDGE not in str(node) for node in nodes)
+        if there:
+            self._there[who, name] = True, now + SERVED_S
+        return there
 
     async def _ask_goal(self, goal: SentGoal, content: Json, within: float) -> None:
         message = {

@@ -21,6 +21,8 @@ _SILENT_S = 0.3
 _STILL = 0.01
 #: After a drive it is waited for its standing still, in seconds.
 _HALT_S = 2.0
+#: A drive of so many seconds is long enough to be seen by its odometry.
+_SEEN_S = 1.0
 
 
 class VelocityDrive:
@@ -35,6 +37,8 @@ class VelocityDrive:
         self._stops = 0
         #: Whether its odometry says that it stands; None until it has said anything.
         self._still: bool | None = None
+        #: Whether it has said, since the present drive began, that it moves.
+        self._moved = False
         self._message_came = asyncio.Event()
         robot.advertise(declared.topic, declared.type_)
         if declared.odometry:
@@ -66,7 +70,7 @@ class VelocityDrive:
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.alive(_SILENT_S)
         end, stops = loop.time() + seconds, self._stops
-        self.moving = True
+        self.moving, self._moved = True, False
         try:
             while (left := end - loop.time()) > 0:
                 if self._stops != stops:
@@ -83,6 +87,12 @@ class VelocityDrive:
         await self.zero()
         if declared.odometry:
             await self._halted()
+            if not self._moved and seconds >= _SEEN_S:
+                raise DriverError(
+                    f"{declared.odometry} says that the base has not moved",
+                    "look at its motors, its brake and its emergency stop",
+                )
+            job.evidence("measured" if self._moved else "reported")
         return {"x": x, "y": y, "turn": turn, "seconds": round(seconds, 3)}
 
     async def _halted(self) -> None:
@@ -127,6 +137,7 @@ class VelocityDrive:
         self._still = len(values) > 0 and all(
             isinstance(value, int | float) and abs(value) < _STILL for value in values
         )
+        self._moved |= self._still is False
         self._message_came.set()
 
     def _twist(self, x: float, y: float, turn: float) -> dict[str, Json]:

@@ -9,6 +9,7 @@ from woz_drivers.ros.declarations import DriveDeclaration, VerbDeclaration
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import COMMON_VERBS, common_verb
+from woz_tui.protocol.action_messages import Evidence
 
 DRIVE = "drive"
 #: Verbs that the driver makes of another one.
@@ -93,13 +94,19 @@ def offered(
                 lane=declared.lane or common.lane,
                 limit_s=declared.within,
                 drives=declared.drives,
+                evidence="reported" if declared.is_answered else "timed",
             )
         )
-    verbs += [common_verb(name) for name, other in DERIVED.items() if other in declarations]
+    verbs += [
+        common_verb(name, evidence="reported" if declarations[other].is_answered else "timed")
+        for name, other in DERIVED.items()
+        if other in declarations
+    ]
     return (*verbs, *([_drive(drive)] if drive is not None else []))
 
 
 def _drive(declared: DriveDeclaration) -> Verb:
-    drive = common_verb(DRIVE, limit_s=600.0, arrives=True)
+    known: Evidence = "measured" if declared.odometry else "timed"
+    drive = common_verb(DRIVE, limit_s=600.0, arrives=True, evidence=known)
     ways = [each for each in drive.arguments if declared.sideways or each.name != "y"]
     return replace(drive, arguments=tuple(ways))

@@ -125,6 +125,51 @@ async def test_a_goal_that_nobody_takes_holds_up_nothing(ros: int) -> None:
         await it.play("play", move="nod")
 
 
+@BOTH
+async def test_an_action_whose_node_is_dead_fails_soon_with_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, ros: int
+) -> None:
+    monkeypatch.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.2)
+    monkeypatch.setattr("woz_drivers.ros.rosbridge.SERVED_S", 0.2)
+    async with played(settings(ros=ros)) as it:
+        it.robot.dead.add("/gesture")
+        with pytest.raises(DriverError, match="no node of the robot carries out /gesture") as dead:
+            await it.play("play", move="wave")
+        assert dead.value.remedy.startswith("start its node")
+        it.robot.dead.clear()
+        it.robot.goal_s = FOR_EVER_S
+        task = it.begin("play", move="wave")
+        await until(lambda: bool(it.robot.goals))
+        it.robot.dead.add("/gesture")  # it ends in the middle
+        with pytest.raises(DriverError, match="carries out /gesture"):
+            await task
+
+
+@BOTH
+async def test_what_nobody_listens_to_is_not_done(ros: int) -> None:
+    async with played(settings(ros=ros)) as it:
+        it.robot.dead |= {"/head", "/tts"}
+        for verb, args in (("gaze", {"yaw": 1.0}), ("say", {"text": "Hello"})):
+            with pytest.raises(DriverError, match=f"{verb}: no node of the robot listens to /"):
+                await it.play(verb, **args)
+
+
+async def test_a_robot_says_how_much_it_can_know_of_each_verb() -> None:
+    known = {verb.name: verb.evidence for verb in Ros.verbs(settings())}
+    assert known == {
+        **{"say": "reported", "play": "reported", "volume": "reported", "drive": "measured"},
+        **dict.fromkeys(("gaze", "nudge", "emotion", "pose", "poses"), "timed"),
+    }
+
+
+async def test_a_base_that_does_not_move_has_not_driven() -> None:
+    async with played() as it:
+        assert await it.play("drive", x=1.0)
+        it.robot.dead.add("/cmd_vel")
+        with pytest.raises(DriverError, match="/odom says that the base has not moved"):
+            await it.play("drive", x=1.0)
+
+
 async def test_a_goal_that_is_refused_is_known_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """The server of ROS 2 never says it: its action does not count the goal among its own."""
     async with played(settings(ros=2), pace=5.0) as it:

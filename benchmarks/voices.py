@@ -88,6 +88,8 @@ class _Say:
 
     def mark(self, sort: str, text: str = "") -> None: ...
 
+    def evidence(self, kind: str) -> None: ...
+
 
 class Clocked:
     """Milliseconds by name."""

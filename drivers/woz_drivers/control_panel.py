@@ -64,7 +64,7 @@ class ControlPanel(PassiveDriver):
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """It takes the hand's values over at once, where the hand shall win."""
-        return (Verb(TAKE_OVER, "set the robot to the present values of the panel"),)
+        return (Verb(TAKE_OVER, "set the robot to the present values of the panel", evidence=""),)
 
     # -- the bus -------------------------------------------------------------------------------
 

@@ -63,8 +63,9 @@ VERBS = (
         drives=True,
         waits=False,
         limit_s=3700.0,
+        evidence="reported",
     ),
-    Verb("end_talk", "end `talk`", lane="end_talk", brief=True),
+    Verb("end_talk", "end `talk`", lane="end_talk", brief=True, evidence=""),
 )
 NAMES = frozenset(verb.name for verb in VERBS)
 

@@ -5,12 +5,13 @@ A driver takes one with `common_verb("gaze")` and says what is different on its 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
+from woz_tui.protocol.action_messages import Evidence
 
 #: How lights of the eyes change: not, by lids that close, by coming and going.
 EYE_ANIMATIONS = ("steady", "blink", "intermittent")
@@ -180,6 +181,14 @@ def takes_hands_off(verb: str, args: Mapping[str, Any]) -> bool:
 def main_argument(name: str) -> str:
     """The main argument of a common verb: `say: "Hello"` gives it directly."""
     return COMMON_VERBS[name].arguments[0].name
+
+
+def known_by(evidence: Evidence | Literal[""], verbs: Iterable[Verb], *names: str) -> list[Verb]:
+    """The verbs, with this `Verb.evidence`: those called `names`, or all of them."""
+    return [
+        replace(verb, evidence=evidence) if not names or verb.name in names else verb
+        for verb in verbs
+    ]
 
 
 def common_verb(

@@ -130,6 +130,7 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
             "change the mode; normal ends whatever goes on",
             choices=tuple(mode.value for mode in Mode),
             lane="mode",
+            evidence="",
         ),
         Verb(
             "personality",
@@ -149,6 +150,7 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
             ),
             lane="way",
             brief=True,
+            evidence="",
         ),
         Verb(
             "breathing",
@@ -156,6 +158,7 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
             (Argument("on", "flag", required=True),),
             lane="way",
             brief=True,
+            evidence="",
         ),
     )
     return body if shape.face is None else (*body, *_FACE_VERBS)
@@ -202,5 +205,6 @@ _FACE_VERBS = (
         (Argument("on", "flag", required=True),),
         lane="face",
         brief=True,
+        evidence="",
     ),
 )

@@ -33,6 +33,7 @@ VERB = Verb(
     (Argument("on", "flag", "begin or end", required=True),),
     lane="frames",
     brief=True,
+    evidence="reported",
 )
 #: Pictures that may wait for the thread.
 _WAITING = 8

@@ -121,6 +121,7 @@ class Faces(PassiveDriver):
                 (seconds,),
                 lane="calibration",
                 limit_s=35.0,
+                evidence="measured",
             ),
             Verb(
                 "calibrate_distance",
@@ -128,8 +129,14 @@ class Faces(PassiveDriver):
                 (metres, seconds),
                 lane="calibration",
                 limit_s=35.0,
+                evidence="measured",
             ),
-            Verb("address", "whose signs count", (who,), lane="addressed", brief=True),
+            Verb(
+                *("address", "whose signs count", (who,)),
+                lane="addressed",
+                brief=True,
+                evidence="",
+            ),
             *(_identity_verbs() if settings.identity else ()),
         )
 
@@ -415,12 +422,13 @@ class Faces(PassiveDriver):
 
 def _identity_verbs() -> tuple[Verb, ...]:
     return (
-        common_verb(FACE_CONSENT, lane="consent", limit_s=30.0),
+        common_verb(FACE_CONSENT, lane="consent", limit_s=30.0, evidence="reported"),
         common_verb(
             LEARN_FACE,
             "recognise the addressed face by this name from now on, if they consented",
             lane="identity",
             limit_s=40.0,
+            evidence="reported",
         ),
     )
 

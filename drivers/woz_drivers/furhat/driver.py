@@ -38,6 +38,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import known_by
 from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
@@ -50,6 +51,8 @@ _PARTS: tuple[type[FurhatPart], ...] = (
     *(FurhatSpeech, FurhatFace, FurhatHead, FurhatLight),
     *(FurhatHearing, FurhatSenses, FurhatCamera),
 )
+#: Verbs of whose end the robot tells; faces and lights only go out to it.
+_TOLD = ("say", "sound", "voice", "gaze", "nudge", "follow", "listen", "picture", "talk")
 _SETTINGS = (
     Setting(
         name="voice",
@@ -139,8 +142,11 @@ class Furhat(Driver):
 
     @classmethod
     def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
-        """Speech, sounds, gestures, gaze, expression, light, listening, camera."""
-        return tuple(verb for part in _PARTS for verb in part.verbs(settings))
+        """Speech, sounds, gestures, gaze, expression, light, listening, camera; the robot tells of
+        the end of some alone.
+        """
+        verbs = (verb for part in _PARTS for verb in part.verbs(settings))
+        return tuple(known_by("reported", verbs, *_TOLD))
 
     @classmethod
     def lacks(cls, settings: FurhatSettings) -> Mapping[str, str]:

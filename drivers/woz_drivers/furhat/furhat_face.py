@@ -178,6 +178,7 @@ class FurhatFace(FurhatPart):
             gesture = COMMON_GESTURES.get(move, move)
             job.expects(_LASTS_S / speed)
             await self._robot_gesture(gesture, 1.0 / speed, amplitude)
+            job.evidence("reported")
             return {"move": move, "gesture": gesture}
         return {"move": move}
 

@@ -101,6 +101,7 @@ _PATTERN = Verb(
         Argument("seconds", "seconds", "for so long", default=5.0, range=Range(0.1, 25, "s")),
     ),
     lane="face",
+    evidence="reported",  # the face confirms each picture
 )
 
 

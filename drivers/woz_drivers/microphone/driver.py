@@ -89,7 +89,7 @@ class Microphone(PassiveDriver):
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """It can learn the room's noise."""
-        return (common_verb(room_threshold.NAME),)
+        return (common_verb(room_threshold.NAME, evidence="measured"),)
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:

@@ -40,6 +40,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import known_by
 from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import RobotOutline
@@ -110,8 +111,12 @@ class NaoqiRobot(Driver):
 
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
-        """Those of its parts, and of the line."""
-        return (*(verb for part in cls.PARTS for verb in part.verbs(settings)), *LINE)
+        """Those of its parts, and of the line; NAOqi answers each when it is over, but for what
+        moves in small steps: that is only told.
+        """
+        parts = (verb for part in cls.PARTS for verb in part.verbs(settings))
+        known = known_by("reported", (*parts, *LINE))
+        return tuple(known_by("timed", known, "gaze", "nudge", "hip"))
 
     @classmethod
     def lacks(cls, settings: NaoqiSettings) -> Mapping[str, str]:

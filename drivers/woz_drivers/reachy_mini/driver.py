@@ -50,7 +50,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.drivers.robot_verbs import common_verb, known_by
 from woz_tui.drivers.sound_feeds import LISTEN, TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
@@ -270,7 +270,9 @@ class ReachyMini(Driver):
         """
         moving = () if settings.follows else _moving(settings)
         talk = () if settings.talk is None else live_talk.VERBS
-        return (*_SOUND, *talk, *moving, _EMOTION, _RECORDED, *_POWER)
+        every = (*_SOUND, *talk, *moving, _EMOTION, _RECORDED, *_POWER)
+        # Its daemon answers each when it is over, but gets setpoints of where it looks.
+        return tuple(known_by("timed", known_by("reported", every), "gaze", "nudge"))
 
     @classmethod
     def lacks(cls, settings: ReachyMiniSettings) -> Mapping[str, str]:

@@ -156,7 +156,7 @@ class SimulatedRobot(Driver):
             "listen_room": self._learn_room,
         }
         #: Goals of gazes on their way, in degrees by joint, and whom to tell how they end.
-        self._gazes: list[tuple[dict[str, float], Callable[[str], None]]] = []
+        self._gazes: list[tuple[dict[str, float], Job, Callable[[str], None]]] = []
         self._opened = self._looked = self._pace.now()
         self._stops = {Scope.ALL: 0, Scope.DRIVE: 0}
         self._life: asyncio.Task[None] | None = None
@@ -404,19 +404,20 @@ class SimulatedRobot(Driver):
         sent = self._aim({role: at for role, at in job.args.items() if role in self._roles})
         names = [self._roles[role] for role in sent]
         goals = {name: self._body.joints[name].goal for name in names}
-        self._gazes.append((goals, job.goes_on()))
+        self._gazes.append((goals, job, job.goes_on()))
         return sent
 
     def _tell_arrivals(self) -> None:
         """Tell of gazes whose joints are there, or have been given another goal."""
         going_on = []
-        for goals, tell in self._gazes:
+        for goals, job, tell in self._gazes:
             if any(self._body.joints[name].goal != goal for name, goal in goals.items()):
                 tell("the head has another goal now")
             elif self._body.still(goals):
+                job.evidence("measured")
                 tell("")
             else:
-                going_on.append((goals, tell))
+                going_on.append((goals, job, tell))
         self._gazes = going_on
 
     async def _nudge(self, job: Job) -> Sent:

@@ -18,7 +18,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.drivers.robot_verbs import common_verb, known_by
 
 # -- moves ----------------------------------------------------------------------------------------
 # The gestures that `play` knows, as poses at fractions of their duration.
@@ -126,7 +126,21 @@ _STEP = Range(-90, 90, "degrees")
 
 
 def offered(settings: SimulatedSettings) -> tuple[Verb, ...]:
-    """The verbs of a robot with these joints, moves and modes."""
+    """The verbs of a robot with these joints, moves and modes.
+
+    It stands for a robot that answers, and whose joints, base and microphone have sensors.
+    """
+    known = known_by("reported", _all(settings))
+    known = known_by("measured", known, *_MEASURED)
+    return tuple(known_by("", known, "fault"))
+
+
+#: What sensors of the simulated robot show; a gaze is only taken when it is done, and measured when
+#: it has arrived.
+_MEASURED = ("play", "pose", "poses", "home", "nudge", "hip", "drive", room_threshold.NAME)
+
+
+def _all(settings: SimulatedSettings) -> tuple[Verb, ...]:
     sensing = (room_threshold.NAME, FACE_CONSENT, LEARN_FACE)
     senses = tuple(map(common_verb, sensing)) if settings.visitor else ()
     if settings.voice_only:

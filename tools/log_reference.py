@@ -115,6 +115,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "uncalled": ("", "actions while no cue waited"),
     "unfilled": ("", "those of `args` that reveal it, with variables not filled in; absent: none"),
     "without": ("", "what this robot does not do of it; absent: nothing"),
+    "unable": ("", "names of verbs; absent: none"),
     "unreached": ("", "drivers of `missing` whose hardware was not connected; absent: none"),
     "missing_parts": ("", "driver -> its parts that did not confirm the stop; absent: none"),
     "next": ("", "next state if the machine were not held; absent: no change"),

@@ -226,6 +226,17 @@ def test_a_verb_of_two_drivers_is_reachable_while_one_is_left() -> None:
     assert state(picture, "Hello") is ButtonState.UNREACHABLE
 
 
+def test_what_a_driver_cannot_do_now_is_grey_like_what_a_lost_one_cannot() -> None:
+    """A servo without torque is connected, and takes no pose."""
+    picture = begun(m.VerbsUnable(driver="voice", unable=["say"], why="the amplifier is off"))
+    panel = next(it for it in picture.panels if any(a.name == "Hello" for a in it.actions))
+    hello = next(action for action in panel.actions if action.name == "Hello")
+    shown = picture.button_view(panel, hello, NOW)
+    assert (shown.state, shown.note) == (ButtonState.UNREACHABLE, "voice")
+    picture.apply([m.VerbsUnable(driver="voice")], 0)
+    assert state(picture, "Hello") is ButtonState.READY
+
+
 def stopped(picture: ConsoleState) -> object:
     """Since when, by whom, who confirmed and who did not; None: it is not latched."""
     stop = picture.stop

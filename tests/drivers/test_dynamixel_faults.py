@@ -11,12 +11,18 @@ import pytest
 from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, chain
 
 from tests.drivers.heard import Heard, until
-from tests.drivers.servo_stand import HEAD, MISSING_MS, SILENT_MS, head, stand
+from tests.drivers.servo_stand import HEAD, MISSING_MS, SILENT_MS, Stand, head, stand
 from tests.fakes.servo_codec import PING
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
-from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverLost, Notice
+from woz_tui.protocol.messages import (
+    DriverConnected,
+    DriverFaulted,
+    DriverLost,
+    Notice,
+    VerbsUnable,
+)
 
 pytestmark = pytest.mark.real_clock
 
@@ -447,3 +453,18 @@ async def test_torque_of_a_servo_that_stays_limp_under_its_alarm_fails(tmp_path:
         assert "`reboot`" in failed.value.remedy
         with pytest.raises(RejectedError, match="torque of tilt is off"):
             await it.do("pose", joints={"tilt": 0.0})
+
+
+async def test_what_no_servo_could_do_is_said_and_only_that(tmp_path: Path) -> None:
+    def unable(it: Stand) -> list[str]:
+        return it.heard.all(VerbsUnable)[-1].unable
+
+    async with stand(tmp_path, pan="pan") as it:
+        await it.heard.first(VerbsUnable)
+        assert unable(it) == ["pose", "poses", "home", "gaze", "nudge"]
+        assert it.heard.all(VerbsUnable)[-1].why == "torque is off"
+        await it.do("torque", on=True, joint="pan")
+        await it.heard.until(lambda: not unable(it))
+        it.bus.servo(11).raise_alarm(OVERLOAD)
+        await it.heard.until(lambda: bool(unable(it)))
+        assert not {"torque", "reboot"} & {*unable(it)}  # with those it is mended

@@ -331,6 +331,7 @@ MESSAGES: tuple[m.AnyMessage, ...] = (
         duration_us=4_000_000,
         cause="blocked",
     ),
+    m.VerbsUnable(driver="neck", unable=["pose", "gaze"], why="torque is off"),
 )
 
 _PANELS = [

@@ -701,16 +701,22 @@ class ConsoleState:
         return ButtonView(ButtonState.READY)
 
     def missing_driver(self, action: ActionView) -> str:
-        """A driver this action needs and that is lost, or an empty string.
+        """A driver this action needs and that is lost, or cannot do its verb now (a servo without
+        torque); empty: none.
 
-        A verb that several drivers offer counts as missing only if all of them are lost.
+        A verb that several drivers offer counts as missing only if none of them can.
         """
         for verb in action.verbs:
             drivers = [name for name, verbs in self.verbs.items() if verb in verbs]
-            lost = [name for name in drivers if self.health(name) == "lost"]
+            lost = [name for name in drivers if not self._can(name, verb)]
             if lost and len(lost) == len(drivers):
                 return lost[0]
         return ""
+
+    def _can(self, driver: str, verb: str) -> bool:
+        """Whether a driver's hardware can carry a verb out now, as far as it says."""
+        told = self.session.unable.get(driver)
+        return self.health(driver) != "lost" and (told is None or verb not in told.unable)
 
     def health(self, driver: str) -> str:
         """A driver's health, `unknown` if it was never heard of."""

@@ -266,6 +266,13 @@ class ModeStatement(DriverStatement, frozen=True, tag="mode"):
     why: str = ""
 
 
+class UnableStatement(DriverStatement, frozen=True, tag="unable"):
+    """`DriverContext.unable`."""
+
+    verbs: tuple[str, ...]
+    why: str = ""
+
+
 class NoticeStatement(DriverStatement, frozen=True, tag="notice"):
     """`DriverContext.notice`."""
 
@@ -332,6 +339,12 @@ class DriverContext(abc.ABC):
     def mode(self, mode: str, why: str = "") -> None:
         """The robot's mode (normal, demo ...) is now `mode`; saying the same again is free."""
         self.publish(ModeStatement(mode, why))
+
+    def unable(self, verbs: Iterable[str], why: str = "") -> None:
+        """The hardware is there and cannot carry these verbs out now: consoles grey what plays
+        them. All such verbs at a time, none when it can again; saying the same again is free.
+        """
+        self.publish(UnableStatement(tuple(verbs), why))
 
     def notice(
         self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()

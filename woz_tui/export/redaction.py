@@ -28,7 +28,7 @@ KEPT = frozenset(
         *("run", "action", "panel", "source", "key", "console", "role", "profile", "phase"),
         *("command", "original_command", "verb", "driver", "when_busy", "code", "by", "lane"),
         *("scope", "confirmed", "missing", "unreached", "sensor", "unit", "bad", "state", "level"),
-        "evidence",
+        *("evidence", "unable"),
         *("halted", "now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
         *("method", "order", "cues", "sort", "hidden", "blurred", "what", "without"),
         *("questionnaire", "item", "cue", "expects", "judged", "tells", "sees"),

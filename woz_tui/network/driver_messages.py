@@ -22,6 +22,7 @@ from woz_tui.drivers.contract import (
     NoticeStatement,
     ReadingStatement,
     SensorStatement,
+    UnableStatement,
 )
 from woz_tui.protocol.messages import Json
 
@@ -307,6 +308,7 @@ FromDriver = (
     | HealthStatement
     | ModeStatement
     | NoticeStatement
+    | UnableStatement
     | MessageSent
     | AskSent
     | FeedsNamed

@@ -16,6 +16,7 @@ from woz_tui.drivers.contract import (
     ModeStatement,
     ReadingStatement,
     SensorStatement,
+    UnableStatement,
 )
 from woz_tui.drivers.feeds import Feed, Feeds
 from woz_tui.network import driver_messages as dm
@@ -96,7 +97,7 @@ class ServedContext(DriverContext):
         match statement:
             case SensorStatement(sensor=sensor):
                 self._lasting[SensorStatement, sensor] = body
-            case HealthStatement() | ModeStatement() | Shown():
+            case HealthStatement() | ModeStatement() | UnableStatement() | Shown():
                 self._lasting[type(statement), ""] = body
         self._line.send(body, kept=not isinstance(statement, ReadingStatement))
 

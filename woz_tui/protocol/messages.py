@@ -321,6 +321,16 @@ class DriverFaulted(DriverHealth, frozen=True, kw_only=True, tag="driver.faulted
     """A part of it does not answer or reports an alarm; `detail` names the part."""
 
 
+class VerbsUnable(Message, frozen=True, kw_only=True, tag="verbs.unable"):
+    """Verbs that a driver's hardware cannot carry out at the moment, and why, though it is
+    connected: a servo without torque takes no pose. All such verbs; none when it can again.
+    """
+
+    driver: str
+    unable: list[str] = []
+    why: str = ""
+
+
 class LaneFaulted(Message, frozen=True, kw_only=True, tag="lane.faulted"):
     """A job outlived its limit and its cancelling; its lane takes nothing until it has ended."""
 
@@ -753,6 +763,7 @@ AnyMessage = (
     | SpeechText
     | VisitorChanged
     | ModeChanged
+    | VerbsUnable
     | FaceShown
     | BodyChanged
     | ControlsMoved

@@ -24,6 +24,7 @@ from woz_tui.drivers.contract import (
     NoticeStatement,
     ReadingStatement,
     SensorStatement,
+    UnableStatement,
 )
 from woz_tui.drivers.feeds import Feed, Feeds
 from woz_tui.protocol import codec
@@ -43,6 +44,7 @@ from woz_tui.protocol.messages import (
     SpeechEnded,
     SpeechStarted,
     SpeechText,
+    VerbsUnable,
     reading,
 )
 from woz_tui.session.driver_faults import DriverFaults, place_of
@@ -102,6 +104,7 @@ class SessionDriverContext(DriverContext):
         self._health: tuple[Health, str] | None = None
         self._sensors: dict[str, str] = {}
         self._mode = ""
+        self._unable = UnableStatement(())
 
     @property
     def clock(self) -> Clock:
@@ -157,6 +160,9 @@ class SessionDriverContext(DriverContext):
             case ModeStatement(mode=mode, why=why):
                 if self._mode != mode:
                     message = ModeChanged(driver=driver, was=self._mode, now=mode, why=why)
+            case UnableStatement(verbs=verbs, why=why):
+                if self._unable != statement:
+                    message = VerbsUnable(driver=driver, unable=[*verbs], why=why)
             case NoticeStatement(level=level, text=text, remedy=remedy, tells=tells):
                 text = f"{driver}: {text}"
                 message = Notice(
@@ -178,6 +184,8 @@ class SessionDriverContext(DriverContext):
                 self._faults.clear(self._driver)
             case ModeStatement(mode=mode):
                 self._mode = mode
+            case UnableStatement():
+                self._unable = statement
 
     def _refuse(self, statement: object, error: Exception) -> None:
         frame: FrameType | None = sys._getframe(2)

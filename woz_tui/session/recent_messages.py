@@ -19,6 +19,7 @@ _UNLISTED = (
     | m.ActionScheduled
     | m.MotionArrived
     | m.MotionInterrupted
+    | m.VerbsUnable
     | m.CommandMark
     | m.BlockPlanned
 )

@@ -17,6 +17,7 @@ from woz_tui.drivers.contract import (
     NoticeStatement,
     ReadingStatement,
     SensorStatement,
+    UnableStatement,
 )
 from woz_tui.drivers.feeds import Feed, Feeds
 from woz_tui.protocol.action_messages import EVIDENCE, Evidence
@@ -52,6 +53,7 @@ class RecordingContext(DriverContext):
         self.healths: list[tuple[Health, str, str]] = []
         self.notices: list[tuple[str, str, str]] = []
         self.modes: list[str] = []
+        self.unables: list[tuple[tuple[str, ...], str]] = []
         self.shown: list[Shown] = []
         self.told: list[Speech] = []
         self.asks: list[Ask] = []
@@ -77,7 +79,7 @@ class RecordingContext(DriverContext):
         return clock_us
 
     def publish(self, statement: DriverStatement | Shown | Speech) -> None:
-        """Keep it; of health and mode what is new."""
+        """Keep it; of health, mode and verbs what is new."""
         self.published += 1
         match statement:
             case ReadingStatement(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
@@ -91,6 +93,9 @@ class RecordingContext(DriverContext):
             case ModeStatement(mode=mode):
                 if self.modes[-1:] != [mode]:
                     self.modes.append(mode)
+            case UnableStatement(verbs=verbs, why=why):
+                if self.unables[-1:] != [(verbs, why)]:
+                    self.unables.append((verbs, why))
             case NoticeStatement(level=level, text=text, remedy=remedy):
                 self.notices.append((level, text, remedy))
             case Shown():

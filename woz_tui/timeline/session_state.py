@@ -83,8 +83,8 @@ class SessionState:
         stops: Not over, by scope.
         drivers, lost, faulted_lanes: Health by driver (and lane).
         readings, sensors: The last value and the last state of each sensor.
-        modes, faces, bodies, controls: The last of each, by driver; of controls all positions, what
-            moved last at the end.
+        modes, unable, faces, bodies, controls: The last of each, by driver; of controls all
+            positions, what moved last at the end.
         filled: What each action would do if it were played now.
         speaking: Utterances that go on, by driver and segment.
         profile, restriction: What restricts the wizard, if anything does.
@@ -113,6 +113,7 @@ class SessionState:
     readings: dict[str, m.Reading] = field(default_factory=dict)
     sensors: dict[str, m.SensorChanged] = field(default_factory=dict)
     modes: dict[str, m.ModeChanged] = field(default_factory=dict)
+    unable: dict[str, m.VerbsUnable] = field(default_factory=dict)
     faces: dict[str, m.FaceShown] = field(default_factory=dict)
     bodies: dict[str, m.BodyChanged] = field(default_factory=dict)
     controls: dict[str, m.ControlsMoved] = field(default_factory=dict)
@@ -687,6 +688,7 @@ CASES: dict[type[m.Message], _Case] = {
     m.SpeechEnded: S._speech_ended,
     m.SpeechText: S._speech_text,
     m.ModeChanged: _as_moment(_last_of("modes", "driver")),
+    m.VerbsUnable: _as_moment(_last_of("unable", "driver")),
     m.FaceShown: _last_of("faces", "driver"),
     m.BodyChanged: _last_of("bodies", "driver"),
     m.ControlsMoved: S._controls,

@@ -18,7 +18,7 @@ from woz_drivers.dynamixel.body_following import BodyFollower
 from woz_drivers.dynamixel.chain import ServoChain
 from woz_drivers.dynamixel.port import ServoPort
 from woz_drivers.dynamixel.servo import ServoStatus
-from woz_drivers.dynamixel.servo_health import report
+from woz_drivers.dynamixel.servo_health import report, unable_verbs
 from woz_drivers.dynamixel.settings import ServoSettings
 from woz_drivers.dynamixel.wire import ServoWire
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, Health
@@ -189,6 +189,7 @@ class ServoLoop:
 
     def _publish(self, chain: ServoChain) -> None:
         self._context.health(*report(self._settings, chain.servos.values()))
+        self._context.unable(*unable_verbs(self._settings, chain.servos.values()))
         for servo in chain.servos.values():
             if servo.status is ServoStatus.READY:
                 # In a body's degrees, so that it can be held against the body's setpoint.

@@ -11,6 +11,7 @@ from woz_drivers.dynamixel import control_tables
 from woz_drivers.dynamixel import servo as servos
 from woz_drivers.dynamixel.servo import Servo, ServoStatus, SilentError, UnfitError
 from woz_drivers.dynamixel.settings import ServoSettings
+from woz_drivers.dynamixel.verbs import POWER, servo_verbs
 from woz_drivers.dynamixel.wire import ServoAnswer, ServoWire
 from woz_tui.drivers.contract import DriverContext, Health
 
@@ -189,6 +190,16 @@ def report(settings: ServoSettings, servos_: Iterable[Servo]) -> tuple[Health, s
     models = Counter(servo.model.name for servo in known if servo.model is not None)
     found = ", ".join(f"{count} x {name}" for name, count in sorted(models.items()))
     return Health.CONNECTED, f"{settings.port}: {found}", ""
+
+
+def unable_verbs(settings: ServoSettings, servos_: Iterable[Servo]) -> tuple[tuple[str, ...], str]:
+    """What moves joints, where no servo could: for `DriverContext.unable`."""
+    obstacles = [servo.obstacle for servo in servos_]
+    whys = dict.fromkeys(each.what for each in obstacles if each is not None)
+    if any(each is None for each in obstacles):
+        return (), ""
+    moving = (verb.name for verb in servo_verbs(settings) if verb.lane != POWER)
+    return tuple(moving), "; ".join(whys)
 
 
 def signed_load(table: control_tables.ControlTable, raw: int) -> int:

@@ -30,12 +30,14 @@ class Setpoints:
 class JointPositions:
     """Feed `present` of servos: where each joint is, in degrees; only joints that answer.
 
-    `held` are those whose torque is on.
+    `held` are those whose torque is on; `unable` those that cannot move, each with why, and what to
+    do about it.
     """
 
     t_us: int
     joints: Mapping[str, float]
     held: frozenset[str] = frozenset()
+    unable: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar
 
+from woz_drivers.background import BackgroundTasks
 from woz_drivers.body import doctor
+from woz_drivers.body.servo_feedback import MOVING, MotionWatch, told_of
 from woz_drivers.body.settings import BodySettings, move_changes
 from woz_drivers.body.tick_loop import BodyLoop, ThreadTicker
 from woz_drivers.confirmed_stop import AGAIN_S
@@ -27,6 +29,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_verbs import known_by
 from woz_tui.motion.body_verbs import BRIEF, body_verbs
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.engine_io import EndedInput
@@ -40,6 +43,8 @@ from woz_tui.system.tasks import wait_at_most
 STOP_S = 0.4
 #: The thread is given so long to end; one tick is enough.
 JOIN_S, LOOK_S = 2.0, 0.005
+#: What is over when its joints are there.
+_AWAITED = ("play", "pose", "poses", "home")
 #: A named pose takes so long at speed 1, in seconds.
 POSE_S = 1.0
 
@@ -82,13 +87,18 @@ class Body(RenderedDriver):
         self._strokes: dict[int, Callable[[], None]] = {}
         #: Tells how motions end that go on after their command, by token.
         self._going_on: dict[int, Callable[[str], None]] = {}
+        #: Those that wait until servos show that a motion has arrived.
+        self._seeing = BackgroundTasks("waiting for joints to arrive")
         self._events: asyncio.AbstractEventLoop | None = None
         self._closed = False
 
     @classmethod
     def verbs(cls, settings: BodySettings) -> tuple[Verb, ...]:
-        """Everything a body can be asked for; what is about the face only if it has one."""
-        return body_verbs(settings, settings.playable)
+        """Everything a body can be asked for; what is about the face only if it has one. What its
+        servos show is measured; without any nobody can know.
+        """
+        verbs = body_verbs(settings, settings.playable)
+        return tuple(known_by("measured", verbs, *_AWAITED)) if settings.servos else verbs
 
     @classmethod
     def joints(cls, settings: BodySettings) -> Mapping[str, Range]:
@@ -139,6 +149,9 @@ class Body(RenderedDriver):
         if job.verb not in self._verbs:
             raise RejectedError(f"this body cannot {job.verb!r}")
         verb, args = self.translated(self.settings, job.verb, job.args)
+        named = _named(args)
+        if self.loop.feedback is not None and job.verb in MOVING:
+            self.loop.feedback.need(named or self.settings.joints, self._events.time())
         answer = self.loop.apply(verb, args, operator_of(job.source))
         if verb == "mode" and args.get("mode") == Mode.TRACKING.value and not self.settings.camera:
             self.context.notice("warning", *BLIND)
@@ -147,18 +160,76 @@ class Body(RenderedDriver):
             return sent
         if job.verb in self._brief:
             if job.verb in self._arriving:
-                self._going_on[answer.token] = job.goes_on()
+                self._going_on[answer.token] = self._arrival(job)
             return sent if answer.seconds is None else {**sent, "seconds": answer.seconds}
         if answer.seconds is not None:
             job.expects(answer.seconds)
         self._strokes[answer.token] = lambda: job.mark("stroke")
+        watch = self._watch(named) if job.verb in _AWAITED else None
         try:
             why = await self._end_of(answer.token)
+            if not why and watch is not None:
+                return {**sent, **await self._seen(job, watch)}
         finally:
             self._strokes.pop(answer.token, None)
+            self._unwatch(watch)
         if why:
             job.goes_on()(why)
         return {**sent, "ended": why} if why else sent
+
+    # -- what servos show ------------------------------------------------------------------------
+
+    def _watch(self, named: Iterable[str] = ()) -> MotionWatch | None:
+        """Watch how the joints follow; None without servos."""
+        if self.loop.feedback is None:
+            return None
+        watch = MotionWatch(self.loop.feedback, frozenset(named))
+        self.loop.watches = (*self.loop.watches, watch)
+        return watch
+
+    def _unwatch(self, watch: MotionWatch | None) -> None:
+        self.loop.watches = tuple(each for each in self.loop.watches if each is not watch)
+
+    async def _seen(self, job: Job, watch: MotionWatch) -> dict[str, Json]:
+        """What the servos show of a motion that is over, for `sent`.
+
+        Raises `DriverError` if a joint that could have followed did not, or none could.
+        """
+        missing, joints = await watch.missing(), watch.involved()
+        if not missing:
+            job.evidence("measured" if joints else "timed")
+            return {}
+        text, remedy = told_of(missing)
+        assert self._events is not None
+        could_not = watch.feedback.obstacles(self._events.time())
+        if len(missing) == len(joints) or any(name not in could_not for name in missing):
+            raise DriverError(text, remedy)
+        job.evidence("measured")
+        job.goes_on()(text)
+        return {"left_out": {name: why for name, (why, _) in missing.items()}}
+
+    def _arrival(self, job: Job) -> Callable[[str], None]:
+        """What is told when a motion that goes on is over: that joints are seen there, or not."""
+        goes_on, watch = job.goes_on(), self._watch()
+        if watch is None:
+            return goes_on
+
+        async def see() -> None:
+            try:
+                missing = await watch.missing()
+            finally:
+                self._unwatch(watch)
+            job.evidence("measured" if watch.involved() else "timed")
+            goes_on(told_of(missing)[0])
+
+        def over(why: str) -> None:
+            if why:
+                self._unwatch(watch)
+                goes_on(why)
+            else:
+                self._seeing.start(see())
+
+        return over
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """Moves, poses and gazes, by the engine's own arithmetic; of a move its stroke, too."""
@@ -236,6 +307,7 @@ class Body(RenderedDriver):
         if self._events is None:
             return
         self._ticker.end()
+        await self._seeing.close(0.0)
         for _ in range(round(JOIN_S / LOOK_S)):
             if self._ticker.ended:
                 break
@@ -307,6 +379,14 @@ class Body(RenderedDriver):
             future = self._running.get(one.token)
             if future is not None and not future.done():
                 future.set_result(one.why)
+
+
+def _named(args: Mapping[str, Json]) -> frozenset[str]:
+    """The joints that a command names."""
+    poses = args.get("poses")
+    every = [args, *(poses if isinstance(poses, list) else ())]
+    found = [each.get("joints") for each in every if isinstance(each, Mapping)]
+    return frozenset(name for one in found if isinstance(one, Mapping) for name in one)
 
 
 def _number(value: Json) -> float:

@@ -14,6 +14,7 @@ from array import array
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 
+from woz_drivers.body.servo_feedback import FRESH_S, MotionWatch, ServoFeedback
 from woz_drivers.body.settings import BodySettings
 from woz_drivers.rate_limit import RateLimit
 from woz_tui.drivers.contract import Ask, DriverContext, DriverError, Health
@@ -151,8 +152,6 @@ class ThreadTicker:
 
 #: A hand has moved a limp joint when it is so many degrees from where it was last found.
 MOVED = 2.0
-#: Older news of the servos count no more, in seconds.
-FRESH_S = 0.5
 #: So long after an input the body goes by what was asked of it, in seconds.
 BUSY_S = 3.0
 
@@ -289,6 +288,8 @@ class TickPublisher:
 SEEN_S = 1.0
 #: Panels are told so often where the controls stand, and right after every input.
 STATE_S = 0.1
+#: So often it is said whether the servos can move the joints.
+UNABLE_S = 0.2
 
 log = logging.getLogger(__name__)
 
@@ -323,6 +324,11 @@ class BodyLoop:
         self._on_stroke = on_stroke
         self._publishing = TickPublisher(settings, context)
         self._joining = LimpJointWatch(settings, context) if settings.servos else None
+        #: What servos show; None: there are none.
+        self.feedback = ServoFeedback(settings, context) if settings.servos else None
+        #: Of the motions under way; from the event loop.
+        self.watches: tuple[MotionWatch, ...] = ()
+        self._unable_due = _limit(UNABLE_S)
         self._zero = {name: joint.zero for name, joint in settings.joints.items()}
         self._detail = _detail(settings)
         self._lock = threading.Lock()
@@ -419,6 +425,10 @@ class BodyLoop:
                 self.at_rest,
             )
         )
+        for watch in self.watches:
+            watch.tick(now, tick.joints)
+        if self.feedback is not None and self._unable_due(now):
+            self._context.unable(*self.feedback.unable(now))
         self._publish_face(tick)
         if state is not None:
             self._state.put(state)

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from woz_drivers.dynamixel.servo import Servo, ServoStatus
 from woz_drivers.dynamixel.setpoint_planning import TargetFollower
 from woz_drivers.dynamixel.settings import ServoSettings
-from woz_tui.drivers.contract import DriverContext
+from woz_tui.drivers.contract import DriverContext, DriverError
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.motion.safety import Limits
 
@@ -99,14 +99,21 @@ class BodyFollower:
         newest = self._setpoints.latest().value
         return newest.zeros.get(joint, 0.0) if isinstance(newest, Setpoints) else 0.0
 
+    def publish_lost(self, joints: Iterable[str], lost: DriverError, now: float) -> None:
+        """Let the body know that no joint can be reached."""
+        unable = dict.fromkeys(joints, (lost.what, lost.remedy))
+        self._present.put(JointPositions(round(now * 1e6), {}, unable=unable))
+
     def publish_positions(self, servos: Iterable[Servo], now: float) -> None:
-        """Let the body know where its joints are, and which of them are held.
+        """Let the body know where its joints are, which of them are held, and which cannot move.
 
         Of one that is not where it can be believed to be, it hears nothing.
         """
+        known = list(servos)
+        obstacles = {servo.name: servo.obstacle for servo in known}
         ready = [
             servo
-            for servo in servos
+            for servo in known
             if servo.status is ServoStatus.READY
             and (servo.calibration is None or servo.calibration.stray(servo.present) is None)
         ]
@@ -115,5 +122,10 @@ class BodyFollower:
                 round(now * 1e6),
                 {servo.name: servo.present for servo in ready},
                 frozenset(servo.name for servo in ready if servo.torque),
+                {
+                    name: (why.what, why.remedy)
+                    for name, why in obstacles.items()
+                    if why is not None
+                },
             )
         )

@@ -5,6 +5,7 @@ Everything here runs in that one thread and may raise `DeviceLostError`.
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Future
@@ -251,6 +252,8 @@ class ServoChain(ServoUpkeep):
                     servos.torque_off(self.wire, servo)
             except (SilentError, UnfitError) as error:
                 failed[name] = error
+        if self._following is not None:  # the body may be asked to move in the next moment
+            self._following.publish_positions(self.servos.values(), time.monotonic())
         return failed
 
     def reboot(self, names: Iterable[str]) -> list[str]:

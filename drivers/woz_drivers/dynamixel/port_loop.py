@@ -95,6 +95,9 @@ class ServoLoop:
             except DeviceLostError as lost:
                 self._lost = lost
                 self._context.health(Health.LOST, lost.what, lost.remedy)
+                if self.following is not None:
+                    joints = self._settings.joints
+                    self.following.publish_lost(joints, lost, time.monotonic())
             except Exception as error:  # the thread must outlive its own mistakes
                 log.exception("the servo loop failed")
                 self._lost = DeviceLostError(

@@ -20,9 +20,9 @@ from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import PATIENT_MS, PATIENT_WATCHDOG_MS, WATCHDOG_PATIENCE
 from tests.fakes.servos import ServoBus
 from woz_tui.bus.hub import Hub
-from woz_tui.drivers.contract import Driver, Scope
+from woz_tui.drivers.contract import DeviceLostError, Driver, DriverError, RejectedError, Scope
 from woz_tui.drivers.feeds import Feeds
-from woz_tui.protocol.messages import AnyMessage, DriverConnected, Notice, Reading
+from woz_tui.protocol.messages import AnyMessage, DriverConnected, DriverLost, Notice, Reading
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock
 
@@ -194,3 +194,24 @@ async def test_the_thread_leaves_the_interpreter_as_it_was(tmp_path: Path) -> No
     async with assembled(tmp_path, five(tmp_path)) as it:
         assert it.body._ticker.lateness.ticks >= 1
     assert sys.getswitchinterval() == before
+
+
+async def test_a_body_moves_nothing_while_its_servos_are_limp_dead_or_overloaded(
+    tmp_path: Path,
+) -> None:
+    async with assembled(tmp_path, five(tmp_path)) as it:
+        pose = Ordered("pose", {"joints": {"base": 30.0}, "seconds": 0.5})
+        with pytest.raises(RejectedError, match="the torque of base is off") as limp:
+            await it.body.perform(pose)
+        assert "torque: on" in limp.value.remedy
+        await it.torque()
+        await it.body.perform(pose)
+        assert (pose.evidences, pose.arrivals) == (["measured"], [])
+        it.bus.servo(IDS[list(it.body.settings.joints).index("base")]).stuck = True
+        with pytest.raises(DriverError, match=r"base stands at .* degrees and not at -30"):
+            await it.body.perform(Ordered("pose", {"joints": {"base": -30.0}, "seconds": 0.5}))
+        it.bus.pull()
+        await until(lambda: any(isinstance(one, DriverLost) for one in it.said))
+        with pytest.raises(DeviceLostError) as gone:
+            await it.body.perform(pose)
+        assert gone.value.remedy

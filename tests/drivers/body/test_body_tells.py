@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import pytest
 from woz_drivers.body import Body, BodySettings
-from woz_drivers.body.tick_loop import BUSY_S, FRESH_S, SEEN_S, TickPublisher
+from woz_drivers.body.servo_feedback import FRESH_S
+from woz_drivers.body.tick_loop import SEEN_S, TickPublisher
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.fakes.virtual_time import run_virtual
@@ -130,9 +132,17 @@ async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
 # -- servos and camera beside it ------------------------------------------------------------------
 
 
-def present(it: Stage, held: frozenset[str], ago: float = 0.0, **joints: float) -> None:
+def present(
+    it: Stage,
+    held: frozenset[str],
+    ago: float = 0.0,
+    unable: Mapping[str, tuple[str, str]] = MappingProxyType({}),
+    joints: Mapping[str, float] = MappingProxyType({}),
+    **more: float,
+) -> None:
     then = round((asyncio.get_running_loop().time() - ago) * 1e6)
-    it.heard.context.feed(PRESENT, of="head").put(JointPositions(then, joints, held))
+    told = JointPositions(then, {**joints, **more}, held, unable)
+    it.heard.context.feed(PRESENT, of="head").put(told)
 
 
 @pytest.mark.toolkit("R4")
@@ -151,35 +161,6 @@ def test_it_begins_where_the_servos_are_and_follows_hands_while_they_are_limp(
         present(it, frozenset({"pan", "tilt"}), pan=10.0, tilt=-12.0)  # held: it lags, no more
         await it.ticks(2)
         assert it.setpoints["pan"] == pytest.approx(-40.0)
-
-    played(tmp_path, story, servos="head")
-
-
-def test_a_move_is_rehearsed_with_limp_servos(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        present(it, frozenset(), pan=0.0, tilt=10.0)
-        await it.ticks(2)
-        running = it.begin("play", move="shake", speed=1.0, amplitude=1.0)
-        for step in range(40):
-            present(it, frozenset(), pan=float(step), tilt=10.0)
-            await it.ticks(1)
-        assert "ended" not in await running
-
-    played(tmp_path, story, servos="head")
-
-
-def test_a_pose_is_rehearsed_with_limp_servos_for_a_while(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        present(it, frozenset(), pan=0.0, tilt=10.0)
-        await it.ticks(2)
-        await it.do("pose", joints={"pan": 20.0}, seconds=0.2)
-        present(it, frozenset(), pan=9.0, tilt=10.0)
-        await it.ticks(2)
-        assert it.setpoints["pan"] == pytest.approx(20.0)
-        await asyncio.sleep(BUSY_S)
-        present(it, frozenset(), pan=9.0, tilt=10.0)
-        await it.ticks(2)
-        assert it.setpoints["pan"] == pytest.approx(9.0)
 
     played(tmp_path, story, servos="head")
 

@@ -111,6 +111,7 @@ def test_a_block_on_a_key_is_an_action_like_any_other(tmp_path: Path) -> None:
     assert [each.id for each in block.planned.behaviours] == ["s", "n", "t"]
     assert {part.request.run for part in parts} == {greet.request.run}
     assert {part.request.source for part in parts} == {"key"}
+    assert {part.evidence for part in parts} == {block.evidence} == {greet.evidence} == {"timed"}
     assert [mark for mark in marks(stage) if mark.startswith("s:")] == ["s:start", "s:m", "s:end"]
 
 

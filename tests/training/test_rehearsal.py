@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from tests.session.rig import Nothing, Puppet
 from woz_tui.drivers.contract import Argument, Driver, PassiveDriver, Verb
 from woz_tui.drivers.plugins import installed
+from woz_tui.testing import PlainJob, RecordingContext
 from woz_tui.training.rehearsal_driver import rehearsal_of, rehearsed, seconds_of
 
 SAY = Verb("say", "", (Argument("text", "text", required=True),), limit_s=20.0)
@@ -39,6 +41,15 @@ def test_a_stop_is_confirmed_as_it_will_be() -> None:
         each for each, real in installed().items() if issubclass(real, PassiveDriver)
     }
     assert not issubclass(found["simulated"], PassiveDriver)
+
+
+async def test_nothing_moves_in_a_rehearsal_so_nobody_can_know(tmp_path: Path) -> None:
+    kind = rehearsed(installed())["simulated"]
+    settings = kind.Settings()
+    assert {verb.name: verb.evidence for verb in kind.verbs(settings)}["pose"] == "measured"
+    job = PlainJob("volume", {"level": 0.5})
+    await kind("robot", settings, RecordingContext(tmp_path)).perform(job)
+    assert job.evidences == ["timed"]
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from woz_tui import cli
 from woz_tui.cli import doctor
 from woz_tui.drivers.contract import DeviceLostError, Health
 from woz_tui.network import remote_driver
-from woz_tui.network.driver_line import DriverRouter
+from woz_tui.network.driver_router import DriverRouter
 from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.testing import PlainJob, RecordingContext, until
 

@@ -27,9 +27,11 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Doc
 from woz_tui.network.certificates import AccessFile
-from woz_tui.network.driver_line import DriverLine, DriverRouter, LineError, connect
+from woz_tui.network.driver_line import LineError
+from woz_tui.network.driver_router import DriverRouter
 from woz_tui.network.driver_server import DriverServer, OfferedDriver
 from woz_tui.network.remote_driver import RemoteDriver
+from woz_tui.network.zenoh_line import ZenohLine, connect
 from woz_tui.protocol.messages import BodyChanged
 from woz_tui.testing import RecordingContext, until
 
@@ -154,7 +156,7 @@ class OtherComputer:
     beside: Sequence[OfferedDriver] = ()
     lines: list[str] = field(default_factory=list)
     _task: asyncio.Task[None] | None = None
-    _line: DriverLine | None = None
+    _line: ZenohLine | None = None
 
     async def start(self, address: str, access: AccessFile | None = None) -> None:
         """Connect to the session. Raises `LineError` if it is not let in."""

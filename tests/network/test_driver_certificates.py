@@ -19,9 +19,10 @@ from tests.network.other_computer import (
     remote_driver,
 )
 from woz_tui.drivers.contract import DeviceLostError, Health
-from woz_tui.network import driver_line, driver_messages
+from woz_tui.network import driver_messages, zenoh_line
 from woz_tui.network.certificates import AccessFile, Authority
-from woz_tui.network.driver_line import DriverRouter, LineError
+from woz_tui.network.driver_line import LineError
+from woz_tui.network.driver_router import DriverRouter
 from woz_tui.testing import PlainJob, RecordingContext, until
 
 pytestmark = pytest.mark.usefixtures("patient_network")
@@ -74,7 +75,7 @@ async def test_the_certificate_of_somebody_else_opens_no_driver(tmp_path: Path) 
 async def test_a_strange_certificate_is_refused_in_words(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, which: str
 ) -> None:
-    monkeypatch.setattr(driver_line, "REFUSAL_S", 10.0)
+    monkeypatch.setattr(zenoh_line, "REFUSAL_S", 10.0)
     made, strange = Authority(tmp_path / "authority"), Authority(tmp_path / "strange")
     mine = _access(made, PLACE, tmp_path)
     (tmp_path / "there").mkdir()

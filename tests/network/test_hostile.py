@@ -17,7 +17,8 @@ from tests.network.hostile_frames import HostileFrames
 from tests.network.other_computer import PLACE, Pair, pair
 from woz_tui.drivers.contract import DeviceLostError
 from woz_tui.network import remote_driver as remote_side
-from woz_tui.network.driver_line import connect, from_key, to_key
+from woz_tui.network.driver_line import from_key, to_key
+from woz_tui.network.zenoh_line import connect
 from woz_tui.testing import PlainJob, until
 
 #: Of one example.

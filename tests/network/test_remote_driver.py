@@ -40,9 +40,10 @@ from woz_tui.drivers.contract import (
     StopReport,
     Verb,
 )
-from woz_tui.network import driver_line, driver_messages, driver_server
+from woz_tui.network import driver_line, driver_messages, driver_server, zenoh_line
 from woz_tui.network import remote_driver as remote_side
-from woz_tui.network.driver_line import DriverRouter, to_key
+from woz_tui.network.driver_line import to_key
+from woz_tui.network.driver_router import DriverRouter
 from woz_tui.network.driver_server import OfferedDriver, ServedDriver
 from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.network.served_context import ServedContext
@@ -372,7 +373,7 @@ async def test_what_was_lost_on_the_way_ends_the_conversation(
         lifting = asyncio.create_task(two.remote.perform(LIFT))
         await until(lambda: bool(two.arm.under_way))
         with monkeypatch.context() as full:
-            full.setattr(driver_line, "CAPACITY", 0)
+            full.setattr(zenoh_line, "CAPACITY", 0)
             two.arm.context.notice("info", "nobody gets this")
         with pytest.raises(DeviceLostError):
             await lifting

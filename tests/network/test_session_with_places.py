@@ -15,7 +15,7 @@ from tests.session.rig import Stage
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.network import remote_driver
-from woz_tui.network.driver_line import DriverRouter
+from woz_tui.network.driver_router import DriverRouter
 from woz_tui.protocol import messages as m
 from woz_tui.session import driver_manager
 from woz_tui.session.action_runner import RequestOrigin

@@ -33,8 +33,9 @@ from woz_tui.drivers.sound_feeds import (
     VoiceState,
 )
 from woz_tui.network import driver_messages as dm
-from woz_tui.network.driver_line import CAPACITY, FrameInbox
+from woz_tui.network.driver_line import CAPACITY
 from woz_tui.network.shared_feeds import PICTURE_BYTES, ServedFeeds, SessionFeeds, thinned
+from woz_tui.network.zenoh_line import FrameInbox
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.system.clock import ManualClock
 from woz_tui.testing import until

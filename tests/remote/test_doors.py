@@ -24,10 +24,11 @@ from woz_tui.cli.mcp import SessionTools
 from woz_tui.client import WozRefusedError
 from woz_tui.drivers.contract import Health
 from woz_tui.host.request_handlers import WATCHER_MAY
-from woz_tui.network import driver_line
 from woz_tui.network import remote_driver as remote_side
+from woz_tui.network import zenoh_line
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
-from woz_tui.network.driver_line import DriverRouter, LineError
+from woz_tui.network.driver_line import LineError
+from woz_tui.network.driver_router import DriverRouter
 from woz_tui.remote.remote_session import RemoteSession, RemoteSessionError
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import RealClock
@@ -43,7 +44,7 @@ CERTIFICATE = "-----BEGIN CERTIFICATE-----"
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whose connection takes long on a busy machine is not refused."""
-    monkeypatch.setattr(driver_line, "CONNECT_S", 20.0)
+    monkeypatch.setattr(zenoh_line, "CONNECT_S", 20.0)
     monkeypatch.setattr(remote_side, "LATE_S", 10.0)
 
 

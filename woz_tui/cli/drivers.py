@@ -20,9 +20,10 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config.loading import load_robot
 from woz_tui.drivers import plugins
 from woz_tui.network.certificates import AccessError, AccessFile
-from woz_tui.network.driver_line import LineError, connect
+from woz_tui.network.driver_line import LineError
 from woz_tui.network.driver_server import DriverServer, OfferedDriver
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
+from woz_tui.network.zenoh_line import connect
 from woz_tui.system import session_sockets
 
 #: How long until the session is looked for again, in seconds.

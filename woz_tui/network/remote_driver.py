@@ -36,15 +36,8 @@ from woz_tui.drivers.contract import (
     StopReport,
 )
 from woz_tui.network import driver_messages as dm
-from woz_tui.network.driver_line import (
-    DriverLine,
-    DriverRouter,
-    LineError,
-    from_key,
-    no_access_remedy,
-    place_key,
-    to_key,
-)
+from woz_tui.network.driver_line import DriverLine, LineError, from_key, place_key, to_key
+from woz_tui.network.driver_router import DriverRouter, no_access_remedy
 from woz_tui.network.shared_feeds import LOOK_S, SessionFeeds, may_be_lost
 from woz_tui.protocol import codec
 from woz_tui.protocol.action_messages import Evidence

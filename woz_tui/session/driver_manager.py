@@ -17,7 +17,7 @@ from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.drivers.contract import REST_WAIT_S, Driver, DriverError, PassiveDriver
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.plugins import PluginError
-from woz_tui.network.driver_line import DriverRouter
+from woz_tui.network.driver_router import DriverRouter
 from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json

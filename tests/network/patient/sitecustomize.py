@@ -6,7 +6,4 @@ from woz_tui.network import driver_line
 
 SILENCE_S = 3.0
 
-driver_line.SILENCE_S = SILENCE_S  # for the modules that take it from there
-driver_line.connect.__defaults__ = (SILENCE_S,)
-*_others, _ = driver_line.DriverRouter.__init__.__defaults__ or ()
-driver_line.DriverRouter.__init__.__defaults__ = (*_others, SILENCE_S)
+driver_line.SILENCE_S = SILENCE_S  # for the modules that take it from there, imported later

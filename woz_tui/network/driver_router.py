@@ -1,0 +1,106 @@
+"""Where the computers of a session's drivers come in."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Sequence
+
+from woz_tui.network.certificates import AccessError, Authority
+from woz_tui.network.driver_line import SILENCE_S, LineError, session_key
+from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
+from woz_tui.network.zenoh_line import ZenohLine, listening
+
+
+class DriverRouter:
+    """Where the computers of a session's drivers come in; opened by the first that needs it.
+
+    Args:
+        listen: Where.
+        places: Names of those computers, as their access files have them.
+        authority: Says who may come in; not asked for an address without TLS.
+        silence_s: After so long without a sign of life somebody is gone.
+    """
+
+    def __init__(
+        self,
+        listen: str = DRIVERS_LISTEN,
+        places: Sequence[str] = (),
+        authority: Authority | None = None,
+        silence_s: float = SILENCE_S,
+    ) -> None:
+        self.listen = listen
+        self._at = ListenAddress.read(listen)
+        self.silence_s = silence_s
+        self.places = set(places)
+        self._authority = authority or Authority()
+        #: Those of them that could come in when the line was opened.
+        self._let_in: set[str] = set()
+        self._line: ZenohLine | None = None
+        self._users = 0
+        self._lock = asyncio.Lock()
+
+    async def join(self, place: str) -> ZenohLine:
+        """The open line, for one more user: the driver of this computer. Raises `LineError`."""
+        async with self._lock:
+            if why := self.barred(place):
+                raise LineError(why, no_access_remedy(place))
+            if self._line is not None and place not in self._let_in:
+                raise LineError(
+                    f"{place} was given access after the session began", "start it anew"
+                )
+            if self._line is None:
+                self._let_in = {each for each in self.places if not self.barred(each)}
+                self._line = await asyncio.to_thread(self._opened)
+            self._users += 1
+            return self._line
+
+    async def leave(self) -> None:
+        """One user less; the last one closes it."""
+        async with self._lock:
+            self._users -= 1
+            if self._users <= 0 and self._line is not None:
+                line, self._line = self._line, None
+                await asyncio.to_thread(line.close)
+
+    def barred(self, place: str) -> str:
+        """Why this computer cannot come in; empty: it can."""
+        if self._at.plain:
+            return ""
+        try:
+            if not any(each.name == place for each in self._authority.names()):
+                return f"{place} has no access"
+        except AccessError as error:
+            return str(error)
+        return self.revoked(place)
+
+    def revoked(self, place: str) -> str:
+        """That the access of this computer was revoked; empty: not as far as the list can be read.
+
+        The line knows names and not serial numbers: one that was revoked counts for the name.
+        """
+        if self._at.plain:
+            return ""
+        with contextlib.suppress(AccessError):
+            if any(each.name == place and each.revoked for each in self._authority.names()):
+                return f"the access of {place} was revoked"
+        return ""
+
+    def _opened(self) -> ZenohLine:
+        if not self._at.plain:
+            try:
+                self._authority.context()  # whether its files can be used
+            except AccessError as error:
+                raise LineError(str(error)) from None
+        line = listening(self.listen, sorted(self._let_in), self._authority.place, self.silence_s)
+        for place in self.places:
+            line.show_presence(session_key(place))
+        return line
+
+
+def no_access_remedy(place: str) -> str:
+    """What helps a computer that is not let in."""
+    return (
+        f"woz access new {place}; a revoked name cannot come back: then a new name, also behind"
+        " `at:` in both robot files"
+    )

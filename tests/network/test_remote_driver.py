@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import random
+import signal
 import subprocess
 import sys
 import threading
@@ -42,6 +44,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.network import driver_line, driver_messages, driver_server, zenoh_line
 from woz_tui.network import remote_driver as remote_side
+from woz_tui.network.child_line import ChildLine
 from woz_tui.network.driver_line import to_key
 from woz_tui.network.driver_router import DriverRouter
 from woz_tui.network.driver_server import OfferedDriver, ServedDriver
@@ -261,11 +264,13 @@ async def test_a_command_that_the_stop_has_overtaken_does_not_begin(tmp_path: Pa
 async def test_a_full_line_has_room_for_the_stop(tmp_path: Path) -> None:
     async with pair(tmp_path) as two:
         line = await two.router.join(PLACE)
-        with line._some:  # its thread takes nothing meanwhile
-            while line.send("woz/nobody", b""):
-                pass
-            stopping = asyncio.create_task(two.remote.stop(Scope.ALL))
-            await asyncio.sleep(0)
+        assert isinstance(line, ChildLine)
+        os.kill(line.pid, signal.SIGSTOP)  # it takes nothing meanwhile
+        while line.send("woz/nobody", b""):
+            pass
+        stopping = asyncio.create_task(two.remote.stop(Scope.ALL))
+        await asyncio.sleep(0)
+        os.kill(line.pid, signal.SIGCONT)
         assert await stopping is None
         assert two.arm.others == ["stop all"]
         await two.router.leave()
@@ -737,6 +742,24 @@ async def test_nonsense_on_the_line_moves_nothing(tmp_path: Path) -> None:
             line.send(driver_line.from_key(PLACE, "arm"), dice.randbytes(dice.randrange(60)))
             if dice.random() < 0.05:
                 await asyncio.sleep(0)
+        assert await two.remote.perform(PlainJob("wave")) == {"waved": 1}
+        await two.router.leave()
+
+
+@pytest.mark.real_clock
+@pytest.mark.safety
+async def test_the_process_that_listens_is_begun_anew_when_it_is_killed(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        lifting = asyncio.create_task(two.remote.perform(LIFT))
+        await until(lambda: "lift" in two.arm.under_way)
+        line = await two.router.join(PLACE)
+        assert isinstance(line, ChildLine)
+        line.kill()
+        with pytest.raises(DeviceLostError, match=r"process that listens.*SIGKILL"):
+            await lifting
+        assert "SIGKILL" in (await two.healthy(Health.LOST))[0]
+        await until(lambda: "stop all" in two.arm.others, 20)
+        await two.healthy(Health.CONNECTED)
         assert await two.remote.perform(PlainJob("wave")) == {"waved": 1}
         await two.router.leave()
 

@@ -1,15 +1,35 @@
-"""Where the computers of a session's drivers come in."""
+"""Where the computers of a session's drivers come in: a process of its own that listens for them.
+
+Strangers may open as many connections as they like: descriptors and memory of the robot process are
+not among what that costs.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import importlib.util
 from collections.abc import Sequence
 
+import msgspec
+
 from woz_tui.network.certificates import AccessError, Authority
+from woz_tui.network.child_line import ChildLine
 from woz_tui.network.driver_line import SILENCE_S, LineError, session_key
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
-from woz_tui.network.zenoh_line import ZenohLine, listening
+from woz_tui.network.zenoh_line import MISSING, MISSING_REMEDY
+
+#: The module of the process that listens.
+ROUTER = "woz_tui.network.router_child"
+
+
+class RouterSetup(msgspec.Struct, frozen=True):
+    """Where that process listens, for which computers (`let_in`), and the authority's folder."""
+
+    listen: str
+    let_in: list[str]
+    authority: str
+    silence_s: float
 
 
 class DriverRouter:
@@ -36,11 +56,11 @@ class DriverRouter:
         self._authority = authority or Authority()
         #: Those of them that could come in when the line was opened.
         self._let_in: set[str] = set()
-        self._line: ZenohLine | None = None
+        self._line: ChildLine | None = None
         self._users = 0
         self._lock = asyncio.Lock()
 
-    async def join(self, place: str) -> ZenohLine:
+    async def join(self, place: str) -> ChildLine:
         """The open line, for one more user: the driver of this computer. Raises `LineError`."""
         async with self._lock:
             if why := self.barred(place):
@@ -51,7 +71,7 @@ class DriverRouter:
                 )
             if self._line is None:
                 self._let_in = {each for each in self.places if not self.barred(each)}
-                self._line = await asyncio.to_thread(self._opened)
+                self._line = await self._opened()
             self._users += 1
             return self._line
 
@@ -61,7 +81,7 @@ class DriverRouter:
             self._users -= 1
             if self._users <= 0 and self._line is not None:
                 line, self._line = self._line, None
-                await asyncio.to_thread(line.close)
+                await line.close()
 
     def barred(self, place: str) -> str:
         """Why this computer cannot come in; empty: it can."""
@@ -86,13 +106,27 @@ class DriverRouter:
                 return f"the access of {place} was revoked"
         return ""
 
-    def _opened(self) -> ZenohLine:
+    def gone(self, place: str) -> str:
+        """That this computer is not there any more."""
+        if self._line is None or self._line.connected:
+            return f"{place} is gone"
+        return f"the process that listens for {place} {self._line.why}"
+
+    async def _opened(self) -> ChildLine:
+        if importlib.util.find_spec("zenoh") is None:
+            raise LineError(MISSING, MISSING_REMEDY)
         if not self._at.plain:
             try:
-                self._authority.context()  # whether its files can be used
+                await asyncio.to_thread(self._authority.context)  # whether its files can be used
             except AccessError as error:
                 raise LineError(str(error)) from None
-        line = listening(self.listen, sorted(self._let_in), self._authority.place, self.silence_s)
+        setup = RouterSetup(
+            self.listen, sorted(self._let_in), str(self._authority.place), self.silence_s
+        )
+        line = ChildLine(
+            ROUTER, msgspec.json.encode(setup), f"the process that listens at {self.listen}"
+        )
+        await line.begin()
         for place in self.places:
             line.show_presence(session_key(place))
         return line

@@ -15,7 +15,7 @@ import secrets
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any, cast
+from typing import Any, ClassVar, Protocol, cast
 
 import msgspec
 
@@ -37,7 +37,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.network import driver_messages as dm
 from woz_tui.network.driver_line import DriverLine, LineError, from_key, place_key, to_key
-from woz_tui.network.driver_router import DriverRouter, no_access_remedy
+from woz_tui.network.driver_router import no_access_remedy
 from woz_tui.network.shared_feeds import LOOK_S, SessionFeeds, may_be_lost
 from woz_tui.protocol import codec
 from woz_tui.protocol.action_messages import Evidence
@@ -95,6 +95,24 @@ def _hash(text: str) -> str:
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
+class LineSource(Protocol):
+    """Where the other side of drivers comes in."""
+
+    silence_s: float
+
+    async def join(self, place: str) -> DriverLine:
+        """The open line, for one more user. Raises `LineError`."""
+
+    async def leave(self) -> None:
+        """One user less."""
+
+    def revoked(self, place: str) -> str:
+        """That this place may not come in any more; empty: it may."""
+
+    def gone(self, place: str) -> str:
+        """That it is not there any more, and why if that is known."""
+
+
 class RemoteDriver(Driver):
     """A driver of this session that is served by another computer.
 
@@ -109,6 +127,17 @@ class RemoteDriver(Driver):
     """
 
     summary = "A driver at another computer of the robot"
+    #: What is said until it comes, and of what runs there when it is lost; with what helps.
+    awaited: ClassVar[tuple[str, str]] = (
+        "{place} has not come yet",
+        "there: woz drivers --serve ROBOT_FILE",
+    )
+    lost: ClassVar[tuple[str, str]] = (
+        "what runs there ends by itself",
+        "it is found again by itself; see the network, and `woz drivers` there",
+    )
+    unreachable: ClassVar[str] = "see the network, and `woz drivers` there"
+    unfinished: ClassVar[str] = "it goes on; see `woz drivers` there"
 
     def __init__(
         self,
@@ -118,7 +147,7 @@ class RemoteDriver(Driver):
         *,
         local: type[Driver],
         kind: str,
-        router: DriverRouter,
+        router: LineSource,
         place: str,
     ) -> None:
         super().__init__(name, settings, context)
@@ -162,11 +191,8 @@ class RemoteDriver(Driver):
 
     async def open(self) -> None:
         """Wait for the other computer."""
-        self.context.health(
-            Health.CONNECTING,
-            f"{self._place} has not come yet",
-            "there: woz drivers --serve ROBOT_FILE",
-        )
+        what, remedy = self.awaited
+        self.context.health(Health.CONNECTING, what.format(place=self._place), remedy)
         self._spawn(self._keep())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -258,7 +284,7 @@ class RemoteDriver(Driver):
         except TimeoutError:
             raise DriverError(
                 f"{self._place} has not let go of the hardware after {CLOSE_S:g} s",
-                "it goes on; see `woz drivers` there",
+                self.unfinished,
             ) from None
         finally:
             self._unbind("the session has ended")
@@ -281,37 +307,46 @@ class RemoteDriver(Driver):
 
     async def _keep(self) -> None:
         """Open the line, then watch that the other side is not silent."""
-        loop = asyncio.get_running_loop()
-
-        def in_loop(call: Callable[..., None], *args: Any) -> None:
-            with contextlib.suppress(RuntimeError):  # closed: the session is over
-                loop.call_soon_threadsafe(call, *args)
-
         while self._line is None:
             try:
-                self._line = await self._router.join(self._place)
+                self._line = await self._joined()
             except LineError as error:
                 if await self._closed_within(0):
                     return
                 self.context.health(Health.FAULTED, str(error), error.remedy)
                 if await self._closed_within(_RETRY_S):
                     return
+            else:
+                if self._line is None:
+                    return
         subscriptions = [
             self._line.receive(self._keys[1], self._receive),
-            self._line.watch_presence(
-                place_key(self._place), lambda there: in_loop(self._on_presence, there)
-            ),
+            self._line.watch_presence(place_key(self._place), self._on_presence),
         ]
         self._spawn(self._share())
         while not await self._closed_within(_WATCH_S):
             if why := self._router.revoked(self._place):
                 for end in subscriptions:
-                    await asyncio.to_thread(end)
+                    end()
                 await self._bar(why)
                 return
             silent_us = self.context.clock.boot_us() - self._heard_us
             if self._bound and silent_us > self._router.silence_s * 1e6:
                 self._lose(f"{self._place} does not answer")
+
+    async def _joined(self) -> DriverLine | None:
+        """The line; None: nobody needs it any more. Raises `LineError`."""
+        joining = asyncio.ensure_future(self._router.join(self._place))
+        closed = asyncio.ensure_future(self._closed.wait())
+        try:
+            await asyncio.wait({joining, closed}, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            closed.cancel()
+            if not joining.done():
+                joining.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            return await joining
+        return None
 
     async def _share(self) -> None:
         while not self._closed.is_set() and not self._barred:
@@ -339,7 +374,7 @@ class RemoteDriver(Driver):
 
     def _on_presence(self, there: bool) -> None:
         if not there and self._bound:
-            self._lose(f"{self._place} is gone")
+            self._lose(self._router.gone(self._place))
 
     def _send(self, body: dm.ToDriver, *, urgent: bool = False, instance: str = "") -> None:
         """Numbered, unless it is urgent, an answer to a ping, or may be lost."""
@@ -422,10 +457,14 @@ class RemoteDriver(Driver):
                 type=self._kind,
                 settings=setting_hashes(self.settings),
                 offer=self._offer,
-                media=self.context.media.name,
+                media=self._media(),
             ),
             instance=instance,
         )
+
+    def _media(self) -> str:
+        """What the folder for files of this session is called there."""
+        return self.context.media.name
 
     def _on_body(self, instance: str, body: dm.FromDriver) -> None:
         self._heard_us = self.context.clock.boot_us()
@@ -528,11 +567,8 @@ class RemoteDriver(Driver):
         self._unbind(why)
         if self._closed.is_set():
             return
-        self.context.health(
-            Health.LOST,
-            f"{why}; what runs there ends by itself",
-            "it is found again by itself; see the network, and `woz drivers` there",
-        )
+        runs, remedy = self.lost
+        self.context.health(Health.LOST, f"{why}; {runs}", remedy)
         for sensor, state in self._sensors.items():
             if state not in ("", "stale", "silent"):
                 self.context.sensor(sensor, "stale", why)
@@ -566,9 +602,7 @@ class RemoteDriver(Driver):
         if not self._bound:
             raise DeviceLostError(
                 self._barred or f"{self._place} cannot be reached",
-                no_access_remedy(self._place)
-                if self._barred
-                else "see the network, and `woz drivers` there",
+                no_access_remedy(self._place) if self._barred else self.unreachable,
             )
         epoch, future = self._epoch, asyncio.get_running_loop().create_future()
         self._ends[number] = future

@@ -116,7 +116,7 @@ class ChildLine(StreamLine):
         ours, theirs = socket.socketpair()
         try:
             self._process = process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-P", "-m", self._module, str(theirs.fileno())),
+                *(sys.executable, "-u", "-P", "-m", self._module, str(theirs.fileno())),
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.STDOUT,
@@ -235,11 +235,19 @@ async def _serve(serve: Serve[_Line], line: type[_Line], connected: socket.socke
     path, setup = await parent.setup
     sys.path[:] = json.loads(path)
     try:
-        await until_first_ends(serve(setup, parent), parent.ended())
+        await until_first_ends(serve(setup, parent), _nobody_reads(parent))
     except LineError as error:
         parent.put(Sort.FAILED, str(error), error.remedy.encode())
         parent.end()
         await parent.ended()
+
+
+async def _nobody_reads(parent: ParentLine) -> None:
+    """Return when the line is over. What is printed from then on raises nothing."""
+    await parent.ended()
+    null = os.open(os.devnull, os.O_WRONLY)
+    for number in (1, 2):
+        os.dup2(null, number)
 
 
 def _leave_after(line: int) -> None:

@@ -16,11 +16,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from woz_tui import __version__
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import (
     Driver,
     DriverError,
+    HandInput,
     Health,
     NoticeStatement,
     RejectedError,
@@ -54,6 +57,9 @@ PING_S, HERE_S = 0.15, 0.5
 #: A driver is opened at the latest so long after its stop was called, in seconds.
 _FIRST_STOP_S = 0.5
 
+#: What the name of a folder beside the robot file cannot have.
+_UNSAFE = "/\\\0"
+
 log = logging.getLogger(__name__)
 
 #: Is given a sentence for whoever looks at this computer.
@@ -81,6 +87,8 @@ class ServedDriver:
         clock: This computer's.
         tell: For sentences about what happens.
         silence_s: After so long without an answer the session is gone.
+        beside_session: The session is on this computer: files are written where its own are, and
+            hands reach the driver.
     """
 
     def __init__(
@@ -93,6 +101,7 @@ class ServedDriver:
         clock: Clock,
         tell: Tell,
         silence_s: float = SILENCE_S,
+        beside_session: bool = False,
     ) -> None:
         self.name = offer.name
         self.clock = clock
@@ -102,6 +111,9 @@ class ServedDriver:
         self._feeds = feeds
         self._tell = tell
         self._silence_s = silence_s
+        self._beside_session = beside_session
+        #: Clients whose hands it has felt.
+        self._hands: set[str] = set()
         self._verbs: dict[str, Verb] = {v.name: v for v in offer.driver.verbs(offer.settings)}
         self._keys = to_key(place, offer.name), from_key(place, offer.name)
         self._instance = secrets.token_hex(8)
@@ -172,6 +184,14 @@ class ServedDriver:
         self._line = line
         line.receive(self._keys[0], self._receive)
 
+    async def end_stopped(self) -> None:
+        """Stop, and leave the hardware as it is then: nobody is there to see what it does."""
+        if self._epoch:
+            self.lose("the session is gone")
+        self._line = None
+        if self._tasks:
+            await asyncio.wait(self._tasks, timeout=self._silence_s)
+
     async def close(self) -> None:
         """Stop and let go of the hardware."""
         if self._epoch:
@@ -193,6 +213,9 @@ class ServedDriver:
             self._context.session_lost()
         if self._driver is not None:
             self._spawn(self._stop_alone(self._driver))
+            for client in self._hands:
+                self._driver.lose_hand(client)
+        self._hands.clear()
 
     async def _stop_alone(self, driver: Driver) -> None:
         try:
@@ -391,7 +414,10 @@ class ServedDriver:
             if not self._stopped:  # we stopped it when the session was lost
                 self._spawn(self._aside("resume", self._driver.resume))
             return
-        context = ServedContext(self.name, self, self._folder, self._media, self._feeds)
+        # A name that comes over a network is none of another folder.
+        plain = self._beside_session or not set(self._media) & set(_UNSAFE)
+        media = self._folder / (self._media if plain else "session.media")
+        context = ServedContext(self.name, self, self._folder, media, self._feeds)
         try:
             driver = self._offer.driver(self._user, self._offer.settings, context)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever a driver raises
@@ -526,7 +552,21 @@ class ServedDriver:
                 return await asyncio.to_thread(driver.reread, settings, dry_run=dry_run)
             case "close", []:
                 await self._let_go()
+            case _ if self._beside_session:
+                self._invoke_beside(driver, call)
         return None
+
+    def _invoke_beside(self, driver: Driver, call: dm.Invoke) -> None:
+        match call.what, call.args:
+            case "take_hand", [dict() as told]:
+                hand = msgspec.convert(told, HandInput)
+                self._hands.add(hand.client)
+                driver.take_hand(hand)
+            case "lose_hand", [str() as client]:
+                self._hands.discard(client)
+                driver.lose_hand(client)
+            case "move_media", [str() as media] if self._context is not None:
+                self._context.move_media(Path(media))
 
     # -- the stop --------------------------------------------------------------------------------
 
@@ -589,6 +629,7 @@ class DriverServer:
         tell: For sentences about what happens.
         clock: This computer's.
         silence_s: After so long without an answer a session is gone.
+        beside_session: See `ServedDriver`.
     """
 
     def __init__(
@@ -600,8 +641,10 @@ class DriverServer:
         tell: Tell,
         clock: Clock | None = None,
         silence_s: float = SILENCE_S,
+        beside_session: bool = False,
     ) -> None:
         self._place = place
+        self._beside_session = beside_session
         self._loop = asyncio.get_running_loop()
         feeds, clock = Feeds(), clock or RealClock()
         self._drivers = [
@@ -613,12 +656,15 @@ class DriverServer:
                 clock=clock,
                 tell=tell,
                 silence_s=silence_s,
+                beside_session=beside_session,
             )
             for offer in offers
         ]
 
     async def run(self, line: DriverLine) -> None:
-        """Serve over this line until cancelled; then everything is stopped and let go."""
+        """Serve over this line until cancelled; then everything is stopped and, unless a session on
+        this computer is gone without a word, let go.
+        """
         line.watch_presence(session_key(self._place), self._on_presence)
         for driver in self._drivers:
             driver.attach(line)
@@ -626,7 +672,8 @@ class DriverServer:
         try:
             await asyncio.gather(*(driver.serve() for driver in self._drivers))
         finally:
-            await asyncio.gather(*(driver.close() for driver in self._drivers))
+            ends = (d.end_stopped() if self._beside_session else d.close() for d in self._drivers)
+            await asyncio.gather(*ends)
 
     def _on_presence(self, there: bool) -> None:
         if not there:

@@ -330,6 +330,7 @@ class RemoteDriver(Driver):
                     end()
                 await self._bar(why)
                 return
+            self._look()
             silent_us = self.context.clock.boot_us() - self._heard_us
             if self._bound and silent_us > self._router.silence_s * 1e6:
                 self._lose(f"{self._place} does not answer")
@@ -465,6 +466,9 @@ class RemoteDriver(Driver):
     def _media(self) -> str:
         """What the folder for files of this session is called there."""
         return self.context.media.name
+
+    def _look(self) -> None:
+        """Called some times a second while there is a line."""
 
     def _on_body(self, instance: str, body: dm.FromDriver) -> None:
         self._heard_us = self.context.clock.boot_us()

@@ -25,9 +25,6 @@ from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import Shown, Speech
 from woz_tui.system.clock import Clock
 
-#: What the name of a folder beside the robot file cannot have.
-_UNSAFE = "/\\\0"
-
 
 class SessionLine(Protocol):
     """The line to the session, as a context uses it."""
@@ -52,17 +49,17 @@ class ServedContext(DriverContext):
         driver: Its name here.
         line: To the session.
         folder: Of the robot file here.
-        media: What the session's folder for files is called.
+        media: The folder for files.
         feeds: Of the drivers of this computer.
     """
 
     def __init__(
-        self, driver: str, line: SessionLine, folder: Path, media: str, feeds: Feeds
+        self, driver: str, line: SessionLine, folder: Path, media: Path, feeds: Feeds
     ) -> None:
         self._driver = driver
         self._line = line
         self._folder = folder
-        self._media = folder / (media if not set(media) & set(_UNSAFE) else "session.media")
+        self._media = media
         self._feeds = feeds
         self._lasting: dict[tuple[type, str], dm.FromDriver] = {}
         self._asked: dict[int, Callable[[bool, str], None]] = {}
@@ -80,8 +77,12 @@ class ServedContext(DriverContext):
 
     @property
     def media(self) -> Path:
-        """Called as the session's, in the folder of the robot file here."""
+        """The folder for files here."""
         return self._media
+
+    def move_media(self, media: Path) -> None:
+        """Files belong into another folder from now on."""
+        self._media = media
 
     def t(self, clock_us: int) -> int:
         """On the axis of the session's messages, as far as its clock is known."""

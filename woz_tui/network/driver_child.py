@@ -1,0 +1,40 @@
+"""The process of drivers that have one of their own (`driver_process`)."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+from pathlib import Path
+
+import msgspec
+
+from woz_tui.network.child_line import ParentLine, serve_parent
+from woz_tui.network.driver_line import LineError
+from woz_tui.network.driver_process import PLACE, ProcessSetup
+from woz_tui.network.driver_server import DriverServer
+
+
+def _tell(text: str) -> None:
+    """Into the robot process's log."""
+    sys.stderr.write(f"{text}\n")
+
+
+async def _serve(setup: bytes, parent: ParentLine) -> None:
+    told = msgspec.msgpack.decode(setup, type=ProcessSetup)
+    try:
+        offers = pickle.loads(told.offers)
+    except Exception as error:
+        raise LineError(f"it cannot be loaded: {type(error).__name__}: {error}") from error
+    server = DriverServer(
+        *(PLACE, offers),
+        folder=Path(told.folder),
+        tell=_tell,
+        silence_s=told.silence_s,
+        beside_session=True,
+    )
+    parent.begun()
+    await server.run(parent)
+
+
+if __name__ == "__main__":
+    serve_parent(_serve, ParentLine)

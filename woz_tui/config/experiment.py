@@ -70,11 +70,17 @@ class DriverPlace(Entry):
     listen: Annotated[str, Doc("where this computer lets it in: HOST:PORT")] = DRIVERS_LISTEN
 
 
+#: In which process a driver runs.
+OWN_PROCESS, SHARED_PROCESS = "own", "shared"
+
+
 @dataclass(frozen=True, slots=True)
 class DriverSpec:
     """One driver of a robot: its name (`head`, or `left.head` with several robots), the entry
     point it comes from, its decoded settings, what it offers with them; `at`: its hardware is at
-    another computer; `part`: whose hands lie on it, where several wizards play.
+    another computer; `part`: whose hands lie on it, where several wizards play; `process`: whether
+    it runs in one of its own (`OWN_PROCESS`), in that of the session (`SHARED_PROCESS`), or goes
+    with those that it works with (empty).
     """
 
     name: str
@@ -85,6 +91,7 @@ class DriverSpec:
     place: FilePosition
     at: DriverPlace | None = None
     part: str = ""
+    process: str = ""
 
     @property
     def kind(self) -> str:

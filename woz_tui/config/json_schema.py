@@ -21,10 +21,10 @@ from woz_tui.config.bml_section import KEYS, TARGETS, TOPICS, TOPICS_WORDS
 from woz_tui.config.condition_texts import ANY
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, ON_ENTER
-from woz_tui.config.experiment import DriverPlace
+from woz_tui.config.experiment import OWN_PROCESS, SHARED_PROCESS, DriverPlace
 from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
 from woz_tui.config.languages import SPOKEN, Language
-from woz_tui.config.robots import AT, NAMED
+from woz_tui.config.robots import AT, NAMED, PROCESS
 from woz_tui.config.session_verbs import BML, BML_VERB, WAIT, engagement_verbs, session_verbs
 from woz_tui.config.study import CUES, Design
 from woz_tui.config.study_sections import NAME_PATTERN
@@ -172,6 +172,11 @@ _AT: Schema = {
     "description": "another computer of the robot that has its hardware",
     "oneOf": [TEXT, settings_schema(DriverPlace)],
 }
+_PROCESS: Schema = {
+    "description": "a process of its own, as drivers that did not come with woz-tui have by"
+    " themselves, or that of the session",
+    "enum": [OWN_PROCESS, SHARED_PROCESS],
+}
 _ROBOT_OR_FILE: Schema = {"oneOf": [{"type": "string"}, {"$ref": "#/$defs/robot"}]}
 _KEY: Schema = {
     "oneOf": [
@@ -248,6 +253,7 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
             {
                 "type": {"const": name, "description": driver.summary},
                 AT: _AT,
+                PROCESS: _PROCESS,
                 **settings_schema(driver.Settings)["properties"],
             },
             required=("type", *required(driver.Settings)),

@@ -53,6 +53,8 @@ def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
         yield f"driver {new.name!r} is of type {new.type}, it was {old.type}"
     elif old.at != new.at:
         yield f"driver {new.name!r} is at another computer"
+    elif old.process != new.process:
+        yield f"driver {new.name!r} runs in another process"
     elif old.settings != new.settings:
         changed = [
             name

@@ -10,12 +10,13 @@ from pathlib import Path
 
 from woz_tui.config.annotated_decoder import (
     INVALID,
+    names_of,
     read_section,
     read_settings,
     values_with_note,
 )
 from woz_tui.config.bundled_files import is_path, robot_files
-from woz_tui.config.experiment import DriverPlace, DriverSpec
+from woz_tui.config.experiment import OWN_PROCESS, SHARED_PROCESS, DriverPlace, DriverSpec
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.session_verbs import BML, PERFORMERS, SESSION
@@ -29,6 +30,7 @@ from woz_tui.config.yaml_cursor import (
 from woz_tui.config.yaml_nodes import MappingNode, Node, parse_yaml
 from woz_tui.drivers.contract import Ask, Driver, Finding, Verb, Written
 from woz_tui.drivers.fields import Range, Sibling
+from woz_tui.drivers.plugins import Catalogue
 from woz_tui.network.listen_address import ListenAddress, is_access_name
 
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
@@ -38,8 +40,9 @@ SIMULATED = "simulated"
 PLAY = "play"
 #: What a robot file may say beside its drivers: names of its own, for which kind of argument.
 NAMED = {"moves": "move", "joints": "joints"}
-#: What an entry of a driver says beside its type and settings: the computer of its hardware.
-AT = "at"
+#: What an entry of a driver says beside its type and settings: the computer of its hardware, and in
+#: which process it runs.
+AT, PROCESS = "at", "process"
 #: What a robot file may say.
 ROBOT_FIELDS = ("name", *NAMED, BML, "drivers")
 
@@ -300,14 +303,22 @@ class RobotReader:
         if kind_cursor is not None and kind is not None:
             if kind in self._catalogue:
                 at = table.get(AT) if table is not None else None
-                self._driver(cursor, name, kind, None if at is None else _place(at))
+                process = table.get(PROCESS) if table is not None else None
+                self._driver(cursor, name, kind, None if at is None else _place(at), process)
             else:
                 near = self._report.hint(kind, self._catalogue, or_list="installed are")
                 kind_cursor.error(f"there is no driver of type {quoted(kind)}{near}")
         if len(self._robots.drivers) == before:
             self._robots.incomplete = True
 
-    def _driver(self, cursor: Cursor, name: str, kind: str, at: DriverPlace | None = None) -> None:
+    def _driver(
+        self,
+        cursor: Cursor,
+        name: str,
+        kind: str,
+        at: DriverPlace | None = None,
+        process: Cursor | None = None,
+    ) -> None:
         """Settings, verbs and sensors of one driver. Its code may be a stranger's."""
         try:
             driver = self._catalogue[kind]
@@ -317,7 +328,12 @@ class RobotReader:
         except Exception as error:  # noqa: BLE001 - a plug-in that cannot be imported
             cursor.error(str(error) or type(error).__name__)
             return
-        settings = read_settings(cursor, driver.Settings, others=("type", AT))
+        if PROCESS in names_of(driver.Settings):
+            process = None  # a setting of its own
+        where = "" if process is None else _process(process, at)
+        if not where and at is None and _is_foreign(self._catalogue, kind):
+            where = OWN_PROCESS
+        settings = read_settings(cursor, driver.Settings, others=("type", AT, PROCESS))
         for source in self._report.included:
             self._opened(source)
         if settings is INVALID:
@@ -333,6 +349,7 @@ class RobotReader:
                 place=cursor.place,
                 at=at,
                 part=driver.part(settings),
+                process=where,
             )
             joints = driver.joints(settings)
             asks = tuple(driver.asks(settings))
@@ -379,6 +396,21 @@ def _place(cursor: Cursor) -> DriverPlace | None:
     except ValueError as error:
         cursor.error(str(error))
     return place
+
+
+def _process(cursor: Cursor, at: DriverPlace | None) -> str:
+    process = read_text(cursor, f"{OWN_PROCESS} or {SHARED_PROCESS}")
+    if process is None:
+        return ""
+    if process not in (OWN_PROCESS, SHARED_PROCESS):
+        cursor.error(f"{quoted(process)}: write {OWN_PROCESS} or {SHARED_PROCESS}")
+    elif at is not None:
+        cursor.error(f"it runs at {at.name}: take `{PROCESS}` or `{AT}` away")
+    return process
+
+
+def _is_foreign(catalogue: Mapping[str, type[Driver]], kind: str) -> bool:
+    return isinstance(catalogue, Catalogue) and catalogue.is_foreign(kind)
 
 
 def _named(cursor: Cursor, name: str) -> bool:

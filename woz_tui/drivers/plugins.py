@@ -9,6 +9,8 @@ from importlib.metadata import EntryPoint, entry_points
 from woz_tui.drivers.contract import Driver
 
 GROUP = "woz_tui.drivers"
+#: The package whose drivers came with woz-tui.
+OWN = "woz-tui"
 #: The package that held the contract in earlier versions, and what the author of a driver from then
 #: has to do.
 _BEFORE = "woz_tui.core"
@@ -30,6 +32,11 @@ class Catalogue(Mapping[str, type[Driver]]):
         if name not in self._loaded:
             self._loaded[name] = _load(self._points[name])
         return self._loaded[name]
+
+    def is_foreign(self, name: str) -> bool:
+        """Whether its code did not come with woz-tui."""
+        dist = self._points[name].dist
+        return dist is not None and dist.name != OWN
 
     def __contains__(self, name: object) -> bool:
         """Whether some package offers it; whether it loads is another question."""

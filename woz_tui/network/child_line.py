@@ -58,7 +58,7 @@ class ChildLine(StreamLine):
         self._process: asyncio.subprocess.Process | None = None
         self._begun: asyncio.Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
-        self._last_words = ""
+        self._last_words = self._killed_for = ""
         #: What has become of it last, such as `was ended by SIGKILL`.
         self.why = ""
         #: When it spoke last, on the loop's clock.
@@ -88,8 +88,9 @@ class ChildLine(StreamLine):
                 await asyncio.wait_for(self._process.wait(), END_S)
         await end_tasks(task)
 
-    def kill(self) -> None:
-        """End it without a word, and what it has started; it is begun anew."""
+    def kill(self, why: str = "") -> None:
+        """End it without a word, and what it has started; it is begun anew. `why` is told."""
+        self._killed_for = why
         if self._process is not None and self._process.returncode is None:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self._process.pid, signal.SIGKILL)
@@ -129,7 +130,7 @@ class ChildLine(StreamLine):
         finally:
             theirs.close()
         assert process.stdout is not None
-        self._last_words = ""
+        self._last_words = self._killed_for = ""
         reading = asyncio.create_task(self._read_output(process.stdout))
         try:
             await self.attach(ours)
@@ -146,6 +147,8 @@ class ChildLine(StreamLine):
 
     def _why(self, status: int | None) -> str:
         said = f": {self._last_words}" if self._last_words else ""
+        if self._killed_for:
+            return self._killed_for
         if status is None:
             return "does not speak any more"
         if status < 0:

@@ -108,10 +108,10 @@ class DriverProcess:
         """When it spoke last, on the loop's clock."""
         return 0.0 if self._line is None else self._line.heard
 
-    def kill(self) -> None:
+    def kill(self, why: str) -> None:
         """End it without a word; it is begun anew."""
         if self._line is not None:
-            self._line.kill()
+            self._line.kill(why)
 
 
 class ProcessDriver(RemoteDriver):
@@ -169,7 +169,14 @@ class ProcessDriver(RemoteDriver):
     async def _kill_if_silent(self, since: float) -> None:
         await self._closed_within(max(0.0, since + KILL_S - asyncio.get_running_loop().time()))
         if self._process.heard <= since:
-            self._process.kill()
+            self._process.kill("did not hear the stop and was ended")
+
+    def _on_presence(self, there: bool) -> None:
+        """Of one that was silent before it is told, too, what has become of it."""
+        silent = not self._bound
+        super()._on_presence(there)
+        if not there and silent and not self._closed.is_set():
+            self._lose(self._process.gone(PLACE))
 
     def take_hand(self, hand: HandInput) -> None:
         """Handed on; a refusal is told with the next one of the same client."""

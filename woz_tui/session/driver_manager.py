@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
-from woz_tui.config.experiment import Experiment
+from woz_tui.config.annotated_decoder import values_with_note
+from woz_tui.config.experiment import (
+    OWN_PROCESS,
+    SHARED_PROCESS,
+    DriverSpec,
+    Experiment,
+)
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.drivers.contract import REST_WAIT_S, Driver, DriverError, PassiveDriver
 from woz_tui.drivers.feeds import Feeds
+from woz_tui.drivers.fields import Sibling
 from woz_tui.drivers.plugins import PluginError
+from woz_tui.network.driver_process import DriverProcess, ProcessDriver
 from woz_tui.network.driver_router import DriverRouter
+from woz_tui.network.driver_server import OfferedDriver
 from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -45,7 +54,7 @@ def make_drivers(
     Raises `PluginError` if one cannot be made.
     """
     names, drivers = published_names(experiment.drivers), dict[str, Driver]()
-    routers = _routers(experiment)
+    routers, processes = _routers(experiment), _processes(experiment, catalogue)
     for spec in experiment.drivers:
         context = SessionDriverContext(
             spec.name,
@@ -60,6 +69,14 @@ def make_drivers(
         )
         try:
             driver = catalogue[spec.type]
+            if spec.name in processes:
+                drivers[spec.name] = ProcessDriver(
+                    *(spec.name, spec.settings, context),
+                    local=driver,
+                    kind=spec.type,
+                    process=processes[spec.name],
+                )
+                continue
             if spec.at is None or not driver.needs_hardware:
                 drivers[spec.name] = driver(spec.name, spec.settings, context)
                 continue
@@ -92,6 +109,48 @@ def _routers(experiment: Experiment) -> dict[str, DriverRouter]:
         if spec.at is not None:
             places.setdefault(spec.at.listen, []).append(spec.at.name)
     return {listen: DriverRouter(listen, names) for listen, names in places.items()}
+
+
+def _processes(
+    experiment: Experiment, catalogue: Mapping[str, type[Driver]]
+) -> dict[str, DriverProcess]:
+    """The process of each driver that does not run in the session's. Raises `PluginError`."""
+    processes: dict[str, DriverProcess] = {}
+    for group in working_together(experiment.drivers):
+        chosen = {spec.process for spec in group}
+        if OWN_PROCESS not in chosen or SHARED_PROCESS in chosen:
+            continue
+        if not all(catalogue[spec.type].needs_hardware for spec in group):
+            continue  # nothing of it moves
+        offers = [
+            OfferedDriver(
+                *(spec.name.rpartition(".")[2], spec.type, catalogue[spec.type], spec.settings)
+            )
+            for spec in group
+        ]
+        try:
+            process = DriverProcess(offers, experiment.path.parent)
+        except ValueError as error:
+            names = " and ".join(spec.name for spec in group)
+            raise PluginError(
+                f"{names} cannot have a process of its own: {error}; write `process: shared` beside"
+                " its type in the robot file"
+            ) from error
+        processes |= {spec.name: process for spec in group}
+    return processes
+
+
+def working_together(specs: Iterable[DriverSpec]) -> list[list[DriverSpec]]:
+    """Drivers of this computer, those together that hand each other values many times a second."""
+    groups: dict[str, list[DriverSpec]] = {spec.name: [spec] for spec in specs if spec.at is None}
+    for spec in specs:
+        robot, dot, _ = spec.name.rpartition(".")
+        for _, name in values_with_note(spec.settings, Sibling):
+            own, other = groups.get(spec.name), groups.get(f"{robot}{dot}{name}")
+            if own is not None and other is not None and own is not other:
+                own += other
+                groups |= {each.name: own for each in other}
+    return [*{id(group): group for group in groups.values()}.values()]
 
 
 #: Seconds that drivers may take to open, and to close when the session ends.

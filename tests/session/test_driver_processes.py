@@ -1,0 +1,84 @@
+"""A session with a stranger's driver in a process of its own: it holds up nobody."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.network.installed_worker import installed_worker
+from tests.session.rig import Stage
+from woz_tui.config.loading import load
+from woz_tui.network import remote_driver
+from woz_tui.network.driver_process import ProcessDriver
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.testing import until
+from woz_tui.training.rehearsal_driver import rehearsed
+
+KEY = RequestOrigin("key", "h", "con1")
+TEXT = """\
+title: T
+robot:
+  drivers:
+    arm: {type: worker}
+    body: {type: simulated}
+panels:
+  - title: P
+    actions:
+      - {key: w, label: Wave, wave: {}}
+      - {key: b, label: Block, block: {seconds: 1000}}
+      - {key: s, label: Say, say: a very long sentence that goes on for some seconds}
+"""
+#: A process of a busy machine takes so long to begin.
+BEGIN_S = 60.0
+
+
+@pytest.mark.real_clock
+@pytest.mark.safety
+async def test_one_that_blocks_is_named_by_the_stop_which_the_others_confirm(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
+    catalogue = installed_worker(tmp_path, monkeypatch)
+    path = tmp_path / "e.yaml"
+    path.write_text(TEXT)
+    stage = Stage(tmp_path, catalogue=catalogue, made=load(path, catalogue))
+
+    def confirmed() -> list[m.StopConfirmed]:
+        return [line for line in stage.lines if isinstance(line, m.StopConfirmed)]
+
+    def connected() -> int:
+        return stage.kinds(m.DriverConnected).count("DriverConnected")
+
+    await stage.session.open()
+    try:
+        await until(lambda: connected() == 2, BEGIN_S)
+        stage.session.play("Wave", KEY)
+        await until(lambda: stage.kinds(m.ActionEnd) == ["ActionDone"], BEGIN_S)
+        stage.session.play("Say", KEY)
+        stage.session.play("Block", KEY)
+        await until(lambda: "block" in (tmp_path / "arm.txt").read_text(), BEGIN_S)
+        stage.session.stop("escape")
+        await until(lambda: len(confirmed()) == 1)
+        assert (confirmed()[0].confirmed, confirmed()[0].unreached) == (["body"], ["arm"])
+        await until(lambda: connected() == 3, BEGIN_S)  # its process was ended
+        lost = [line.detail for line in stage.lines if isinstance(line, m.DriverLost)]
+        assert any("did not hear the stop and was ended" in detail for detail in lost)
+        await until(lambda: "arm" in confirmed()[-1].confirmed, BEGIN_S)
+    finally:
+        await stage.session.close("test")
+    assert stage.session.ended
+
+
+async def test_in_a_training_drivers_stay_with_a_body_that_does_not_move(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    catalogue = installed_worker(tmp_path, monkeypatch)
+    path = tmp_path / "e.yaml"
+    path.write_text(TEXT.replace("{type: worker}", "{type: worker, beside: body}"))
+    made = load(path, catalogue)
+    stage = Stage(tmp_path, catalogue=rehearsed(catalogue), made=made)
+    assert not any(isinstance(it, ProcessDriver) for it in stage.session.drivers.values())
+    await stage.session.open()
+    await stage.session.close("test")

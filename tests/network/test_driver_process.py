@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from woz_drivers.simulated import SimulatedRobot
 
 from tests.network.worker import Worker, WorkerSettings, driver_process, worker
 from woz_tui.drivers.contract import (
@@ -26,7 +27,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.network.child_line import ChildLine
 from woz_tui.network.driver_process import PLACE, DriverProcess, ProcessDriver
-from woz_tui.testing import PlainJob, RecordingContext, until
+from woz_tui.testing import DriverTests, PlainJob, RecordingContext, until
 
 ROOT = Path(__file__).parents[2]
 #: A process of a busy machine takes so long to begin.
@@ -81,6 +82,16 @@ async def working(folder: Path) -> AsyncIterator[Worked]:
         yield worked
     finally:
         await worked.driver.close()
+
+
+# -- the contract ----------------------------------------------------------------------------------
+
+
+@pytest.mark.safety
+class TestRobotInAProcess(DriverTests):
+    driver = SimulatedRobot
+    settings = SimulatedRobot.Settings()
+    own_process = True
 
 
 # -- use -------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from woz_tui.drivers.contract import Driver, Finding
 from woz_tui.testing import contract_checks
 from woz_tui.testing.device import Device
+from woz_tui.testing.own_process import in_own_process
 
 
 class DriverTests:
@@ -19,10 +20,14 @@ class DriverTests:
     Attributes:
         driver: The driver's class.
         settings: Settings with which it finds no hardware, or needs none.
+        own_process: Whether it is tried in a process of its own, as sessions have drivers that did
+            not come with woz-tui. A class that inherits from the tests of a driver and sets it has
+            them run that way, too.
     """
 
     driver: ClassVar[type[Driver]]
     settings: ClassVar[Any]
+    own_process: ClassVar[bool] = False
 
     def device(self) -> AbstractAsyncContextManager[Device]:
         """A stand-in for the hardware, made anew for each test and entered in its event loop.
@@ -31,41 +36,44 @@ class DriverTests:
         """
         raise unittest.SkipTest("define device() to test stop, loss and return of the hardware")
 
+    def _tested(self) -> type[Driver]:
+        return in_own_process(self.driver) if self.own_process else self.driver
+
     def test_declares_what_a_file_can_name(self) -> None:
         """Settings, verbs and their arguments, remarks, findings of the doctor."""
-        _passes(contract_checks.declared(self.driver, self.settings))
+        _passes(contract_checks.declared(self._tested(), self.settings))
 
     def test_opens_and_closes_without_hardware(self) -> None:
         """Prompt, whatever is missing; nothing is left behind and nothing published afterwards."""
-        _passes(contract_checks.closes(self.driver, self.settings))
+        _passes(contract_checks.closes(self._tested(), self.settings))
 
     def test_opens_and_closes_with_its_device(self) -> None:
         """It finds the device, and lets go of it."""
-        _passes(contract_checks.closes_with(self.driver, self.device()))
+        _passes(contract_checks.closes_with(self._tested(), self.device()))
 
     def test_stop_and_cancel_end_a_command(self) -> None:
         """While a command runs; what moves stands still then; the next one is carried out again."""
-        _passes(contract_checks.stops(self.driver, self.device()))
+        _passes(contract_checks.stops(self._tested(), self.device()))
 
     def test_notices_a_lost_device(self) -> None:
         """In the middle of a command."""
-        _passes(contract_checks.loses(self.driver, self.device()))
+        _passes(contract_checks.loses(self._tested(), self.device()))
 
     def test_finds_its_device_again(self) -> None:
         """It is plugged in again after that, and nothing moves by itself."""
-        _passes(contract_checks.returns(self.driver, self.device()))
+        _passes(contract_checks.returns(self._tested(), self.device()))
 
     def test_an_error_of_the_device_ends_the_command(self) -> None:
         """It is not taken for done, nor waited for."""
-        _passes(contract_checks.fails(self.driver, self.device()))
+        _passes(contract_checks.fails(self._tested(), self.device()))
 
     def test_numbers_are_in_the_units_of_the_contract(self) -> None:
         """Those that reach the device, and those that come from it."""
-        _passes(contract_checks.measures(self.driver, self.device()))
+        _passes(contract_checks.measures(self._tested(), self.device()))
 
     def test_shows_what_its_facts_claim(self) -> None:
         """`woz robots` repeats them to a lab that chooses."""
-        _passes(contract_checks.claimed(self.driver, self.device()))
+        _passes(contract_checks.claimed(self._tested(), self.device()))
 
 
 def _passes(findings: Coroutine[Any, Any, list[Finding]]) -> None:

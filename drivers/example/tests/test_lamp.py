@@ -37,6 +37,10 @@ class TestTheContract(DriverTests):
             wire.pull()
 
 
+class TestTheContractInAProcessOfItsOwn(TestTheContract):
+    own_process = True
+
+
 def glow(color: str = "#ff8000", seconds: float = 0.2) -> PlainJob:
     return PlainJob("glow", {"color": color, "seconds": seconds})
 

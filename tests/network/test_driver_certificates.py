@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,11 +31,13 @@ pytestmark = pytest.mark.usefixtures("patient_network")
 LIFT = PlainJob("lift", {"kg": 2.0})
 
 
-async def _entered(tmp_path: Path, made: Authority, *accesses: AccessFile) -> list[bool]:
+async def _entered(
+    tmp_path: Path, made: Authority, *accesses: AccessFile, places: Sequence[str] = (PLACE,)
+) -> list[bool]:
     """Which of the computers that come with these files, one after the other, the session uses."""
     port = free_port()
     context = RecordingContext()
-    router = DriverRouter(f"127.0.0.1:{port}", [PLACE], made, SILENCE_S)
+    router = DriverRouter(f"127.0.0.1:{port}", places, made, SILENCE_S)
     remote = remote_driver(context, router)
     others = [OtherComputer(Arm, ArmSettings(), tmp_path) for _ in accesses]
     await remote.open()
@@ -68,7 +71,15 @@ async def test_the_certificate_of_somebody_else_opens_no_driver(tmp_path: Path) 
     made = Authority(tmp_path / "authority")
     own = _access(made, PLACE, tmp_path)
     eve = replace(_access(made, "eve", tmp_path), name=PLACE)
-    assert await _entered(tmp_path, made, eve, own) == [False, True]
+    with pytest.raises(LineError, match="has no driver"):
+        await _entered(tmp_path, made, eve, own)
+
+
+async def test_a_computer_that_calls_itself_as_another_one_hears_nothing(tmp_path: Path) -> None:
+    made = Authority(tmp_path / "authority")
+    own = _access(made, PLACE, tmp_path)
+    leg = replace(_access(made, "leg-pi", tmp_path), name=PLACE)
+    assert await _entered(tmp_path, made, leg, own, places=(PLACE, "leg-pi")) == [False, True]
 
 
 @pytest.mark.parametrize("which", ["of another authority", "of another robot"])

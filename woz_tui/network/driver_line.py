@@ -79,3 +79,8 @@ def place_key(place: str) -> str:
 def session_key(place: str) -> str:
     """Shows that the session is there."""
     return f"woz/{place}/session"
+
+
+def place_of(key: str) -> str:
+    """Whose key that is."""
+    return key.removeprefix("woz/").partition("/")[0]

@@ -1,8 +1,7 @@
 """The line between a session and the computers of its drivers, over Eclipse Zenoh.
 
-The session's side is the router: it listens, and with TLS it lets in only whom its authority has
-given a certificate, each name to the keys of its own drivers. A driver's computer is a client of
-it.
+The session's side is a router for each computer of its drivers, behind the port that they see
+(`front_port`). A driver's computer is a client of it.
 
 This is the only module that imports zenoh, and only when a line is opened: its threads live in the
 process from then on.
@@ -18,7 +17,7 @@ import socket
 import ssl
 import threading
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,10 +31,6 @@ from woz_tui.network.driver_line import (
     LineError,
     Presence,
     Receive,
-    from_key,
-    place_key,
-    session_key,
-    to_key,
 )
 from woz_tui.network.driver_messages import MOST_BYTES
 from woz_tui.network.listen_address import ListenAddress
@@ -238,85 +233,19 @@ def _open(settings: Mapping[str, Any], silence_s: float) -> ZenohLine:
     return ZenohLine(zenoh.open(config))
 
 
-def listening(
-    listen: str, let_in: Sequence[str], authority: Path, silence_s: float = SILENCE_S
-) -> ZenohLine:
-    """The session's side, at `listen`, for the computers `let_in`; `authority`: its folder. Blocks
-    for seconds.
-
-    Raises `LineError`, with why nobody can come in.
-    """
-    zenoh, address = _module(), ListenAddress.read(listen)
-    scheme = "tcp" if address.plain else "tls"
-    where = f"{scheme}/{_host(address)}:{address.port}"
-    settings: dict[str, Any] = {"mode": "router", "listen/endpoints": [where]}
-    if not address.plain:
-        settings["transport/link/tls"] = {
-            "root_ca_certificate": str(authority / "authority.crt"),
-            "listen_private_key": str(authority / "server.pem"),
-            "listen_certificate": str(authority / "server.pem"),
-            "enable_mtls": True,
-        }
-        settings["access_control"] = _access_control(let_in)
+def listening(socket: Path, silence_s: float = SILENCE_S) -> ZenohLine:
+    """The session's side, at this socket. Blocks for a moment. Raises `LineError`."""
+    zenoh = _module()
+    settings = {"mode": "router", "listen/endpoints": [f"unixsock-stream/{socket}"]}
     try:
         return _open(settings, silence_s)
     except zenoh.ZError as error:
-        in_use = "in use" in str(error)
-        raise LineError(
-            f"{listen} is used by another program, perhaps another session"
-            if in_use
-            else f"cannot listen at {listen}: {error}",
-            "end it, or write another address into the robot file: at: {name: NAME, listen:"
-            " 0.0.0.0:7448}",
-        ) from None
+        raise LineError(f"cannot listen at {socket}: {error}") from None
 
 
 def _host(address: ListenAddress) -> str:
     host = address.host or "0.0.0.0"
     return f"[{host}]" if ":" in host else host
-
-
-def _access_control(places: Sequence[str]) -> dict[str, Any]:
-    """Each name may use the keys of its own drivers, and nobody anything else."""
-    rules, policies, subjects = [], [], []
-    for place in places:
-        to, back = to_key(place, "*"), from_key(place, "*")
-        here, session = place_key(place), session_key(place)
-        for name, messages, flow, keys in (
-            ("says", ["put", "liveliness_token"], "ingress", [back, here]),
-            (
-                *("hears", ["declare_subscriber", "declare_liveliness_subscriber"], "ingress"),
-                [to, session],
-            ),
-            ("asks", ["liveliness_query"], "ingress", [session]),
-            (
-                *("gets", ["put", "liveliness_token", "declare_subscriber"], "egress"),
-                [to, session, back],
-            ),
-        ):
-            rules.append(
-                {
-                    "id": f"{place} {name}",
-                    "messages": messages,
-                    "flows": [flow],
-                    "permission": "allow",
-                    "key_exprs": keys,
-                }
-            )
-        subjects.append({"id": place, "cert_common_names": [place]})
-        policies.append(
-            {
-                "rules": [f"{place} {name}" for name in ("says", "hears", "asks", "gets")],
-                "subjects": [place],
-            }
-        )
-    return {
-        "enabled": True,
-        "default_permission": "deny",
-        "rules": rules,
-        "subjects": subjects,
-        "policies": policies,
-    }
 
 
 def connect(address: str, access: AccessFile | None, silence_s: float = SILENCE_S) -> ZenohLine:
@@ -353,6 +282,14 @@ def connect(address: str, access: AccessFile | None, silence_s: float = SILENCE_
         raise LineError(f"no session answers at {address}: {error}") from None
 
 
+def _not_named(at: ListenAddress, access: AccessFile) -> LineError:
+    return LineError(
+        f"the session at {at.host}:{at.port} has no driver at {access.name}",
+        f"write `at: {access.name}` beside a driver in its robot file; if it is there, start the"
+        " session anew",
+    )
+
+
 def _examined(at: ListenAddress, access: AccessFile | None) -> LineError | None:
     """Why a connection will not come about, in words that zenoh does not have."""
     try:
@@ -363,7 +300,7 @@ def _examined(at: ListenAddress, access: AccessFile | None) -> LineError | None:
                 # A certificate that is not wanted is refused after the handshake; with one that is,
                 # nobody says anything before we do.
                 there.settimeout(REFUSAL_S)
-                there.recv(1)
+                return None if there.recv(1) else _not_named(at, access)
     except TimeoutError:
         return None
     except ssl.SSLCertVerificationError as error:
@@ -383,4 +320,3 @@ def _examined(at: ListenAddress, access: AccessFile | None) -> LineError | None:
             f"no session can be reached at {at.host}:{at.port}: {reason}",
             "start one there whose robot file says `at:`, or correct the address",
         )
-    return None

@@ -21,7 +21,7 @@ from woz_tui.protocol.messages import Json
 
 EXPERIMENT = """\
 title: Rude
-robot: {name: rude, drivers: {voice: {type: rude, rudeness: "%s"}}}
+robot: {name: rude, drivers: {voice: {type: rude, process: shared, rudeness: "%s"}}}
 panels:
   - title: Speech
     actions: [{key: h, label: Hello, say: "Hello"}]

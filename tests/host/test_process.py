@@ -6,6 +6,7 @@ import contextlib
 import itertools
 import json
 import os
+import resource
 import signal
 import socket
 import subprocess
@@ -18,8 +19,10 @@ from typing import Any
 import pytest
 
 from tests.export.logs import speak
+from tests.fakes.ports import free_port
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
+from tests.network.other_computer import listens
 from woz_tui.cli.host_start import Launch
 from woz_tui.log.file_names import current_path, session_code
 from woz_tui.system.session_sockets import answers
@@ -204,6 +207,45 @@ def test_who_holds_up_the_process_is_named_with_call_and_line_of_code(
         text = own_log.read_text()
         assert "voice held up the robot process for" in text
         assert ("and still does" in text) == (rudeness == "blocks in say")
+
+
+@pytest.mark.parametrize("rudeness", ["blocks in say", "keeps the interpreter"])
+def test_a_rude_driver_in_a_process_of_its_own_holds_up_nobody(
+    tmp_path: Path, rudeness: str
+) -> None:
+    with robot(tmp_path, rudeness, changes=(("process: shared", "process: own"),)) as host:
+        host.announced()
+        host.logged("driver.connected", driver="voice")
+        host.ask('{"kind":"verb","verb":"say","args":{"text":"x"},"ref":1}')
+        assert host.ask('{"kind":"end","ref":1,"reason":"enough"}')[-1]["ok"]
+        assert host.ended() == 0
+        stalled = [line for line in host.log() if line["kind"] == "process.stalled"]
+        assert not [line for line in stalled if line.get("driver") or line["cause"] == "blocked"]
+        assert host.log()[-1]["reason"] == "enough"
+
+
+def test_strangers_at_the_port_of_other_computers_take_nothing_from_log_and_consoles(
+    tmp_path: Path,
+) -> None:
+    port = free_port()
+    at = f"arm: {{type: simulated, at: {{name: arm-pi, listen: 'tcp://127.0.0.1:{port}'}}}}"
+    more = (("drivers: {", f"drivers: {{{at}, "), ('say: "Hello"', 'say: "Hello", on: voice'))
+    with contextlib.ExitStack() as strangers, robot(tmp_path, changes=more) as host:
+        host.announced()
+        host.logged("driver.connecting", driver="arm")
+        while not listens(port):
+            assert host.process.poll() is None
+            time.sleep(0.02)
+        few = len([*Path(f"/proc/{host.process.pid}/fd").iterdir()]) + 16
+        resource.prlimit(host.process.pid, resource.RLIMIT_NOFILE, (few, few))
+        for _ in range(500):
+            strangers.enter_context(socket.create_connection(("127.0.0.1", port), WAIT_S))
+        note = '{"kind":"note","ref":1,"text":"still here"}'
+        assert host.ask(note)[-1]["ok"]
+        host.logged("note", text="still here")
+        assert host.ask('{"kind":"end","ref":1,"reason":"enough"}')[-1]["ok"]
+        assert host.ended() == 0
+        assert host.log()[-1]["reason"] == "enough"
 
 
 def test_a_process_that_was_stopped_blames_no_driver(tmp_path: Path) -> None:

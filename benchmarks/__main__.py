@@ -26,6 +26,7 @@ ROOT = Path(__file__).parents[1]
 TABLES: dict[str, tuple[str, ...]] = {
     "key_latency": ("idle: key to perform", "load: key to perform", "50 Hz loop"),
     "stop_latency": ("idle: escape + key", "asleep: ctrl+c", "spinning: escape"),
+    "driver_process": ("verb: to perform", "stop: to its confirmation", "memory"),
     "midi_latency": ("a body at 50 Hz", "a body at 100 Hz", "byte to setpoint"),
     "bml_timing": ("on the simulated robot", "on EyePi", "bare timer", "words begin", "strokes"),
     "blob": ("20 x 15 rgb24, a ball", "160 x 120 rgb24, noise", "of a core"),

@@ -236,10 +236,12 @@ def test_strangers_at_the_port_of_other_computers_take_nothing_from_log_and_cons
         while not listens(port):
             assert host.process.poll() is None
             time.sleep(0.02)
-        few = len([*Path(f"/proc/{host.process.pid}/fd").iterdir()]) + 16
+        descriptors = Path(f"/proc/{host.process.pid}/fd")
+        few = len([*descriptors.iterdir()]) + 16
         resource.prlimit(host.process.pid, resource.RLIMIT_NOFILE, (few, few))
         for _ in range(500):
             strangers.enter_context(socket.create_connection(("127.0.0.1", port), WAIT_S))
+        assert len([*descriptors.iterdir()]) < few
         note = '{"kind":"note","ref":1,"text":"still here"}'
         assert host.ask(note)[-1]["ok"]
         host.logged("note", text="still here")

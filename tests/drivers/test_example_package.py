@@ -80,7 +80,7 @@ def test_its_own_tests_pass_over_a_pseudo_terminal(site: Path, tmp_path: Path) -
         path=site,
         cwd=tmp_path,
     )
-    assert re.search(r"\b23 passed in", told), told
+    assert re.search(r"\b32 passed in", told), told
 
 
 def test_on_a_slow_machine_the_contract_has_more_patience(

@@ -11,7 +11,7 @@ import asyncio
 import contextlib
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated
 
 from woz_drivers.serial_line import LOSSES, SerialLine, explain_port_error, open_port
@@ -61,8 +61,16 @@ class Lamp(Driver):
         """`glow`, in a lane of its own: it may fade while the robot speaks."""
         color = Argument("color", "text", "as #rrggbb", required=True)
         fade = Argument("seconds", "seconds", "fade", default=0.5, range=Range(0, 20, "s"))
-        glow = Verb("glow", "fade to a colour", (color, fade), lane="lamp", limit_s=25.0)
-        return (replace(glow, evidence="reported"),)  # the lamp says when it has faded
+        return (
+            Verb(
+                "glow",
+                "fade to a colour",
+                (color, fade),
+                lane="lamp",
+                limit_s=25.0,
+                evidence="reported",  # the lamp says when it has faded
+            ),
+        )
 
     @classmethod
     def sensors(cls, settings: LampSettings) -> tuple[str, ...]:

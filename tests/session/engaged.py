@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from tests.session.rig import HERE, Puppet, action, call, experiment, together
+from tests.session.rig import HERE, Nothing, Puppet, action, call, experiment, together
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Engagement, Experiment, Panel
 from woz_tui.drivers.contract import Argument, Driver, DriverError, Job, Verb
@@ -79,7 +79,7 @@ def guided(
 ) -> Experiment:
     """An experiment with the section `engagement`, and keys for its verbs."""
     bare = experiment(tmp_path)
-    robot = DriverSpec("robot", "guide", None, Guide.verbs(None), SENSORS, HERE)
+    robot = DriverSpec("robot", "guide", Nothing(), Guide.verbs(None), SENSORS, HERE)
     told = Panel(
         "Model",
         (

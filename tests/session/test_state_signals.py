@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from PIL import Image, ImageChops, ImageSequence
 
-from tests.session.rig import HERE, action, call, experiment, together
+from tests.session.rig import HERE, Nothing, action, call, experiment, together
 from tools import signal_pictures
 from woz_tui.config.engagement import STATES, EngagementSettings
 from woz_tui.config.experiment import DriverSpec, Engagement, Experiment
@@ -37,7 +37,7 @@ SIGNS = ("presence", "gaze", "distance")
 def made(
     tmp_path: Path, robots: Mapping[str, tuple[Verb, ...]], engagement: Engagement | None = None
 ) -> Experiment:
-    drivers = tuple(DriverSpec(name, "t", None, verbs, (), HERE) for name, verbs in robots.items())
+    drivers = tuple(DriverSpec(name, "t", Nothing(), verbs, (), HERE) for name, verbs in robots.items())
     return replace(experiment(tmp_path), drivers=drivers, engagement=engagement or Engagement())
 
 

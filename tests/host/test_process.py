@@ -398,7 +398,10 @@ def test_sessions_that_start_at_once_have_codes_of_their_own(
 def test_another_robot_stays_through_a_reload(tmp_path: Path) -> None:
     """The file's own robot has a screen and eyes; the rude one says things."""
     changes = (
-        ('{name: rude, drivers: {voice: {type: rude, rudeness: ""}}}', "simulated"),
+        (
+            '{name: rude, drivers: {voice: {type: rude, process: shared, rudeness: ""}}}',
+            "simulated",
+        ),
         ('say: "Hello"}', 'say: "Hello", eyes: blue}'),
     )
     with robot(tmp_path, changes=changes, more=("--robot", "rude")) as host:

@@ -152,6 +152,14 @@ async def test_drivers_of_one_process_share_feeds(tmp_path: Path) -> None:
             await driver.close()
 
 
+async def test_an_error_that_nobody_waits_for_is_told_with_its_place(tmp_path: Path) -> None:
+    async with working(tmp_path) as arm:
+        await arm.driver.perform(PlainJob("break"))
+        words = await arm.healthy(Health.FAULTED)
+        assert "ZeroDivisionError: a wheel (worker.py:" in words[0]
+        assert (await arm.driver.perform(PlainJob("wave")))["pid"]
+
+
 # -- what goes wrong -------------------------------------------------------------------------------
 
 

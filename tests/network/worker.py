@@ -46,6 +46,7 @@ class Worker(Driver):
             Verb("wave", "wave", lane="hand"),
             Verb("lift", "lift", lane="body"),
             Verb("write", "write a file", lane="files"),
+            Verb("break", "fail in a task that nobody waits for", lane="hand"),
             Verb("block", "hold up the process", (Argument("seconds", "seconds"),), lane="body"),
         )
 
@@ -70,6 +71,8 @@ class Worker(Driver):
             case "lift":
                 job.mark("lifts")
                 await asyncio.sleep(60)
+            case "break":
+                self._task = asyncio.create_task(self._break())
             case "block":
                 self._note("block")
                 time.sleep(job.args["seconds"])  # noqa: ASYNC251 - that is the point
@@ -79,6 +82,9 @@ class Worker(Driver):
             case "wave":
                 self._count.put(self._count.latest().serial)
         return {"pid": os.getpid(), "count": self._count.latest().serial}
+
+    async def _break(self) -> None:
+        raise ZeroDivisionError("a wheel")
 
     async def stop(self, scope: Scope) -> StopReport | None:
         self._note(f"stop {scope.value}")

@@ -252,11 +252,12 @@ class SensorStatement(DriverStatement, frozen=True, tag="sensor"):
 
 
 class HealthStatement(DriverStatement, frozen=True, tag="health"):
-    """`DriverContext.health`."""
+    """`DriverContext.health`; `tells`: as of a notice."""
 
     health: Health
     detail: str = ""
     remedy: str = ""
+    tells: tuple[str, ...] = ()
 
 
 class ModeStatement(DriverStatement, frozen=True, tag="mode"):

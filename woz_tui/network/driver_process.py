@@ -31,8 +31,8 @@ from woz_tui.network.driver_line import DriverLine
 from woz_tui.network.driver_server import OfferedDriver
 from woz_tui.network.remote_driver import RemoteDriver
 
-#: Its module.
-DRIVERS = "woz_tui.network.driver_child"
+#: The module that it runs.
+DRIVERS = "woz_tui.session.driver_child"
 #: What it is called in sentences.
 PLACE = "its process"
 #: A process, or a session, that has not spoken for so long counts as lost, in seconds. Its end is

@@ -62,6 +62,8 @@ _UNSAFE = "/\\\0"
 
 log = logging.getLogger(__name__)
 
+#: Makes a call of a driver and says what came of it: the call, the driver's name, what it is.
+Guard = Callable[[Callable[[], Awaitable[Any]], str, str], Coroutine[Any, Any, Any]]
 #: Is given a sentence for whoever looks at this computer.
 Tell = Callable[[str], None]
 
@@ -89,6 +91,8 @@ class ServedDriver:
         silence_s: After so long without an answer the session is gone.
         beside_session: The session is on this computer: files are written where its own are, and
             hands reach the driver.
+        made: Gets the driver under its name while there is one.
+        guard: Through it all calls of the driver are made.
     """
 
     def __init__(
@@ -102,8 +106,12 @@ class ServedDriver:
         tell: Tell,
         silence_s: float = SILENCE_S,
         beside_session: bool = False,
+        made: dict[str, Driver],
+        guard: Guard,
     ) -> None:
         self.name = offer.name
+        self._guard = guard
+        self._made = made
         self.clock = clock
         self._offer = offer
         self._place = place
@@ -219,7 +227,7 @@ class ServedDriver:
 
     async def _stop_alone(self, driver: Driver) -> None:
         try:
-            await _guarded(lambda: driver.stop(Scope.ALL))
+            await self._guard(lambda: driver.stop(Scope.ALL), self.name, "stop")
         except Exception as error:  # whatever a driver raises
             log.exception("%s did not stop", self.name)
             self._tell(f"{self.name}: it may not have stopped: {error}")
@@ -236,6 +244,7 @@ class ServedDriver:
 
     async def _leave(self, asker: asyncio.Task[Any] | None) -> None:
         driver, self._driver, self._context = self._driver, None, None
+        self._made.pop(self.name, None)
         self._session = ""
         jobs = [task for task, _, _ in self._running.values() if task is not asker]
         for task in jobs:
@@ -248,7 +257,7 @@ class ServedDriver:
                 task.cancel()
         if driver is not None:
             try:
-                await _guarded(driver.close)
+                await self._guard(driver.close, self.name, "close")
             except Exception as error:  # whatever a driver raises
                 log.exception("%s did not close", self.name)
                 self._tell(f"{self.name}: it did not close: {error}")
@@ -381,7 +390,12 @@ class ServedDriver:
             case dm.Stop():
                 self._on_stop(body)
             case dm.Invoke() if self._ready:
-                self._enter(body.id, None, body.what, _guarded(lambda: self._invoke(body)))
+                self._enter(
+                    body.id,
+                    None,
+                    body.what,
+                    self._guard(lambda: self._invoke(body), self.name, body.what),
+                )
             case dm.Left(why=why):
                 self.lose(f"the session has ended it ({why})")
             case dm.AskEnded(id=number, ok=ok, why=why) if self._context is not None:
@@ -424,6 +438,7 @@ class ServedDriver:
             context.health(Health.FAULTED, f"it cannot be created: {type(error).__name__}: {error}")
             return
         self._driver, self._context = driver, context
+        self._made[self.name] = driver
         self._spawn(self._open(driver))
 
     async def _open(self, driver: Driver) -> None:
@@ -439,7 +454,7 @@ class ServedDriver:
 
     async def _aside(self, what: str, call: Callable[[], Awaitable[None]]) -> None:
         try:
-            await _guarded(call)
+            await self._guard(call, self.name, what)
         except Exception as error:
             log.exception("%s failed to %s", self.name, what)
             if self._context is not None:
@@ -513,7 +528,9 @@ class ServedDriver:
             return
         self._enter(
             *(command.id, verb, "perform"),
-            _guarded(lambda: self._perform(driver, verb, command)),
+            self._guard(
+                lambda: self._perform(driver, verb, command), self.name, f"perform {verb.name}"
+            ),
         )
 
     async def _perform(self, driver: Driver, verb: Verb, command: dm.Perform) -> Json:
@@ -588,7 +605,7 @@ class ServedDriver:
     async def _stop(self, driver: Driver, scope: Scope, number: int) -> None:
         epoch, failure, report = self._epoch, None, None
         try:
-            report = await _guarded(lambda: driver.stop(scope))
+            report = await self._guard(lambda: driver.stop(scope), self.name, "stop")
         except DriverError as error:
             failure = _failure(error)
         except Exception as error:  # whatever a driver raises
@@ -611,7 +628,7 @@ def _failure(error: DriverError) -> dm.CallFailure:
     return dm.CallFailure(next(kind for kind in kinds if kind in known), error.what, error.remedy)
 
 
-async def _guarded(call: Callable[[], Awaitable[Any]]) -> Any:
+async def _guarded(call: Callable[[], Awaitable[Any]], driver: str, what: str) -> Any:
     """A maker's library that ends the process does not end this one."""
     try:
         return await call()
@@ -630,6 +647,7 @@ class DriverServer:
         clock: This computer's.
         silence_s: After so long without an answer a session is gone.
         beside_session: See `ServedDriver`.
+        guard: See `ServedDriver`; by itself a driver cannot end the process, and no more.
     """
 
     def __init__(
@@ -642,9 +660,12 @@ class DriverServer:
         clock: Clock | None = None,
         silence_s: float = SILENCE_S,
         beside_session: bool = False,
+        guard: Guard | None = None,
     ) -> None:
         self._place = place
         self._beside_session = beside_session
+        #: Those that there are now, by name.
+        self.made: dict[str, Driver] = {}
         self._loop = asyncio.get_running_loop()
         feeds, clock = Feeds(), clock or RealClock()
         self._drivers = [
@@ -657,6 +678,8 @@ class DriverServer:
                 tell=tell,
                 silence_s=silence_s,
                 beside_session=beside_session,
+                made=self.made,
+                guard=guard or _guarded,
             )
             for offer in offers
         ]

@@ -90,9 +90,9 @@ async def _serve(setup: bytes, parent: _Relay) -> None:
             parent.begun()
             await parent.ended()
         finally:
-            front.close()
             for line in parent.lines.values():
-                await asyncio.to_thread(line.close)
+                await asyncio.to_thread(line.close)  # what was said last goes out first
+            front.close()
 
 
 def _context(authority: Path) -> ssl.SSLContext:

@@ -154,9 +154,11 @@ class SessionDriverContext(DriverContext):
                     message = SensorChanged(
                         sensor=name, state=state, was=was, why=why, every_s=every
                     )
-            case HealthStatement(health=health, detail=detail, remedy=remedy):
+            case HealthStatement(health=health, detail=detail, remedy=remedy, tells=tells):
                 if self._health != (health, detail) or self._faults.is_over(driver):
-                    message = _HEALTH[health](driver=driver, detail=detail, remedy=remedy)
+                    message = _HEALTH[health](
+                        driver=driver, detail=detail, remedy=remedy, tells=(*tells,)
+                    )
             case ModeStatement(mode=mode, why=why):
                 if self._mode != mode:
                     message = ModeChanged(driver=driver, was=self._mode, now=mode, why=why)

@@ -12,11 +12,10 @@ from collections.abc import Callable, Coroutine, Mapping
 from contextvars import Context
 from pathlib import Path
 from types import FrameType, TracebackType
-from typing import Any
+from typing import Any, Protocol
 from weakref import WeakKeyDictionary
 
 from woz_tui.bus.driver_call import CALLING
-from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.study import PERCEIVED
 from woz_tui.drivers.contract import Driver
@@ -34,6 +33,13 @@ TELLS = ("request", *PERCEIVED)
 log = logging.getLogger(__name__)
 
 
+class FaultListener(Protocol):
+    """Is told of faults: the session's hub."""
+
+    def publish(self, message: DriverFaulted | Notice) -> object:
+        """Tell everybody."""
+
+
 class DriverFaults:
     """Publishes what went wrong in a driver's own tasks, timers, callbacks and threads.
 
@@ -43,7 +49,7 @@ class DriverFaults:
         clock: Time.
     """
 
-    def __init__(self, hub: Hub, clock: Clock) -> None:
+    def __init__(self, hub: FaultListener, clock: Clock) -> None:
         self._hub = hub
         self._clock = clock
         self._drivers: Mapping[str, Driver] = {}

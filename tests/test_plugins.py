@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from woz_tui.drivers import plugins
 from woz_tui.drivers.plugins import GROUP, PluginError, installed
 
 Package = Callable[[str, str, str], None]
@@ -72,6 +73,15 @@ def test_a_drivers_module_is_imported_only_when_it_is_asked_for(package: Package
     assert "toys_module" not in sys.modules
     assert catalogue["toy"].summary == "a toy"
     assert "toys_module" in sys.modules
+
+
+def test_an_import_that_does_not_end_is_named(
+    package: Package, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plugins, "IMPORT_S", 0.05)
+    package("toys", "toy = toys_module:Toy", "import time\ntime.sleep(1000)\n")
+    with pytest.raises(PluginError, match=r"'toy' of toys .* its import takes longer than 0\.05 s"):
+        installed()["toy"]
 
 
 @pytest.mark.parametrize(

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+import signal
+import threading
 from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
+from types import FrameType
+from typing import Any
 
 from woz_tui.drivers.contract import Driver
 
 GROUP = "woz_tui.drivers"
 #: The package whose drivers came with woz-tui.
 OWN = "woz-tui"
+#: An import of others' code may take so long, in seconds: a large library on a small computer.
+IMPORT_S = 60.0
 #: The package that held the contract in earlier versions, and what the author of a driver from then
 #: has to do.
 _BEFORE = "woz_tui.core"
@@ -35,8 +41,7 @@ class Catalogue(Mapping[str, type[Driver]]):
 
     def is_foreign(self, name: str) -> bool:
         """Whether its code did not come with woz-tui."""
-        dist = self._points[name].dist
-        return dist is not None and dist.name != OWN
+        return _is_foreign(self._points[name])
 
     def __contains__(self, name: object) -> bool:
         """Whether some package offers it; whether it loads is another question."""
@@ -67,9 +72,30 @@ def _origin(point: EntryPoint) -> str:
     return point.dist.name if point.dist is not None else point.value
 
 
+def _is_foreign(point: EntryPoint) -> bool:
+    return point.dist is not None and point.dist.name != OWN
+
+
+def _imported(point: EntryPoint) -> Any:
+    """What it names. Raises `TimeoutError` when an import of others' code does not end."""
+    if not _is_foreign(point) or threading.current_thread() is not threading.main_thread():
+        return point.load()
+
+    def end(number: int, frame: FrameType | None) -> None:
+        raise TimeoutError(f"its import takes longer than {IMPORT_S:g} s")
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, IMPORT_S)
+    try:
+        return point.load()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
 def _load(point: EntryPoint) -> type[Driver]:
     try:
-        loaded = point.load()
+        loaded = _imported(point)
     except Exception as error:
         moved = isinstance(error, ModuleNotFoundError) and str(error.name).startswith(_BEFORE)
         raise PluginError(

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.simulated import SimulatedRobot
 
+from tests.network.slow_import import Slow
 from tests.network.worker import Worker, WorkerSettings, driver_process, worker
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -27,6 +28,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.network.child_line import ChildLine
 from woz_tui.network.driver_process import PLACE, DriverProcess, ProcessDriver
+from woz_tui.network.driver_server import OfferedDriver
 from woz_tui.testing import DriverTests, PlainJob, RecordingContext, until
 
 ROOT = Path(__file__).parents[2]
@@ -161,6 +163,21 @@ async def test_an_error_that_nobody_waits_for_is_told_with_its_place(tmp_path: P
 
 
 # -- what goes wrong -------------------------------------------------------------------------------
+
+
+async def test_one_whose_import_does_not_end_holds_up_nobody(tmp_path: Path) -> None:
+    slow, context = OfferedDriver("slow", "slow", Slow, WorkerSettings()), RecordingContext()
+    process = DriverProcess([slow], tmp_path)
+    driver = ProcessDriver(
+        *("slow", WorkerSettings(), context), local=Slow, kind="slow", process=process
+    )
+    async with working(tmp_path) as arm:
+        await driver.open()
+        assert (await arm.driver.perform(PlainJob("wave")))["pid"]
+        assert context.healths == [(Health.CONNECTING, "its process begins", "")]
+        with pytest.raises(DeviceLostError, match="its process cannot be reached"):
+            await driver.perform(PlainJob("wave"))
+        await driver.close()
 
 
 @pytest.mark.safety

@@ -15,7 +15,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-#: Connections at the same time; one more takes the place of the one that is silent for longest.
+#: Connections without a certificate at the same time, and as many with one; one more takes the
+#: place of the one of its kind that is silent for longest.
 MOST = 128
 #: How long one may be silent before it is closed, in seconds: a robot's computer speaks some times
 #: in each second.
@@ -42,8 +43,9 @@ class FrontPort:
         self.context = context
         self._server: asyncio.Server | None = None
         self._looking: asyncio.Task[None] | None = None
-        #: By when they spoke last: the one that is silent for longest first.
-        self._open: dict[_Outside, float] = {}
+        #: By when they spoke last, or came: the one that is silent for longest first.
+        self._strangers: dict[_Outside, float] = {}
+        self._known: dict[_Outside, float] = {}
 
     async def listen(self, host: str, port: int) -> None:
         """Begin. Raises `OSError`."""
@@ -59,39 +61,45 @@ class FrontPort:
             self._server.close()
         if self._looking is not None:
             self._looking.cancel()
-        for connection in tuple(self._open):
+        for connection in (*self._strangers, *self._known):
             connection.end()
 
     def came(self, connection: _Outside) -> None:
-        """One more."""
-        if len(self._open) >= MOST:
-            self._end_oldest()
-        self.spoke(connection)
+        """One more, without a certificate so far."""
+        self._take(self._strangers, connection)
 
     def spoke(self, connection: _Outside) -> None:
-        """It is not silent."""
-        self._open.pop(connection, None)
-        self._open[connection] = asyncio.get_running_loop().time()
+        """It has a certificate, and is not silent."""
+        self._strangers.pop(connection, None)
+        self._known.pop(connection, None)
+        self._take(self._known, connection)
 
     def went(self, connection: _Outside) -> None:
         """It is over."""
-        self._open.pop(connection, None)
+        self._strangers.pop(connection, None)
+        self._known.pop(connection, None)
 
-    def _end_oldest(self) -> None:
-        oldest = next(iter(self._open))
-        self.went(oldest)
+    def _take(self, those: dict[_Outside, float], connection: _Outside) -> None:
+        if len(those) >= MOST:
+            self._end_oldest(those)
+        those[connection] = asyncio.get_running_loop().time()
+
+    def _end_oldest(self, those: dict[_Outside, float]) -> None:
+        oldest = next(iter(those))
+        del those[oldest]
         oldest.end()
 
     async def _look(self) -> None:
         while True:
             await asyncio.sleep(1.0)
             long_ago = asyncio.get_running_loop().time() - SILENT_S
-            while self._open and next(iter(self._open.values())) < long_ago:
-                self._end_oldest()
+            for those in (self._strangers, self._known):
+                while those and next(iter(those.values())) < long_ago:
+                    self._end_oldest(those)
 
 
 class _Outside(asyncio.Protocol):
-    """A connection of the network. Only who has a certificate is remembered as speaking."""
+    """A connection of the network."""
 
     def __init__(self, port: FrontPort) -> None:
         self._port = port

@@ -37,7 +37,9 @@ SIGNS = ("presence", "gaze", "distance")
 def made(
     tmp_path: Path, robots: Mapping[str, tuple[Verb, ...]], engagement: Engagement | None = None
 ) -> Experiment:
-    drivers = tuple(DriverSpec(name, "t", Nothing(), verbs, (), HERE) for name, verbs in robots.items())
+    drivers = tuple(
+        DriverSpec(name, "t", Nothing(), verbs, (), HERE) for name, verbs in robots.items()
+    )
     return replace(experiment(tmp_path), drivers=drivers, engagement=engagement or Engagement())
 
 

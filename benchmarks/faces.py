@@ -32,12 +32,12 @@ from tests.peers.face_pictures import (
     NOBODY,
     FindingProgram,
     RecognisingProgram,
-    changed,
+    changed_picture,
     crossing,
     faces_in,
     fitted,
     on_grey,
-    opened,
+    open_picture,
     whose,
 )
 from tests.peers.places import PEERS
@@ -81,8 +81,8 @@ print(json.dumps(times))
 
 def measured_times(pictures: int, folder: Path) -> dict[str, list[float]]:
     """Milliseconds of each network alone, and of a picture with one person and with six."""
-    one = changed(opened(PEER, "astronaut.png"), "as it is")
-    six = on_grey((fitted(opened(PEER, "group.jpg")), 320, 240))
+    one = changed_picture(open_picture(PEER, "astronaut.png"), "as it is")
+    six = on_grey((fitted(open_picture(PEER, "group.jpg")), 320, 240))
     files = []
     for name, picture in (("one", one), ("six", six)):
         path = folder / f"{name}.rgb"
@@ -120,11 +120,13 @@ def time_rows(times: dict[str, list[float]]) -> Iterator[tuple[str, ...]]:
 def accuracy_rows(program: FindingProgram) -> Iterator[tuple[str, ...]]:
     """A row for each way in which pictures are changed."""
     focal = program.settings.focal
-    pictures = {name: opened(PEER, name) for name in ("astronaut.png", "group.jpg")}
-    [one] = program.people(changed(pictures["astronaut.png"], "as it is"))
+    pictures = {name: open_picture(PEER, name) for name in ("astronaut.png", "group.jpg")}
+    [one] = program.people(changed_picture(pictures["astronaut.png"], "as it is"))
     upright = one.face
     for change, (degrees, scale, *_) in CHANGES.items():
-        people = {name: program.people(changed(one, change)) for name, one in pictures.items()}
+        people = {
+            name: program.people(changed_picture(one, change)) for name, one in pictures.items()
+        }
         counts = {name: len(there) for name, there in people.items()}
         face = people["astronaut.png"][0].face if people["astronaut.png"] else None
         row = [change, f"{counts['astronaut.png']} of 1", f"{counts['group.jpg']} of 6"]
@@ -152,7 +154,9 @@ def _gaze_change(face: SeenFace, upright: SeenFace, *, mirrored: bool) -> str:
 def nobody_row(program: FindingProgram) -> str:
     """In how many pictures without a person somebody was found."""
     false = [
-        name for name in NOBODY if program.people(on_grey((fitted(opened(PEER, name)), 320, 240)))
+        name
+        for name in NOBODY
+        if program.people(on_grey((fitted(open_picture(PEER, name)), 320, 240)))
     ]
     return f"pictures without a person: somebody in {len(false)} of {len(NOBODY)}"
 
@@ -176,8 +180,8 @@ def identity_rows(program: FindingProgram, state: Path) -> Iterator[tuple[str, .
     """A row for each change: all seven people are learnt from the pictures as they are. Each is a
     stranger to a store that has the six others.
     """
-    pictures = {"one": opened(PEER, "astronaut.png"), "six": opened(PEER, "group.jpg")}
-    as_it_is = {key: changed(picture, "as it is") for key, picture in pictures.items()}
+    pictures = {"one": open_picture(PEER, "astronaut.png"), "six": open_picture(PEER, "group.jpg")}
+    as_it_is = {key: changed_picture(picture, "as it is") for key, picture in pictures.items()}
     people = {
         key: {f"{key}{n}": face for n, face in enumerate(faces_in(program, picture))}
         for key, picture in as_it_is.items()
@@ -197,7 +201,7 @@ def identity_rows(program: FindingProgram, state: Path) -> Iterator[tuple[str, .
             found = [
                 (owner, shown, face)
                 for key, picture in pictures.items()
-                for shown in (changed(picture, change),)
+                for shown in (changed_picture(picture, change),)
                 for face in faces_in(program, shown)
                 if (owner := whose(face, people[key], change)) is not None
             ]

@@ -30,7 +30,7 @@ from itertools import chain, combinations
 from pathlib import Path
 
 from benchmarks.figures import machine, percentile, table, verdict
-from tests.console.driving import Sitting, sitting
+from tests.console.piloting import ConsolePilot, piloted_console
 from tools import demo_session
 from woz_tui.config.loading import load
 from woz_tui.console.action_panels import ActionPanels
@@ -61,12 +61,12 @@ class Way:
         return M + K * self.keys
 
 
-def sentence(seat: Sitting, action: ActionView) -> str:
+def sentence(seat: ConsolePilot, action: ActionView) -> str:
     """What the action says, as the console shows it before it is played."""
     return seat.console.state.sentence(action.name)
 
 
-async def played(seat: Sitting, keys: Sequence[str]) -> str:
+async def played(seat: ConsolePilot, keys: Sequence[str]) -> str:
     """Press the keys; the action that was asked for."""
     seat.feed.asked.clear()
     await seat.press(*keys)
@@ -74,7 +74,7 @@ async def played(seat: Sitting, keys: Sequence[str]) -> str:
     return last.action if isinstance(last, AskAction) else ""
 
 
-async def by_letter(seat: Sitting, action: ActionView) -> Way | None:
+async def by_letter(seat: ConsolePilot, action: ActionView) -> Way | None:
     """Its key, or the keys of its sequence."""
     cap = seat.console.caps.get(action.name)
     keys = cap.chord.split(" ") if cap is not None and cap.chord else []
@@ -83,7 +83,7 @@ async def by_letter(seat: Sitting, action: ActionView) -> Way | None:
     return Way(len(keys), 0)
 
 
-async def by_page(seat: Sitting, action: ActionView) -> Way | None:
+async def by_page(seat: ConsolePilot, action: ActionView) -> Way | None:
     """Turn pages until the button is there."""
     panels = seat.console.query_one(ActionPanels)
     panels.board = replace(panels.board, chosen=0)
@@ -99,7 +99,7 @@ async def by_page(seat: Sitting, action: ActionView) -> Way | None:
     return None if letter is None else Way(turned + letter.keys, rows + row + 1)
 
 
-def _row(seat: Sitting, panels: ActionPanels, action: ActionView) -> int | None:
+def _row(seat: ConsolePilot, panels: ActionPanels, action: ActionView) -> int | None:
     """In which line the button stands, if it is on the page that is shown."""
     frame = PaintFrame(panels.size.width, panels.size.height, 0, seat.console.look.glyphs)
     arranged = panels.arranged(seat.console.state, frame)
@@ -108,7 +108,7 @@ def _row(seat: Sitting, panels: ActionPanels, action: ActionView) -> int | None:
     return next((slot.row for slot in slots if slot.action == action), None)
 
 
-async def in_phase(seat: Sitting, action: ActionView, panel: str) -> Way | None:
+async def in_phase(seat: ConsolePilot, action: ActionView, panel: str) -> Way | None:
     """The same, while the first phase that has the action's panel in front holds."""
     phases = seat.console.state.settings.phases
     phase = next((each for each in phases if panel in each.panels), None)
@@ -120,7 +120,7 @@ async def in_phase(seat: Sitting, action: ActionView, panel: str) -> Way | None:
     return found
 
 
-async def by_finder(seat: Sitting, action: ActionView, typed: Iterator[str]) -> Way | None:
+async def by_finder(seat: ConsolePilot, action: ActionView, typed: Iterator[str]) -> Way | None:
     """The shortest of `typed` that puts it on the first line."""
     await seat.press(":")
     dialog = seat.console.dialog
@@ -172,7 +172,7 @@ async def measure(first: Welcome, size: tuple[int, int], most: int) -> dict[str,
     found: dict[str, list[Way | None]] = {
         name: [] for name in ("letter", "page", "phase", "finder", "words")
     }
-    async with sitting(first, size=size) as seat:
+    async with piloted_console(first, size=size) as seat:
         panels = seat.console.state.panels
         actions = [(action, panel.title) for panel in panels for action in panel.actions]
         for action, panel in actions[:most]:

@@ -31,7 +31,7 @@ from pathlib import Path
 from woz_drivers.naoqi_robot.robot_line import FRESH_S
 
 from benchmarks.figures import Spread, machine, table, verdict
-from tests.drivers.pepper.connected import Outcome, Stand, stand
+from tests.drivers.pepper.connection_rig import ConnectionRig, Outcome, started_connection
 from tests.fakes.dropping_proxy import DroppingProxy, dropping_proxy
 from tests.fakes.naoqi import StandIn, stand_in
 
@@ -58,7 +58,7 @@ class Figures:
 class Caller:
     """Makes numbered calls all the time, and remembers how each ended."""
 
-    def __init__(self, it: Stand) -> None:
+    def __init__(self, it: ConnectionRig) -> None:
         self._it = it
         self._task = asyncio.create_task(self._calls())
         self.calls: list[asyncio.Task[Outcome]] = []
@@ -75,13 +75,13 @@ class Caller:
 
 
 @asynccontextmanager
-async def scene() -> AsyncIterator[tuple[StandIn, DroppingProxy, Stand]]:
+async def scene() -> AsyncIterator[tuple[StandIn, DroppingProxy, ConnectionRig]]:
     """A robot, the network before it, and a connection that stands."""
     with tempfile.TemporaryDirectory() as folder:
         async with (
             stand_in() as robot,
             dropping_proxy(robot.port) as network,
-            stand(Path(folder), network.address) as it,
+            started_connection(Path(folder), network.address) as it,
         ):
             await it.until(lambda: it.came == 1)
             yield robot, network, it
@@ -115,7 +115,7 @@ async def measure(fault: str, away_s: float, figures: Figures) -> None:
 
 
 async def _come_back(
-    it: Stand, robot: StandIn, caller: Caller, begun: float, figures: Figures, *, came: int
+    it: ConnectionRig, robot: StandIn, caller: Caller, begun: float, figures: Figures, *, came: int
 ) -> None:
     recovered = time.monotonic()
     await it.until(lambda: it.came > came)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.amounts import EXAMPLES
+from tests.example_counts import EXAMPLES
 from woz_tui.testing import contract_checks
 
 # Machines are shared and slow: how long an example took says nothing about the code.

@@ -13,7 +13,7 @@ from types import FrameType
 
 import pytest
 
-from tests.host.rig import served
+from tests.host.rig import served_session
 from tools import DOCS
 from woz_tui.console import host_connection
 from woz_tui.console.byte_scanner import Scanner
@@ -40,7 +40,7 @@ def hops() -> list[str]:
 
 
 @contextmanager
-def watched(called: list[str]) -> Iterator[None]:
+def watched_calls(called: list[str]) -> Iterator[None]:
     """Note each function of woz_tui when it is first called in this thread."""
 
     def note(frame: FrameType, event: str, _: object) -> None:
@@ -60,7 +60,7 @@ def watched(called: list[str]) -> Iterator[None]:
 def press(connection: HostConnection, called: list[str]) -> None:
     keyboard = Keyboard(connection)
     keyboard.bind({"h": "Hello"})
-    with watched(called):
+    with watched_calls(called):
         (token,) = Scanner().feed(b"h")
         assert isinstance(token, Key)
         assert keyboard.arrive(token.chord)
@@ -73,14 +73,14 @@ async def test_a_key_press_takes_the_hops_that_the_page_names(
     assert len(hops()) > 10
     called: list[str] = []
     welcomed = threading.Event()
-    async with served(tmp_path) as place:
+    async with served_session(tmp_path) as place:
         connection = HostConnection(place.path)
         connection.start(
             lambda batch: welcomed.set() if isinstance(batch[0], Welcome) else None,
             lambda reason: None,
         )
         await asyncio.to_thread(welcomed.wait, 20)
-        with watched(called):
+        with watched_calls(called):
             await asyncio.to_thread(press, connection, called)
             await place.published(lambda line: isinstance(line, m.Dispatched))
         connection.close()

@@ -83,7 +83,7 @@ def test_it_ends_in_time_and_fails_if_a_test_did(
 ) -> None:
     limit = quick_tests.TimeLimit(-1.0)
     report = pytest.TestReport("tests/a.py::test", ("", 0, ""), {}, outcome, None, "call")
-    with pytest.raises(pytest.exit.Exception) as ended:
+    with pytest.raises(pytest.exit.Exception) as raised:
         limit.pytest_runtest_logreport(report)
-    assert ended.value.returncode == code
+    assert raised.value.returncode == code
     assert limit.begun == {"tests/a.py"}

@@ -92,7 +92,7 @@ def test_the_rest_is_what_was_not_run_bare(tmp_path: Path) -> None:
     for name, marker in {
         "drivers/test_speech.py": "asyncio",
         "drivers/test_player.py": "alsa",
-        "cli/test_launch.py": "real_clock",
+        "cli/test_host_start.py": "real_clock",
         "host/test_process.py": "asyncio",
         "bus/test_bus.py": "real_clock",
     }.items():
@@ -108,14 +108,14 @@ def test_the_rest_is_what_was_not_run_bare(tmp_path: Path) -> None:
     )
     options = told.stdout.split()
     assert {Path(option.removeprefix("--ignore=")).name for option in options} == {
-        *("test_speech.py", "test_launch.py", "test_process.py")
+        *("test_speech.py", "test_host_start.py", "test_process.py")
     }
     subprocess.run([str(tmp_path / ".ci" / "test"), *options], timeout=60, check=True)
     asked = (tmp_path / "asked").read_text().splitlines()
     assert all(set(options) <= set(each.split()) for each in asked)
     # The run on the real clock is the last one: it reads no other file.
     assert asked[-1].endswith(" tests/bus/test_bus.py")
-    assert "tests/cli/test_launch.py" not in asked[-1].split()
+    assert "tests/cli/test_host_start.py" not in asked[-1].split()
 
 
 def test_options_change_nothing_about_which_files_are_read(tmp_path: Path) -> None:

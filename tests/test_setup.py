@@ -174,7 +174,7 @@ def pins() -> dict[str, str]:
     return dict(line.split("==") for line in pinned)
 
 
-def asked() -> list[Requirement]:
+def requirements() -> list[Requirement]:
     """What the project asks for itself, to run, to develop and to build."""
     project = PROJECT["project"]
     lines = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
@@ -183,7 +183,7 @@ def asked() -> list[Requirement]:
 
 def needed() -> Iterator[Requirement]:
     """The same and everything that those ask for in turn, as far as it applies here."""
-    waiting, seen = asked(), set()
+    waiting, seen = requirements(), set()
     while waiting:
         requirement = waiting.pop()
         yield requirement

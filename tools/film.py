@@ -19,7 +19,7 @@ from pathlib import Path
 
 from rich.segment import Segment
 
-from tests.console.driving import screen_strips, sitting
+from tests.console.piloting import piloted_console, screen_strips
 from tools import IMAGES
 from tools.demo_session import INTERVIEW, TALKING, WARM, Step, demo, play, space, welcome
 from woz_tui.console.bodies.bodies_pane import pane_rows
@@ -136,7 +136,7 @@ async def _screens(film: Film, reel: Reel) -> list[list[Row]]:
     """The whole screen at each of the film's moments."""
     found: list[list[Row]] = []
     keys = deque(film.keys)
-    async with sitting(*reel.first, size=(film.columns, film.lines)) as seat:
+    async with piloted_console(*reel.first, size=(film.columns, film.lines)) as seat:
         for now, batch in reel.moments(film):
             seat.clock.advance(max(0.0, (now - seat.clock.now_us()) / 1_000_000))
             await seat.tell(*batch)

@@ -21,7 +21,7 @@ from typing import Any
 
 import msgspec
 
-from tests.console.scripted import ScriptedFeed
+from tests.console.scripted_feed import ScriptedFeed
 from tools import EXPERIMENTS, IMAGES
 from tools.screenshots import Shot, shoot
 from woz_tui.cli.host_start import Launch

@@ -15,8 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tests.console import bodies, scenes, studied
-from tests.console.scripted import ScriptedFeed
+from tests.console import bodies, scenes, study_scene
+from tests.console.scripted_feed import ScriptedFeed
 from tools import IMAGES, demo_session
 from woz_tui.console.app import Console
 from woz_tui.console.glyphs import ASCII, UNICODE
@@ -123,7 +123,7 @@ def knobs() -> ScriptedFeed:
     """A panel in use: two of its controls wait for take-over."""
     places = {"knob-1": 64, "knob-2": 88, "knob-3": 20, "knob-4": 110, "knob-8": 70}
     places |= {"slider-1": 41, "slider-2": 77, "slider-3": 64, "slider-5": 90, "slider-6": 100}
-    moved = bodies.moved(
+    moved = bodies.controls_moved(
         {**places, "slider-7": 112},
         {"knob-4": 0, "slider-1": 101},
         ("button-8", "cycle"),
@@ -133,15 +133,19 @@ def knobs() -> ScriptedFeed:
 
 def questionnaire() -> ScriptedFeed:
     """In the middle of a questionnaire."""
-    return _told(studied.welcome(studied.started(), studied.answered("pleasant", 6.0)))
+    return _told(
+        study_scene.welcome(
+            study_scene.questionnaire_started(), study_scene.questionnaire_answered("pleasant", 6.0)
+        )
+    )
 
 
 def trial() -> ScriptedFeed:
     """A trial under way, with blind conditions and some things kept from the wizard."""
     kept: dict[str, m.Json] = {"hide": ["loudness"], "blur": ["distance", "transcript"]}
-    told = studied.told(blind=studied.LABELS, perception=kept)
-    state = [*scenes.sensors(), m.SessionChanged(condition="cold", t=0), studied.trial()]
-    return _told(studied.welcome(*state, study=told, recent=scenes.history()))
+    told = study_scene.study_description(blind=study_scene.LABELS, perception=kept)
+    state = [*scenes.sensors(), m.SessionChanged(condition="cold", t=0), study_scene.trial()]
+    return _told(study_scene.welcome(*state, study=told, recent=scenes.history()))
 
 
 def working() -> ScriptedFeed:

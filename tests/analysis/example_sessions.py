@@ -30,7 +30,7 @@ def figures_of(
     return figure_counting.figures_of(timeline_of(messages), options)
 
 
-def drawn(messages: Iterable[m.AnyMessage]) -> timeline_lanes.TimelineDrawing:
+def timeline_drawing(messages: Iterable[m.AnyMessage]) -> timeline_lanes.TimelineDrawing:
     """What is drawn of messages in the order of a log."""
     return timeline_lanes.drawing_of(timeline_of(messages))
 
@@ -91,10 +91,10 @@ class ExampleSession:
         """An action of one command from its request to its end; `took` None: no end is told."""
         self._runs += 1
         run, command = f"a{self._runs:05d}", f"c{self._runs:05d}"
-        asked = m.ActionRequested(
+        action_requested = m.ActionRequested(
             run=run, action=action, panel=panel, source=source, key="h", console=console
         )
-        self.add(seconds, asked)
+        self.add(seconds, action_requested)
         if end == "refused":
             return self.add(seconds, m.ActionRefused(run=run, action=action, reason="locked"))
         latency = round(latency_ms * 1000)
@@ -164,9 +164,9 @@ class ExampleSession:
         return path
 
 
-def in_time(told: ExampleSession) -> list[m.AnyMessage]:
+def in_time(session: ExampleSession) -> list[m.AnyMessage]:
     """The messages in the order of time, as a session would have said them."""
-    ordered = sorted(told.messages, key=lambda message: message.t)
+    ordered = sorted(session.messages, key=lambda message: message.t)
     return [msgspec.structs.replace(message, seq=at) for at, message in enumerate(ordered)]
 
 
@@ -188,24 +188,24 @@ def study(folder: Path) -> list[Path]:
     }
     paths = []
     for number, ((who, condition, session), reactions) in enumerate(plan.items()):
-        told = ExampleSession(
+        example = ExampleSession(
             participant=who, condition=condition, session=session,
             wizard="W1" if number == 0 else "W2", wall=f"2026-03-0{number + 1}T10:00:00.000000Z",
         )  # fmt: skip
         at = 10.0
         for reaction in reactions:
-            told.speech(at, at + 2.0)
+            example.speech(at, at + 2.0)
             if reaction is not None:
-                told.act(at + 2.0 + reaction)
+                example.act(at + 2.0 + reaction)
             at += 30.0
-        told.messages.sort(key=lambda message: message.t)
-        told.messages = [
+        example.messages.sort(key=lambda message: message.t)
+        example.messages = [
             msgspec.structs.replace(message, seq=place)
-            for place, message in enumerate(told.messages)
+            for place, message in enumerate(example.messages)
         ]
-        told.end(100.0)
+        example.end(100.0)
         stem = f"2026-03-0{number + 1}T10-00-00_{who}_{session}"
-        paths.append(told.written(folder, stem))
+        paths.append(example.written(folder, stem))
     return paths
 
 

@@ -6,8 +6,8 @@ import csv
 from pathlib import Path
 
 from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
+from tests.export.export_runs import course_to
 from tests.export.logs import Timed, start
-from tests.export.out import course_to
 from woz_tui.analysis.report_tables import commands
 from woz_tui.protocol import messages as m
 
@@ -39,10 +39,10 @@ def course() -> list[Timed]:
 
 
 def test_the_report_counts_how_the_ends_of_each_verb_are_known() -> None:
-    it = ExampleSession()
+    session = ExampleSession()
     for at, line in course()[1:]:
-        it.add(at, line)
-    figures = figures_of(in_time(it.end(10)))
+        session.add(at, line)
+    figures = figures_of(in_time(session.end(10)))
     known = {verb: dict(times.evidence) for verb, times in figures.whole.verbs.items()}
     assert known == {"pose": {"timed": 1, "measured": 1}, "say": {"reported": 1}}
     table = commands(figures)

@@ -10,7 +10,7 @@ import msgspec
 import pytest
 
 from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
-from tests.export.out import exported
+from tests.export.export_runs import export_logs
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.methods_section import paragraphs
@@ -27,19 +27,19 @@ TALK, TYPED = "talk.yaml", "talk-typed.yaml"
 
 def talk(number: int, file: str, title: str = "Talk") -> ExampleSession:
     """A session of somebody, with this file and title; each file has its own hash."""
-    it = ExampleSession(
+    session = ExampleSession(
         participant=f"P{number:02}", session=f"S{number:02}", experiment=f"experiments/{file}",
         wall=f"2026-03-{number:02}T10:00:00.000000Z",
     )  # fmt: skip
     sha256 = file.encode().hex().ljust(64, "0")[:64]
-    it.messages = [msgspec.structs.replace(it.messages[0], experiment_sha256=sha256)]
+    session.messages = [msgspec.structs.replace(session.messages[0], experiment_sha256=sha256)]
     plan = m.SessionPlan(
         title=title, panels=[], script=[], verbs={}, variables=[], conditions=[], keyboard="us",
         drivers=[], settings=WelcomeSettings(),
     )  # fmt: skip
-    it.add(0, plan).act(2)
-    it.messages = in_time(it)
-    return it.end(60)
+    session.add(0, plan).act(2)
+    session.messages = in_time(session)
+    return session.end(60)
 
 
 def both() -> list[ExampleSession]:
@@ -48,24 +48,24 @@ def both() -> list[ExampleSession]:
 
 
 def test_a_copy_with_typed_sentences_is_the_same_experiment_in_reports() -> None:
-    found = GroupedSessions()
-    for it in both():
-        found.add(figures_of(it.messages))
-    assert found.experiments == [TALK]
-    assert found.versions(TALK) == 2
-    [warm] = found.totals(TALK)
+    grouped_sessions = GroupedSessions()
+    for session in both():
+        grouped_sessions.add(figures_of(session.messages))
+    assert grouped_sessions.experiments == [TALK]
+    assert grouped_sessions.versions(TALK) == 2
+    [warm] = grouped_sessions.totals(TALK)
     assert (warm.participants, warm.values["wizard_actions"].n) == (2, 2)
-    [told] = figures_json.grouped(found)
+    [told] = figures_json.grouped(grouped_sessions)
     assert (told["experiment"], told["files"]) == (TALK, [TALK, TYPED])
     stream = io.StringIO()
-    show_sessions(report_page(stream, 100), found)
+    show_sessions(report_page(stream, 100), grouped_sessions)
     assert f"2 versions in these sessions ({TALK}, {TYPED})" in stream.getvalue()
 
 
 def test_a_copy_is_the_same_experiment_in_methods() -> None:
     studies = Studies()
-    for it in both():
-        studies.add(figures_of(it.messages))
+    for session in both():
+        studies.add(figures_of(session.messages))
     [facts] = studies.found.values()
     sentences = " ".join(each for part in paragraphs(facts) for each in part.sentences)
     assert "2 participants took part in 2 sessions" in sentences
@@ -76,7 +76,7 @@ def test_a_copy_can_be_compared(tmp_path: Path, capsys: pytest.CaptureFixture[st
     stem = "2026-03-01T10-00-00_{}_S01"
     sessions = [*both(), talk(3, TALK, "Another")]
     a, b, other = (
-        str(it.written(tmp_path, stem.format(f"P0{n}"))) for n, it in enumerate(sessions)
+        str(session.written(tmp_path, stem.format(f"P0{n}"))) for n, session in enumerate(sessions)
     )
     assert main(["compare", a, b]) == 0
     assert "was changed between the two sessions" in capsys.readouterr().err
@@ -86,10 +86,10 @@ def test_a_copy_can_be_compared(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 def test_a_copy_is_the_same_task_in_bids(tmp_path: Path) -> None:
     logs = [
-        it.written(tmp_path / "in", f"2026-03-0{n}T10-00-00_P0{n}_S0{n}")
-        for n, it in enumerate(both(), 1)
+        session.written(tmp_path / "in", f"2026-03-0{n}T10-00-00_P0{n}_S0{n}")
+        for n, session in enumerate(both(), 1)
     ]
-    exported(logs, "bids", tmp_path / "out")
+    export_logs(logs, "bids", tmp_path / "out")
     names = [path.name for path in (tmp_path / "out").rglob("*_events.tsv")]
     assert sorted(names) == [f"sub-P0{n}_ses-S0{n}_task-talk_events.tsv" for n in (1, 2)]
 

@@ -4,21 +4,27 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.analysis.example_sessions import SECOND, ExampleSession, drawn, figures_of, in_time
-from tests.analysis.test_clipped import ON, tables, told
+from tests.analysis.example_sessions import (
+    SECOND,
+    ExampleSession,
+    figures_of,
+    in_time,
+    timeline_drawing,
+)
+from tests.analysis.test_trial_clipping import ON, session_figures, tables
 from woz_tui.protocol import messages as m
 
 
 def talk() -> ExampleSession:
     """Three phases in a trial, the second one with a break; somebody is engaged all the time."""
-    it = ExampleSession(condition="").add(0, ON).state(5, "Wait", "EngagedWithKnown").act(6)
-    it.add(10, m.TrialStarted(trial=1, condition="warm"))
-    it.add(10, m.PhaseChanged(phase="opening", source="trial", planned_us=5 * SECOND)).act(11)
-    it.act(19).add(20, m.PhaseChanged(phase="whales", source="key")).act(22)
-    it.add(25, m.BreakStarted()).act(26).add(30, m.BreakEnded()).act(31)
-    it.add(40, m.PhaseChanged(phase="opening", source="palette"))
-    it.add(50, m.TrialEnded(trial=1, outcome="done")).act(55)
-    return it.end(60)
+    session = ExampleSession(condition="").add(0, ON).state(5, "Wait", "EngagedWithKnown").act(6)
+    session.add(10, m.TrialStarted(trial=1, condition="warm"))
+    session.add(10, m.PhaseChanged(phase="opening", source="trial", planned_us=5 * SECOND)).act(11)
+    session.act(19).add(20, m.PhaseChanged(phase="whales", source="key")).act(22)
+    session.add(25, m.BreakStarted()).act(26).add(30, m.BreakEnded()).act(31)
+    session.add(40, m.PhaseChanged(phase="opening", source="palette"))
+    session.add(50, m.TrialEnded(trial=1, outcome="done")).act(55)
+    return session.end(60)
 
 
 def test_each_phase_is_a_row_and_ends_with_the_trial(tmp_path: Path) -> None:
@@ -33,7 +39,7 @@ def test_each_phase_is_a_row_and_ends_with_the_trial(tmp_path: Path) -> None:
 
 def test_phases_tear_no_stay_and_no_gap_apart(tmp_path: Path) -> None:
     without = [message for message in in_time(talk()) if not isinstance(message, m.PhaseChanged)]
-    plain, phased = figures_of(without), told(talk())
+    plain, phased = figures_of(without), session_figures(talk())
     for one, other in zip(plain.parts, phased.parts, strict=True):
         assert one.engagement.episodes.values == other.engagement.episodes.values
         assert (one.us, one.acts, one.gaps.values) == (other.us, other.acts, other.gaps.values)
@@ -49,7 +55,7 @@ def test_phases_tear_no_stay_and_no_gap_apart(tmp_path: Path) -> None:
 
 
 def test_phases_have_a_lane() -> None:
-    lanes = {lane.sort: lane for lane in drawn(in_time(talk())).lanes}
+    lanes = {lane.sort: lane for lane in timeline_drawing(in_time(talk())).lanes}
     shown = lanes["phase"].intervals
     assert [(each.label, each.begin // SECOND, each.end // SECOND) for each in shown] == [
         ("opening", 10, 20),
@@ -59,6 +65,8 @@ def test_phases_have_a_lane() -> None:
 
 
 def test_a_phase_without_an_end_is_cut() -> None:
-    it = ExampleSession().add(1, m.PhaseChanged(phase="opening", source="session")).act(2).end(9)
-    (phase,) = told(it).phases
+    session = (
+        ExampleSession().add(1, m.PhaseChanged(phase="opening", source="session")).act(2).end(9)
+    )
+    (phase,) = session_figures(session).phases
     assert (phase.trial, phase.duration, phase.actions) == (-1, None, 1)

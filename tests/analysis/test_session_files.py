@@ -55,10 +55,10 @@ def test_a_torn_log_tells_so_and_has_its_figures(tmp_path: Path) -> None:
 
 
 def test_a_damaged_line_costs_that_line_alone(tmp_path: Path) -> None:
-    told = short()
-    lines = told.lines()
+    session = short()
+    lines = session.lines()
     lines[1] = b"\xff" + lines[1]
-    path = told.written(tmp_path)
+    path = session.written(tmp_path)
     path.write_bytes(b"".join(lines))
     figures = read_report(path, places=[]).figures
     assert figures.whole.actions == 2
@@ -67,9 +67,9 @@ def test_a_damaged_line_costs_that_line_alone(tmp_path: Path) -> None:
 
 
 def test_a_second_segment_is_part_of_it_and_tells_why(tmp_path: Path) -> None:
-    told = short()
-    lines = told.lines()
-    first = told.written(tmp_path)
+    session = short()
+    lines = session.lines()
+    first = session.written(tmp_path)
     first.write_bytes(b"".join(lines[:8]))
     segment = m.Segment(
         log=STEM, session="S01", number=2, previous=first.name, reason="disk full", dropped=3,
@@ -97,9 +97,11 @@ def test_actions_without_an_end_are_told_of(tmp_path: Path) -> None:
 
 
 def test_checksums_are_checked_if_somebody_wants(tmp_path: Path) -> None:
-    told = short()
-    told.messages[-1] = m.SessionEnd(seq=len(told.messages) - 1, t=10, reason="x", sha256="00")
-    path = told.written(tmp_path)
+    session = short()
+    session.messages[-1] = m.SessionEnd(
+        seq=len(session.messages) - 1, t=10, reason="x", sha256="00"
+    )
+    path = session.written(tmp_path)
     assert read_report(path, places=[]).figures.wholeness.left_out == 0
     checked = read_report(path, extras=ReportExtras(verified=True), places=[]).figures.wholeness
     assert checked.verified

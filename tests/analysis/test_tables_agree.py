@@ -13,7 +13,7 @@ from typing import Any
 from hypothesis import given
 
 from tests.analysis.example_sessions import figures_of
-from tests.timeline.courses import SECOND, damaged, recordings, start, timed
+from tests.timeline.random_sessions import SECOND, damaged, recordings, start, timed
 from woz_tui.analysis import tables
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import ENDS, PartFigures, SessionFigures
@@ -70,7 +70,7 @@ def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
     """Each table, with empty cells as empty texts."""
     messages = [line for line in lines if not codec.is_sample(line)]
     figures = figures_of(messages, FigureOptions(all_trials=True))
-    session, timeline = exported(messages), timeline_of(messages)
+    session, timeline = export_session(messages), timeline_of(messages)
     return Tables(
         rows={
             table.name: [
@@ -102,7 +102,7 @@ def _cell(value: object) -> object:
     return "" if value is None else value
 
 
-def exported(messages: Iterable[m.AnyMessage]) -> ExportSession:
+def export_session(messages: Iterable[m.AnyMessage]) -> ExportSession:
     """As exports see it."""
     extractor = EventExtractor(ExportSession(name="x"))
     for message in messages:
@@ -125,7 +125,7 @@ def added(rows: Iterable[Row], length: str, *keys: str) -> Counter[tuple[object,
     return +found
 
 
-def counted(rows: Iterable[Row], *keys: str) -> Counter[tuple[object, ...]]:
+def row_counts(rows: Iterable[Row], *keys: str) -> Counter[tuple[object, ...]]:
     """How many rows there are, by the values of these columns."""
     return Counter(tuple(row[key] for key in keys) for row in rows)
 
@@ -134,10 +134,12 @@ def _part(part: PartFigures) -> str:
     return condition_text(part.condition, part.scope)
 
 
-def by_part(it: Tables, of: Callable[[PartFigures], dict[tuple[object, ...], int]]) -> Counter[Any]:
+def by_part(
+    session_tables: Tables, of: Callable[[PartFigures], dict[tuple[object, ...], int]]
+) -> Counter[Any]:
     """A figure of the report by participant, condition and what `of` tells apart."""
     found: Counter[Any] = Counter()
-    for part in it.figures.parts:
+    for part in session_tables.figures.parts:
         for key, figure in of(part).items():
             found[part.participant, _part(part), *key] += figure
     return +found
@@ -149,60 +151,67 @@ def from_to(rows: Iterable[Row]) -> list[tuple[int, int]]:
     return sorted((begin, begin + duration) for begin, duration in times)
 
 
-def check_states(it: Tables) -> None:
+def check_states(session_tables: Tables) -> None:
     """Time in states of the engagement model and engaged: by condition, and each stay."""
-    stays = it.rows["engagement"]
+    stays = session_tables.rows["engagement"]
     engaged = [row for row in stays if row["state"] in ENGAGED]
     whose = PART
-    assert added(stays, "duration", *whose) == by_part(it, lambda p: {(): p.engagement.on_us})
+    assert added(stays, "duration", *whose) == by_part(
+        session_tables, lambda p: {(): p.engagement.on_us}
+    )
     assert added(stays, "duration", *whose, "state") == by_part(
-        it, lambda p: {(name,): state.us for name, state in p.engagement.states.items()}
+        session_tables, lambda p: {(name,): state.us for name, state in p.engagement.states.items()}
     )
     assert added(engaged, "duration", *whose) == by_part(
-        it, lambda p: {(): p.engagement.engaged_us}
+        session_tables, lambda p: {(): p.engagement.engaged_us}
     )
-    whole = [row for row in it.rows["episodes"] if row["state"] == "engaged"]
+    whole = [row for row in session_tables.rows["episodes"] if row["state"] == "engaged"]
     assert added(whole, "duration") == added(engaged, "duration")
-    states = [row for row in it.rows["episodes"] if row["state"] != "engaged"]
-    events = it.events("engagement")
+    states = [row for row in session_tables.rows["episodes"] if row["state"] != "engaged"]
+    events = session_tables.events("engagement")
     assert added(states, "duration", "state") == added(stays, "duration", "state")
     assert added(states, "duration", *WHOSE, "state") == added(
         ({**row, "state": row["label"]} for row in events), "duration", *WHOSE, "state"
     )
-    assert counted(states, "state", "visitor") == counted(
+    assert row_counts(states, "state", "visitor") == row_counts(
         ({**row, "state": row["label"], "visitor": visitor(row)} for row in events),
         *("state", "visitor"),
     )
     begins = sorted((us(row["onset"]), us(row["onset"]) + us(row["duration"])) for row in states)
-    assert begins == from_to(events) == it.tier("engagement") == it.lane("engagement")
+    assert (
+        begins
+        == from_to(events)
+        == session_tables.tier("engagement")
+        == session_tables.lane("engagement")
+    )
 
 
 def visitor(event: Row) -> object:
     return json.loads(event["details"] or "{}").get("visitor", "")
 
 
-def check_trials(it: Tables) -> None:
+def check_trials(session_tables: Tables) -> None:
     """Trials with whose they were and how they ended, and breaks."""
-    events = it.events("trial")
+    events = session_tables.events("trial")
     assert [
         (*(row[name] for name in WHOSE), us(row["onset"]), row["outcome"] or "open")
-        for row in it.rows["trials"]
+        for row in session_tables.rows["trials"]
     ] == [(*(row[name] for name in WHOSE), us(row["onset"]), row["outcome"]) for row in events]
-    assert [us(row["duration"]) for row in it.rows["trials"] if row["outcome"]] == [
+    assert [us(row["duration"]) for row in session_tables.rows["trials"] if row["outcome"]] == [
         us(row["duration"]) for row in events if row["outcome"] != "open"
     ]
-    breaks = sorted((each.begin, each.end) for each in it.figures.breaks)
-    assert breaks == from_to(it.events("break")) == it.tier("breaks")
-    assert sorted([*from_to(events), *breaks]) == it.lane("trials")
-    assert from_to(events) == it.tier("trials")
+    breaks = sorted((each.begin, each.end) for each in session_tables.figures.breaks)
+    assert breaks == from_to(session_tables.events("break")) == session_tables.tier("breaks")
+    assert sorted([*from_to(events), *breaks]) == session_tables.lane("trials")
+    assert from_to(events) == session_tables.tier("trials")
 
 
-def check_actions(it: Tables) -> None:
+def check_actions(session_tables: Tables) -> None:
     """Actions by condition, panel, source and end; each on its tier and lane; commands."""
-    events = it.events("action")
+    events = session_tables.events("action")
     keys = (*PART, "label", "panel", "source", "outcome")
-    assert counted(events, *keys) == by_part(
-        it,
+    assert row_counts(events, *keys) == by_part(
+        session_tables,
         lambda part: {
             (row.action, row.panel, row.source, end): getattr(row.outcomes, end)
             for row in part.counts
@@ -211,76 +220,91 @@ def check_actions(it: Tables) -> None:
     )
     for panel in {row["panel"] for row in events}:
         of_it = from_to(row for row in events if row["panel"] == panel)
-        assert of_it == it.tier(f"panel {panel}") == it.lane(panel)
+        assert of_it == session_tables.tier(f"panel {panel}") == session_tables.lane(panel)
     direct = [
         row
-        for row in it.events("command")
+        for row in session_tables.events("command")
         if not row["run"] and row["driver"] not in PERFORMERS and row["verb"] != "control"
     ]
-    assert from_to(direct) == it.lane("(improvised)")
-    assert counted(direct, *PART) == by_part(it, lambda p: {(): p.direct})
+    assert from_to(direct) == session_tables.lane("(improvised)")
+    assert row_counts(direct, *PART) == by_part(session_tables, lambda p: {(): p.direct})
     wrong = [row for row in events if row["mistake"] and row["source"] != "engagement"]
-    assert counted(wrong, *PART) == by_part(it, lambda p: {(): p.mistakes})
+    assert row_counts(wrong, *PART) == by_part(session_tables, lambda p: {(): p.mistakes})
     hands = [row for row in [*events, *direct] if row["source"] != "engagement"]
     assert sorted(us(row["latency"]) for row in hands if row["latency"] != "") == list(
-        it.figures.whole.press.values
+        session_tables.figures.whole.press.values
     )
 
 
-def check_speech(it: Tables) -> None:
-    events = it.events("speech")
+def check_speech(session_tables: Tables) -> None:
+    events = session_tables.events("speech")
     ended = [row for row in events if row["outcome"] not in ("open", "lost")]
-    assert counted(ended, *PART) == by_part(it, lambda part: {(): part.utterances})
-    assert added(ended, "duration") == Counter({(): it.figures.whole.speech.total})
-    assert from_to(events) == it.tier("visitor speech") == it.lane("visitor speaks")
+    assert row_counts(ended, *PART) == by_part(session_tables, lambda part: {(): part.utterances})
+    assert added(ended, "duration") == Counter({(): session_tables.figures.whole.speech.total})
+    assert (
+        from_to(events)
+        == session_tables.tier("visitor speech")
+        == session_tables.lane("visitor speaks")
+    )
 
 
-def check_settings(it: Tables) -> None:
+def check_settings(session_tables: Tables) -> None:
     """Settings that differ, by whose they are and one by one."""
-    rows = [row for row in it.rows["settings"] if row["differs"] is True]
-    events = it.events("difference")
+    rows = [row for row in session_tables.rows["settings"] if row["differs"] is True]
+    events = session_tables.events("difference")
     keys = (*WHOSE, "driver", "setting")
     named = [{**row, "setting": row["label"]} for row in events]
     assert added(rows, "duration", *keys) == added(named, "duration", *keys)
     pieces = from_to(rows)
-    assert pieces == from_to(events) == it.tier("settings that differ")
-    together = it.lane("settings differ")
+    assert pieces == from_to(events) == session_tables.tier("settings that differ")
+    together = session_tables.lane("settings differ")
     assert sum(end - begin for begin, end in pieces) == sum(end - begin for begin, end in together)
 
 
-def check_moments(it: Tables) -> None:
+def check_moments(session_tables: Tables) -> None:
     """Stops, markers, notes, questionnaires, answers."""
     assert sorted(
-        (each.t, it.end if each.released is None else each.released) for each in it.figures.stops
-    ) == from_to(it.events("stop"))
-    assert from_to(it.events("stop")) == it.tier("stops") == it.lane("stop")
+        (each.t, session_tables.end if each.released is None else each.released)
+        for each in session_tables.figures.stops
+    ) == from_to(session_tables.events("stop"))
+    assert (
+        from_to(session_tables.events("stop"))
+        == session_tables.tier("stops")
+        == session_tables.lane("stop")
+    )
     whose = PART
-    assert counted(it.events("stop"), *whose) == by_part(it, lambda part: {(): part.stops})
-    assert counted(it.events("marker"), *whose) == by_part(it, lambda part: {(): part.markers})
-    assert counted(it.events("note"), *whose) == by_part(it, lambda part: {(): part.notes})
-    assert sorted((each.questionnaire, each.t) for each in it.figures.rounds) == sorted(
-        (row["label"], us(row["onset"])) for row in it.events("questionnaire")
+    assert row_counts(session_tables.events("stop"), *whose) == by_part(
+        session_tables, lambda part: {(): part.stops}
+    )
+    assert row_counts(session_tables.events("marker"), *whose) == by_part(
+        session_tables, lambda part: {(): part.markers}
+    )
+    assert row_counts(session_tables.events("note"), *whose) == by_part(
+        session_tables, lambda part: {(): part.notes}
+    )
+    assert sorted((each.questionnaire, each.t) for each in session_tables.figures.rounds) == sorted(
+        (row["label"], us(row["onset"])) for row in session_tables.events("questionnaire")
     )
 
 
 def check_times(messages: Sequence[m.AnyMessage]) -> Tables:
     """Time by condition, and what of it was spent how."""
-    it = tables_of(messages)
-    assert sum(part.us for part in it.figures.parts) == it.figures.whole.us
-    assert it.figures.whole.us == it.figures.duration_us
-    check_states(it)
-    check_settings(it)
-    return it
+    session_tables = tables_of(messages)
+    assert sum(part.us for part in session_tables.figures.parts) == session_tables.figures.whole.us
+    assert session_tables.figures.whole.us == session_tables.figures.duration_us
+    check_states(session_tables)
+    check_settings(session_tables)
+    return session_tables
 
 
 def check(messages: Sequence[m.AnyMessage]) -> Tables:
     """Everything."""
-    it = check_times(messages)
-    check_trials(it)
-    check_actions(it)
-    check_speech(it)
-    check_moments(it)
-    return it
+    session_tables = check_times(messages)
+    check_trials(session_tables)
+    check_actions(session_tables)
+    check_speech(session_tables)
+    check_moments(session_tables)
+    return session_tables
 
 
 @given(recordings())
@@ -296,7 +320,7 @@ def test_times_of_a_damaged_log_are_the_same_in_all_tables(messages: list[m.AnyM
 # -- one engagement over three conditions ---------------------------------------------------------
 
 
-def changed(was: str, now: str, **more: Any) -> m.EngagementChanged:
+def engagement_changed(was: str, now: str, **more: Any) -> m.EngagementChanged:
     return m.EngagementChanged(was=was, now=now, outcome="o", why="", verdicts={}, **more)
 
 
@@ -304,20 +328,20 @@ ENGAGED_95_S = timed(
     (0, start(condition="neutral")),
     (0, m.EngagementAdopted(settings={"start": "run"})),
     (1, m.TrialStarted(trial=1, condition="neutral")),
-    (10, changed("Wait", "EngagedWithKnown", visitor="V01")),
+    (10, engagement_changed("Wait", "EngagedWithKnown", visitor="V01")),
     (20, m.TrialEnded(trial=1, outcome="done")),
     (20, m.TrialStarted(trial=2, condition="empathic")),
     (80, m.TrialEnded(trial=2, outcome="done")),
     (80, m.TrialStarted(trial=3, condition="funny")),
-    (105, changed("EngagedWithKnown", "PersonDetected")),
+    (105, engagement_changed("EngagedWithKnown", "PersonDetected")),
     (120, m.SessionEnd(reason="wizard")),
 )
 
 
 def test_an_engagement_that_begins_before_a_condition_and_covers_it_is_one_in_every_table() -> None:
     """95 s: it begins in *neutral* and covers all of *empathic*."""
-    it = check(ENGAGED_95_S)
-    engaged = {part.condition: part.engagement for part in it.figures.parts}
+    session_tables = check(ENGAGED_95_S)
+    engaged = {part.condition: part.engagement for part in session_tables.figures.parts}
     assert {name: each.engaged_us // SECOND for name, each in engaged.items()} == {
         "neutral": 10, "empathic": 60, "funny": 25, "": 0,
     }  # fmt: skip
@@ -325,12 +349,12 @@ def test_an_engagement_that_begins_before_a_condition_and_covers_it_is_one_in_ev
     assert {name: list(each.episodes.values) for name, each in engaged.items()} == {
         "neutral": [10 * SECOND], "empathic": [60 * SECOND], "funny": [25 * SECOND], "": [],
     }  # fmt: skip
-    whole = it.figures.whole.engagement
+    whole = session_tables.figures.whole.engagement
     assert list(whole.episodes.values) == [95 * SECOND]
     assert sum(each.visits for each in whole.states.values()) == 3
-    [row] = [row for row in it.rows["episodes"] if row["state"] == "engaged"]
+    [row] = [row for row in session_tables.rows["episodes"] if row["state"] == "engaged"]
     assert (row["condition"], row["trial"], us(row["duration"])) == ("neutral", 1, 95 * SECOND)
-    stays = [row for row in it.rows["engagement"] if row["state"] == "EngagedWithKnown"]
+    stays = [row for row in session_tables.rows["engagement"] if row["state"] == "EngagedWithKnown"]
     assert [
         (row["condition"], row["trial"], us(row["duration"]), row["changed"]) for row in stays
     ] == [
@@ -338,7 +362,9 @@ def test_an_engagement_that_begins_before_a_condition_and_covers_it_is_one_in_ev
         ("empathic", 2, 60 * SECOND, False),
         ("funny", 3, 25 * SECOND, False),
     ]
-    [event] = [row for row in it.events("engagement") if row["label"] == "EngagedWithKnown"]
+    [event] = [
+        row for row in session_tables.events("engagement") if row["label"] == "EngagedWithKnown"
+    ]
     assert (event["condition"], us(event["duration"])) == ("neutral", 95 * SECOND)
-    assert (10 * SECOND, 105 * SECOND) in it.tier("engagement")
-    assert (10 * SECOND, 105 * SECOND) in it.lane("engagement")
+    assert (10 * SECOND, 105 * SECOND) in session_tables.tier("engagement")
+    assert (10 * SECOND, 105 * SECOND) in session_tables.lane("engagement")

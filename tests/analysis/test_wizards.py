@@ -15,24 +15,24 @@ def two_wizards() -> ExampleSession:
     """The voice says two things and types one, of which one is a mistake; the body, which is
     handed over, moves twice and is refused once; a program and the robot itself play, too.
     """
-    it = ExampleSession(condition="warm")
+    session = ExampleSession(condition="warm")
     for at, (console, part) in enumerate((("con1", "voice"), ("con2", "body"))):
-        it.add(at / 10, m.ConsoleAttached(console=console, role="wizard", part=part))
-    it.act(1, console="con1").act(2, console="con1")
-    it.add(3, m.Mistake(run="a00002", action="Hello", console="con1"))
-    it.add(
+        session.add(at / 10, m.ConsoleAttached(console=console, role="wizard", part=part))
+    session.act(1, console="con1").act(2, console="con1")
+    session.add(3, m.Mistake(run="a00002", action="Hello", console="con1"))
+    session.add(
         4,
         m.Command(
             command="x", verb="say", args={"text": "x"}, driver="robot", source="key",
             console="con1",
         ),
     )  # fmt: skip
-    it.act(5, "Nod", "Body", console="con2").act(6, "Hello", console="con2", end="refused")
-    it.add(7, m.ConsoleLost(console="con2", role="wizard", why="closed", part="body"))
-    it.add(8, m.ConsoleAttached(console="con3", role="wizard", part="body"))
-    it.act(9, "Nod", "Body", console="con3")
-    it.act(10, source="program", console="con4").act(11, source="engagement")
-    return it.end(20)
+    session.act(5, "Nod", "Body", console="con2").act(6, "Hello", console="con2", end="refused")
+    session.add(7, m.ConsoleLost(console="con2", role="wizard", why="closed", part="body"))
+    session.add(8, m.ConsoleAttached(console="con3", role="wizard", part="body"))
+    session.act(9, "Nod", "Body", console="con3")
+    session.act(10, source="program", console="con4").act(11, source="engagement")
+    return session.end(20)
 
 
 def test_each_has_their_own_row() -> None:
@@ -50,16 +50,16 @@ def test_each_has_their_own_row() -> None:
 
 
 def test_without_parts_there_is_no_such_table() -> None:
-    it = ExampleSession().add(0, m.ConsoleAttached(console="con1", role="wizard"))
-    table = report_tables.wizards(figures_of(in_time(it.act(1, console="con1").end(5))))
+    session = ExampleSession().add(0, m.ConsoleAttached(console="con1", role="wizard"))
+    table = report_tables.wizards(figures_of(in_time(session.act(1, console="con1").end(5))))
     assert not table.rows
 
 
 def test_the_csv_file_has_them_by_condition(tmp_path: Path) -> None:
-    it = two_wizards()
-    it.add(12, m.SessionChanged(condition="cold")).act(13, console="con1")
+    session = two_wizards()
+    session.add(12, m.SessionChanged(condition="cold")).act(13, console="con1")
     with table_files(tmp_path) as folder:
-        folder.add(figures_of(in_time(it)))
+        folder.add(figures_of(in_time(session)))
     with (tmp_path / "wizards.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [(row["condition"], row["part"], row["console"], row["total"]) for row in rows] == [

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from tests.bml.hostile_input import HostileBlock, hostile_frames
 from tests.fakes.stomp_broker import StompBroker
-from tests.host.rig import served
-from tests.session.rig import Puppet
+from tests.host.rig import served_session
+from tests.session.rig import ScriptedDriver
 from woz_tui.bml.behaviour_calls import BehaviourCalls
 from woz_tui.bml.block_plan import plan
 from woz_tui.bml.bml_block import MOST_SHOWN, BmlError, read_block
@@ -33,19 +33,19 @@ from woz_tui.testing import until
 
 PATIENCE_S = 40.0
 SEEDS = st.integers(0, 1 << 32)
-CALLS = BehaviourCalls([("robot", verb) for verb in Puppet.verbs(None)])
+CALLS = BehaviourCalls([("robot", verb) for verb in ScriptedDriver.verbs(None)])
 
 
 @given(seed=SEEDS)
 def test_a_block_is_planned_or_refused_in_words(seed: int) -> None:
     try:
         text = HostileBlock(Random(seed)).data().decode("utf-8", "replace")
-        found = plan(read_block(text), CALLS)
+        block_plan = plan(read_block(text), CALLS)
     except BmlError as error:
         assert 0 < len(str(error)) <= MOST_SHOWN
         return
-    assert all(math.isfinite(time) and time >= 0 for time in found.schedule.times.values())
-    assert all(len(warning.text) <= MOST_SHOWN for warning in found.schedule.warnings)
+    assert all(math.isfinite(time) and time >= 0 for time in block_plan.schedule.times.values())
+    assert all(len(warning.text) <= MOST_SHOWN for warning in block_plan.schedule.warnings)
 
 
 @given(seed=SEEDS, size=st.integers(100, 5000))
@@ -90,7 +90,7 @@ async def test_a_broker_with_an_odd_heart_beat_is_used_without_one(beat: str) ->
 
 
 async def test_a_session_plays_the_next_block_and_stops_after_hostile_ones(tmp_path: Path) -> None:
-    async with served(tmp_path) as host, connect(host.path, name="planner") as client:
+    async with served_session(tmp_path) as host, connect(host.path, name="planner") as client:
         told: list[Feedback] = []
         realizer = BmlRealizer(client, told.append)
         for seed in range(60):

@@ -11,8 +11,8 @@ from xml.etree import ElementTree as Xml
 
 import pytest
 
-from tests.host.rig import Served, served
-from tests.session.rig import Puppet
+from tests.host.rig import ServedSession, served_session
+from tests.session.rig import ScriptedDriver
 from woz_tui import cli
 from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
 from woz_tui.bml.bml_block import NAMESPACE, Behaviour
@@ -33,7 +33,7 @@ NOD = '<head id="n" lexeme="NOD" start="s:m"/>'
 class Planner:
     """A planner that writes down what it is told."""
 
-    host: Served
+    host: ServedSession
     realizer: BmlRealizer
     told: list[Feedback]
 
@@ -57,12 +57,12 @@ class Planner:
 
     def verbs(self) -> list[str]:
         """What the robot was called to do."""
-        return [verb for verb, _ in self.host.puppet().calls]
+        return [verb for verb, _ in self.host.driver().calls]
 
 
 @pytest.fixture
 async def planner(tmp_path: Path) -> AsyncIterator[Planner]:
-    async with served(tmp_path) as host, connect(host.path, name="planner") as client:
+    async with served_session(tmp_path) as host, connect(host.path, name="planner") as client:
         told: list[Feedback] = []
         realizer = BmlRealizer(client, told.append)
         yield Planner(host, realizer, told)
@@ -88,8 +88,8 @@ async def test_planners_find_their_behaviours_in_what_is_foretold(planner: Plann
     speech = SAY.replace("<text>", "<text>1 &lt; 2 <sync id='a b'/><sync id='end'/>")
     shift = '<postureShift id="p" bmlt:x="1" xmlns:bmlt="y"><stance type="Sitting"/></postureShift>'
     await planner.play("b1", speech + NOD.replace("/>", ' amount="0.7"/>') + shift)
-    told = next(each for each in planner.told if each.name == "predictionFeedback")
-    read = Xml.fromstring(told.xml())
+    feedback = next(each for each in planner.told if each.name == "predictionFeedback")
+    read = Xml.fromstring(feedback.xml())
     ns = f"{{{NAMESPACE}}}"
     block, said, nod, posture = read
     assert block.get("id") == "b1"
@@ -350,7 +350,7 @@ async def test_a_session_foretells_what_it_would_do(planner: Planner) -> None:
 
 
 async def test_a_planner_that_leaves_takes_its_blocks_along(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         async with connect(host.path, name="planner") as client:
             realizer = BmlRealizer(client, lambda feedback: None)
             await realizer.perform(XML.format("b1", "", '<wait id="w" end="99"/>'))
@@ -365,7 +365,7 @@ async def test_woz_bml_says_which_file_and_what_of_it(
     broken, lost = tmp_path / "broken.xml", tmp_path / "lost.xml"
     broken.write_text("<bml")
     lost.write_text(XML.format("b1", "", '<gaze id="g" target="door"/>'))
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         words = ["bml", "--session", str(host.path), str(broken), str(lost)]
         assert await asyncio.to_thread(cli.main, words) == 1
     told = capsys.readouterr().err
@@ -374,7 +374,7 @@ async def test_woz_bml_says_which_file_and_what_of_it(
     assert "bml: targets" in told
 
 
-class SlowVoice(Puppet):
+class SlowVoice(ScriptedDriver):
     """How long a sentence takes it says once it has been asked how long a move takes."""
 
     def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
@@ -396,7 +396,7 @@ async def test_woz_bml_says_of_which_of_two_files_a_part_is_left_out(
     partial.write_text(XML.format("b1", "", f'<head id="h"/>{SAY}'))
     fine.write_text(XML.format("b2", "", NOD.replace("s:m", "0")))
     again.write_text(XML.format("b1", 'composition="SOON"', ""))
-    async with served(tmp_path, catalogue={"puppet": SlowVoice}) as host:
+    async with served_session(tmp_path, catalogue={"puppet": SlowVoice}) as host:
         words = ["bml", "--session", str(host.path), str(partial), str(fine), str(again)]
         assert await asyncio.to_thread(cli.main, words) == 1
     told = capsys.readouterr().err.splitlines()

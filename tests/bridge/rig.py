@@ -13,7 +13,7 @@ from woz_drivers.simulated import SimulatedRobot
 
 from tests.drivers.body.rig import SteppedBody
 from tests.fakes.stomp_broker import StompBroker
-from tests.host.rig import Served, served
+from tests.host.rig import ServedSession, served_session
 from woz_tui.bml.ros_data import RosValue, read_data, write_data
 from woz_tui.bml.stomp_connection import StompPlace
 from woz_tui.bridge.stomp_bridge import StompBridge
@@ -49,7 +49,7 @@ class Planner:
     """A planner of EyePi's: it speaks XML on topics."""
 
     broker: StompBroker
-    host: Served
+    host: ServedSession
     sentences: list[str] = field(default_factory=list)
 
     def send(self, topic: str, fields: Mapping[str, RosValue]) -> None:
@@ -71,7 +71,7 @@ class Planner:
         """What came on a topic."""
         return self.broker.sent(PREFIX + topic)
 
-    def heard(self, topic: str) -> list[dict[str, RosValue]]:
+    def messages_on(self, topic: str) -> list[dict[str, RosValue]]:
         """The messages that came on a topic."""
         return [_read(text) for text in self.texts(topic)]
 
@@ -79,7 +79,7 @@ class Planner:
         """Type, message and reason of all feedback about an id."""
         return [
             (each["type"], each["message"], each["reason"])
-            for each in self.heard(GENERAL)
+            for each in self.messages_on(GENERAL)
             if each["id"] == ident
         ]
 
@@ -87,7 +87,7 @@ class Planner:
         """Wait for it."""
         await until(holds, PATIENCE_S)
 
-    async def over(self, ident: str) -> None:
+    async def sequence_ended(self, ident: str) -> None:
         """Until a sequence has ended."""
         await self.until(lambda: (2, 3, 0) in self.general(ident))
 
@@ -122,10 +122,10 @@ async def bridged(tmp_path: Path, *, late_s: float = 0.0) -> AsyncIterator[Plann
     """The robot and its planner, until the block ends; `late_s`: so long the session hears nothing
     of what the bridge asks.
     """
-    made, table = eyepi()
+    experiment, table = eyepi()
     async with (
         StompBroker() as broker,
-        served(tmp_path, made=made, catalogue=CATALOGUE) as host,
+        served_session(tmp_path, made=experiment, catalogue=CATALOGUE) as host,
         late_line(host.path, tmp_path, late_s) as line,
         connect(line, name="bridge", samples=True) as client,
     ):

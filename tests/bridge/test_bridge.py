@@ -23,47 +23,49 @@ WIZARD = RequestOrigin("key", "h", "con9")
 
 @pytest.mark.toolkit("E1")
 async def test_a_nod_is_acknowledged_begins_strikes_and_ends(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.send_text(  # as EyePi's engine of AsapRealizer writes it
+    async with bridged(tmp_path) as planner:
+        planner.send_text(  # as EyePi's engine of AsapRealizer writes it
             SEQUENCE,
             '<data><sequence type="int">3</sequence><id type="str">nod1</id>'
             '<requestType type="int">1</requestType><requestCount type="int">1</requestCount>'
             '<request type="float">0.1</request></data>',
         )
-        await it.over("nod1")
-        assert it.general("nod1") == [ACK, START, STROKE, END]
-        [played] = it.commands("play")
+        await planner.sequence_ended("nod1")
+        assert planner.general("nod1") == [ACK, START, STROKE, END]
+        [played] = planner.commands("play")
         assert (played.args["move"], played.source) == ("nod", "program")
-        first = it.texts(GENERAL)[0]
+        first = planner.texts(GENERAL)[0]
         assert first == (
             '<data><id type="str">nod1</id><type type="int">1</type>'
             '<message type="int">1</message><reason type="int">0</reason></data>'
         )
-        sends = [frame for frame in it.broker.frames if frame.startswith(b"SEND")]
+        sends = [frame for frame in planner.broker.frames if frame.startswith(b"SEND")]
         assert not any(b"content-length" in frame for frame in sends)
 
 
 async def test_a_stroke_is_where_it_was_asked_for_and_foretold(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.send("ram.animation.desired.animation", {"frequency": 1.0, "sequence": 1, "input": 2})
-        it.ask("p", NOD, kind=4)
-        await it.until(lambda: bool(it.heard(PREDICTION)))
-        [foretold] = it.heard(PREDICTION)
+    async with bridged(tmp_path) as planner:
+        planner.send(
+            "ram.animation.desired.animation", {"frequency": 1.0, "sequence": 1, "input": 2}
+        )
+        planner.ask("p", NOD, kind=4)
+        await planner.until(lambda: bool(planner.messages_on(PREDICTION)))
+        [foretold] = planner.messages_on(PREDICTION)
         lasts, stroke = foretold["duration"], foretold["stroke"]
         assert foretold["id"] == "p"
         assert isinstance(lasts, float) and isinstance(stroke, float)
         assert 0 < stroke < lasts == pytest.approx(3 / 3.2, abs=0.01)  # three beats
-        assert it.commands("play") == []
-        it.ask("n", NOD, kind=2, seconds=2.0)
-        it.ask("twice", NOD, kind=1, seconds=2.0 + lasts, count=2)
-        await it.over("twice")
-        assert it.general("twice") == [ACK, START, STROKE, STROKE, END]
-        commands = it.commands("play")
-        begun = [line for line in it.host.lines if isinstance(line, m.Dispatched)]
-        marks = [line for line in it.host.lines if isinstance(line, m.CommandMark)]
+        assert planner.commands("play") == []
+        planner.ask("n", NOD, kind=2, seconds=2.0)
+        planner.ask("twice", NOD, kind=1, seconds=2.0 + lasts, count=2)
+        await planner.sequence_ended("twice")
+        assert planner.general("twice") == [ACK, START, STROKE, STROKE, END]
+        commands = planner.commands("play")
+        begun = [line for line in planner.host.lines if isinstance(line, m.Dispatched)]
+        marks = [line for line in planner.host.lines if isinstance(line, m.CommandMark)]
         first = next(line for line in begun if line.command == commands[0].command)
         struck = next(line for line in marks if line.command == commands[0].command)
-        planned = [line for line in it.host.lines if isinstance(line, m.ActionScheduled)]
+        planned = [line for line in planner.host.lines if isinstance(line, m.ActionScheduled)]
         # Never earlier than planned, but for a tick of the body; a busy machine may be late.
         assert planned[0].at - planned[0].t <= (2.0 - stroke) * 1e6
         assert first.t >= planned[0].at
@@ -73,26 +75,26 @@ async def test_a_stroke_is_where_it_was_asked_for_and_foretold(tmp_path: Path) -
 
 async def test_a_sequence_whose_moment_passes_on_the_way_begins_at_once(tmp_path: Path) -> None:
     # The moment is asked for after one way to the session and over before the second.
-    async with bridged(tmp_path, late_s=0.2) as it:
-        it.ask("nod", NOD, seconds=0.25)
-        await it.over("nod")
-        assert it.general("nod") == [ACK, START, STROKE, END]
+    async with bridged(tmp_path, late_s=0.2) as planner:
+        planner.ask("nod", NOD, seconds=0.25)
+        await planner.sequence_ended("nod")
+        assert planner.general("nod") == [ACK, START, STROKE, END]
 
 
 @pytest.mark.toolkit("E1")
 async def test_what_does_not_fit_is_refused_with_its_reason(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.ask("soon", NOD, seconds=0.05)
-        it.ask("nothing", NOD, kind=0)
-        it.ask("past", NOD, kind=3, seconds=-1.0)
-        it.ask("unknown", 99)
-        it.ask("first", NOD, seconds=30.0, count=20)
-        it.ask("second", NOD, seconds=30.5)
-        it.send(SEQUENCE, {"id": "wrong", "sequence": "nod"})
-        it.send(SEQUENCE, {"id": "more", "sequence": NOD, "haste": 3.0})
-        await it.until(lambda: bool(it.general("more")))
+    async with bridged(tmp_path) as planner:
+        planner.ask("soon", NOD, seconds=0.05)
+        planner.ask("nothing", NOD, kind=0)
+        planner.ask("past", NOD, kind=3, seconds=-1.0)
+        planner.ask("unknown", 99)
+        planner.ask("first", NOD, seconds=30.0, count=20)
+        planner.ask("second", NOD, seconds=30.5)
+        planner.send(SEQUENCE, {"id": "wrong", "sequence": "nod"})
+        planner.send(SEQUENCE, {"id": "more", "sequence": NOD, "haste": 3.0})
+        await planner.until(lambda: bool(planner.general("more")))
         assert {
-            name: it.general(name)
+            name: planner.general(name)
             for name in ("soon", "nothing", "past", "unknown", "first", "second", "wrong", "more")
         } == {
             "soon": [NACK_SOON],
@@ -108,26 +110,28 @@ async def test_what_does_not_fit_is_refused_with_its_reason(tmp_path: Path) -> N
 
 @pytest.mark.toolkit("E1")
 async def test_sequence_one_ends_the_sequence_under_way(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.ask("dance", DANCE)
-        await it.until(lambda: START in it.general("dance"))
-        it.ask("stop", 1)
-        await it.over("dance")
-        assert it.general("stop") == [ACK]
-        assert [type(line) for line in it.host.lines if isinstance(line, m.End)] == [m.Stopped]
-        it.ask("nod", NOD)
-        await it.over("nod")
+    async with bridged(tmp_path) as planner:
+        planner.ask("dance", DANCE)
+        await planner.until(lambda: START in planner.general("dance"))
+        planner.ask("stop", 1)
+        await planner.sequence_ended("dance")
+        assert planner.general("stop") == [ACK]
+        assert [type(line) for line in planner.host.lines if isinstance(line, m.End)] == [m.Stopped]
+        planner.ask("nod", NOD)
+        await planner.sequence_ended("nod")
 
 
 @pytest.mark.toolkit("E1")
 async def test_moods_are_shown_and_acknowledged(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         topic = "ram.animation.hmmm.emotion"
-        it.send(topic, {"id": "e1", "arousal": 0.1, "valence": 0.9, "valenceWeight": 3})
-        it.send(topic, {"id": "e2", "arousal": 0.1, "valence": "very"})
-        await it.until(lambda: bool(it.general("e2")))
-        assert (it.general("e1"), it.general("e2")) == ([ACK], [NACK_INVALID])
-        assert [line.args for line in it.commands("affect")] == [{"arousal": 0.1, "valence": 0.9}]
+        planner.send(topic, {"id": "e1", "arousal": 0.1, "valence": 0.9, "valenceWeight": 3})
+        planner.send(topic, {"id": "e2", "arousal": 0.1, "valence": "very"})
+        await planner.until(lambda: bool(planner.general("e2")))
+        assert (planner.general("e1"), planner.general("e2")) == ([ACK], [NACK_INVALID])
+        assert [line.args for line in planner.commands("affect")] == [
+            {"arousal": 0.1, "valence": 0.9}
+        ]
 
 
 def saliency(x: float, y: float, weight: int, program: str) -> dict[str, RosValue]:
@@ -137,29 +141,31 @@ def saliency(x: float, y: float, weight: int, program: str) -> dict[str, RosValu
 
 @pytest.mark.toolkit("E1")
 async def test_the_most_salient_place_is_looked_at_once(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         topic = "ram.animation.hmmm.saliency"
         for _ in range(5):
-            it.send(topic, saliency(0.0, -0.5, 1000, "2"))
-        await it.until(lambda: len(it.commands("gaze")) == 1)
+            planner.send(topic, saliency(0.0, -0.5, 1000, "2"))
+        await planner.until(lambda: len(planner.commands("gaze")) == 1)
         for _ in range(5):
-            it.send(topic, saliency(0.5, 0.0, 10000, "1"))
-            it.send(topic, saliency(0.0, -0.5, 1000, "2"))
-        await it.until(lambda: len(it.commands("gaze")) == 2)
-        up, right = (line.args for line in it.commands("gaze"))
+            planner.send(topic, saliency(0.5, 0.0, 10000, "1"))
+            planner.send(topic, saliency(0.0, -0.5, 1000, "2"))
+        await planner.until(lambda: len(planner.commands("gaze")) == 2)
+        up, right = (line.args for line in planner.commands("gaze"))
         assert up == {"yaw": 0.0, "pitch": -22.5}
         assert right == {"yaw": -28.125, "pitch": 0.0}
-        await it.until(lambda: {"x": 0.5, "y": 0.0} in it.heard("ram.asap.feedback.gaze"))
+        await planner.until(
+            lambda: {"x": 0.5, "y": 0.0} in planner.messages_on("ram.asap.feedback.gaze")
+        )
 
 
 async def test_a_look_waits_for_the_sequence_to_end(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.ask("nod", NOD)
-        await it.until(lambda: START in it.general("nod"))
-        it.send("ram.animation.hmmm.saliency", saliency(0.5, 0, 10000, "1"))
-        await it.until(lambda: bool(it.commands("gaze")))
-        [nod], [gaze] = it.commands("play"), it.commands("gaze")
-        lines = it.host.lines
+    async with bridged(tmp_path) as planner:
+        planner.ask("nod", NOD)
+        await planner.until(lambda: START in planner.general("nod"))
+        planner.send("ram.animation.hmmm.saliency", saliency(0.5, 0, 10000, "1"))
+        await planner.until(lambda: bool(planner.commands("gaze")))
+        [nod], [gaze] = planner.commands("play"), planner.commands("gaze")
+        lines = planner.host.lines
         [done] = [
             line for line in lines if isinstance(line, m.Done) and line.command == nod.command
         ]
@@ -168,213 +174,219 @@ async def test_a_look_waits_for_the_sequence_to_end(tmp_path: Path) -> None:
 
 @pytest.mark.toolkit("E1")
 async def test_states_are_played_when_they_change(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         face = {"eyePosX": 64, "eyePosY": 127, "emotionState": 3, "emotionLevel": 127}
         for _ in range(10):
-            it.send("ram.animation.desired.face", {**face, "screenBrightness": 127})
-            it.send("ram.animation.desired.joint", {"position": (0.5, 0.6, 0.45)})
-            it.send(
+            planner.send("ram.animation.desired.face", {**face, "screenBrightness": 127})
+            planner.send("ram.animation.desired.joint", {"position": (0.5, 0.6, 0.45)})
+            planner.send(
                 "ram.animation.desired.animation", {"frequency": 1.0, "sequence": 1, "input": 2}
             )
-        it.send("ram.animation.desired.face", {**face, "screenBrightness": 64})
-        await it.until(lambda: len(it.commands("brightness")) == 2)
-        assert [(line.verb, line.args) for line in it.commands("emotion", "look")] == [
+        planner.send("ram.animation.desired.face", {**face, "screenBrightness": 64})
+        await planner.until(lambda: len(planner.commands("brightness")) == 2)
+        assert [(line.verb, line.args) for line in planner.commands("emotion", "look")] == [
             ("emotion", {"emotion": "happy", "intensity": 1.0}),
             ("look", {"x": 0.0, "y": 1.0}),
         ]
-        [joints] = it.commands("joints")
+        [joints] = planner.commands("joints")
         assert joints.args["joints"] == pytest.approx(
             {"pitch": 28.6479, "middle": 34.3774, "top": 25.783}, abs=0.001
         )
-        [way] = it.commands("personality")
+        [way] = planner.commands("personality")
         assert way.args == {"tempo": 3.2, "smoothing": 0.0, "compression": 0.0}
-        assert it.commands("mode") == []
+        assert planner.commands("mode") == []
 
 
 async def test_a_sequence_of_the_low_level_goes_on_until_another_is_wanted(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         way: dict[str, RosValue] = {"frequency": 1.0, "input": 2}
-        it.send("ram.animation.desired.animation", {**way, "sequence": NOD})
-        await it.until(lambda: len(it.commands("play")) == 2)
-        it.send("ram.animation.desired.animation", {**way, "sequence": 1})
-        await it.until(lambda: bool(it.commands("mode")))
-        played = {line.command for line in it.commands("play")}
+        planner.send("ram.animation.desired.animation", {**way, "sequence": NOD})
+        await planner.until(lambda: len(planner.commands("play")) == 2)
+        planner.send("ram.animation.desired.animation", {**way, "sequence": 1})
+        await planner.until(lambda: bool(planner.commands("mode")))
+        played = {line.command for line in planner.commands("play")}
 
         def all_over() -> bool:
-            return played <= {line.command for line in it.host.lines if isinstance(line, m.End)}
+            return played <= {
+                line.command for line in planner.host.lines if isinstance(line, m.End)
+            }
 
-        await it.until(all_over)
-        it.ask("p", NOD, kind=4)
-        await it.until(lambda: bool(it.heard(PREDICTION)))
-        assert {line.command for line in it.commands("play")} == played
+        await planner.until(all_over)
+        planner.ask("p", NOD, kind=4)
+        await planner.until(lambda: bool(planner.messages_on(PREDICTION)))
+        assert {line.command for line in planner.commands("play")} == played
 
 
 async def test_a_sequence_of_the_low_level_leaves_the_wizards_move_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_tui.bridge.topic_player.HAND_S", 2.0)  # twice as long as a nod
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         way: dict[str, RosValue] = {"frequency": 1.0, "input": 2}
-        it.send("ram.animation.desired.animation", {**way, "sequence": NOD})
-        await it.until(lambda: len(it.commands("play")) == 2)
-        it.host.session.send("play", {"move": "shake"}, "", WIZARD)
-        [wizards] = [each for each in it.commands("play") if each.source == "key"]
+        planner.send("ram.animation.desired.animation", {**way, "sequence": NOD})
+        await planner.until(lambda: len(planner.commands("play")) == 2)
+        planner.host.session.send("play", {"move": "shake"}, "", WIZARD)
+        [wizards] = [each for each in planner.commands("play") if each.source == "key"]
         sent = wizards.t + 300_000  # what was on its way to the session does not count
-        await it.until(lambda: it.commands("play")[-1].t > sent)
-        assert it.commands("play")[-1].t - wizards.t > 1.9e6
+        await planner.until(lambda: planner.commands("play")[-1].t > sent)
+        assert planner.commands("play")[-1].t - wizards.t > 1.9e6
 
 
 async def test_a_planner_hears_how_the_robot_is(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         face, joint = "ram.animation.generated.face", "ram.animation.generated.joint"
-        await it.until(lambda: bool(it.heard(joint)))
-        first = it.heard(joint)[0]
+        await planner.until(lambda: bool(planner.messages_on(joint)))
+        first = planner.messages_on(joint)[0]
         assert first["name"] == ("joint1", "joint2", "joint3")
         assert first["position"] == pytest.approx((0.0, 0.7854, 0.5), abs=0.2)  # where it starts
         sad = {"emotionState": 5, "emotionLevel": 127, "screenBrightness": 127}
-        it.send("ram.animation.desired.face", {**sad, "eyePosX": 127, "eyePosY": 64})
+        planner.send("ram.animation.desired.face", {**sad, "eyePosX": 127, "eyePosY": 64})
         wanted = {"eyePosX": 127, "eyePosY": 64, **sad}
-        await it.until(lambda: wanted in it.heard(face))
+        await planner.until(lambda: wanted in planner.messages_on(face))
 
 
 @pytest.mark.toolkit("E4")
 async def test_a_planner_is_a_guest(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.ask("dance", DANCE)
-        it.ask("later", NOD, seconds=60.0)
-        await it.until(lambda: START in it.general("dance") and ACK in it.general("later"))
-        it.host.session.stop("key")
-        await it.over("dance")
-        it.ask("more", NOD)
-        it.send("ram.animation.desired.face", {"emotionState": 5})
-        await it.until(lambda: bool(it.general("more")))
-        assert it.general("more") == [NACK_FLUENCY]
-        await it.until(lambda: it.general("later") == [ACK, NACK_FLUENCY])
-        await it.until(lambda: any("stop" in text for text in it.texts("bridge_status")))
-        await it.until(lambda: any("stop" in text for text in it.sentences))
+    async with bridged(tmp_path) as planner:
+        planner.ask("dance", DANCE)
+        planner.ask("later", NOD, seconds=60.0)
+        await planner.until(
+            lambda: START in planner.general("dance") and ACK in planner.general("later")
+        )
+        planner.host.session.stop("key")
+        await planner.sequence_ended("dance")
+        planner.ask("more", NOD)
+        planner.send("ram.animation.desired.face", {"emotionState": 5})
+        await planner.until(lambda: bool(planner.general("more")))
+        assert planner.general("more") == [NACK_FLUENCY]
+        await planner.until(lambda: planner.general("later") == [ACK, NACK_FLUENCY])
+        await planner.until(lambda: any("stop" in text for text in planner.texts("bridge_status")))
+        await planner.until(lambda: any("stop" in text for text in planner.sentences))
 
 
 async def test_a_profile_counts_for_a_planner_too(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.host.session.use_profile("child", "key")
-        it.ask("nod", NOD)
-        it.send("ram.animation.hmmm.emotion", {"id": "e", "valence": 0.9})
-        await it.until(lambda: bool(it.general("e")))
-        assert it.general("nod") + it.general("e") == [NACK_FLUENCY, NACK_FLUENCY]
-        await it.until(lambda: any("child" in text for text in it.texts("bridge_status")))
-        it.host.session.use_profile("", "key")
-        it.ask("again", NOD)
-        await it.until(lambda: START in it.general("again"))
+    async with bridged(tmp_path) as planner:
+        planner.host.session.use_profile("child", "key")
+        planner.ask("nod", NOD)
+        planner.send("ram.animation.hmmm.emotion", {"id": "e", "valence": 0.9})
+        await planner.until(lambda: bool(planner.general("e")))
+        assert planner.general("nod") + planner.general("e") == [NACK_FLUENCY, NACK_FLUENCY]
+        await planner.until(lambda: any("child" in text for text in planner.texts("bridge_status")))
+        planner.host.session.use_profile("", "key")
+        planner.ask("again", NOD)
+        await planner.until(lambda: START in planner.general("again"))
 
 
 async def test_what_a_mode_refuses_is_tried_again_and_a_wizards_hand_stays(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        session = it.host.session
+    async with bridged(tmp_path) as planner:
+        session = planner.host.session
         joints: dict[str, RosValue] = {"position": (0.5, 0.6, 0.45)}
         session.send("mode", {"mode": "saccade"}, "", WIZARD)
-        it.send("ram.animation.desired.joint", joints)
-        it.ask("nod", NOD)
-        await it.until(lambda: NACK_FLUENCY in it.general("nod"))
-        assert START not in it.general("nod")
+        planner.send("ram.animation.desired.joint", joints)
+        planner.ask("nod", NOD)
+        await planner.until(lambda: NACK_FLUENCY in planner.general("nod"))
+        assert START not in planner.general("nod")
         session.send("mode", {"mode": "normal"}, "", WIZARD)
 
         def played() -> int:
-            done = {line.command for line in it.host.lines if isinstance(line, m.Done)}
-            return len(done & {each.command for each in it.commands("joints")})
+            done = {line.command for line in planner.host.lines if isinstance(line, m.Done)}
+            return len(done & {each.command for each in planner.commands("joints")})
 
         async def tried() -> None:
             while not played():
-                it.send("ram.animation.desired.joint", joints)
+                planner.send("ram.animation.desired.joint", joints)
                 await asyncio.sleep(0.1)
 
         await asyncio.wait_for(tried(), PATIENCE_S)
-        asked = len(it.commands("joints"))
+        asked = len(planner.commands("joints"))
         session.send("joints", {"joints": {"pitch": -40.0}}, "", WIZARD)
-        await it.until(lambda: len(it.commands("joints")) == asked + 1)
-        it.ask("q", NOD, kind=4)  # when it is answered, the bridge has heard of the wizard
-        await it.until(lambda: bool(it.heard(PREDICTION)))
+        await planner.until(lambda: len(planner.commands("joints")) == asked + 1)
+        planner.ask("q", NOD, kind=4)  # when it is answered, the bridge has heard of the wizard
+        await planner.until(lambda: bool(planner.messages_on(PREDICTION)))
         for angle in (0.5, 0.1, 0.2):
-            it.send("ram.animation.desired.joint", {"position": (angle, 0.6, 0.45)})
-        it.ask("p", NOD, kind=4)
-        await it.until(lambda: len(it.heard(PREDICTION)) == 2)
-        assert len(it.commands("joints")) == asked + 1
+            planner.send("ram.animation.desired.joint", {"position": (angle, 0.6, 0.45)})
+        planner.ask("p", NOD, kind=4)
+        await planner.until(lambda: len(planner.messages_on(PREDICTION)) == 2)
+        assert len(planner.commands("joints")) == asked + 1
 
 
 @pytest.mark.toolkit("E4")
 async def test_a_sequence_gives_way_to_the_wizards_hand(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.ask("dance", DANCE)
-        await it.until(lambda: START in it.general("dance"))
-        it.host.session.send("play", {"move": "nod"}, "", WIZARD)
-        await it.over("dance")
-        done = await it.host.published(lambda line: isinstance(line, m.Done))
+    async with bridged(tmp_path) as planner:
+        planner.ask("dance", DANCE)
+        await planner.until(lambda: START in planner.general("dance"))
+        planner.host.session.send("play", {"move": "nod"}, "", WIZARD)
+        await planner.sequence_ended("dance")
+        done = await planner.host.published(lambda line: isinstance(line, m.Done))
         assert isinstance(done, m.Done)
-        assert [line.source for line in it.commands() if line.command == done.command] == ["key"]
-        assert any("replaced" in text for text in it.texts("bridge_status"))
+        assert [line.source for line in planner.commands() if line.command == done.command] == [
+            "key"
+        ]
+        assert any("replaced" in text for text in planner.texts("bridge_status"))
 
 
 async def test_the_bridge_itself_is_asked(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         relay = '<config><relay publisher="{}" name="{}"/></config>'
-        it.send_text("bridge_config", relay.format("apollo", SEQUENCE.replace(".", "/")))
-        it.send_text("bridge_config", relay.format("ros", GENERAL.replace(".", "/")))
-        it.send_text("bridge_config", relay.format("ros", "turtle/pose"))
-        it.send_text("bridge_config", "<config><relay name='x'/></config>")
-        it.send_text("bridge_config", "<nonsense/>")
-        it.send_text("bridge_service", '<service><request name="reset"/></service>')
-        it.send_text(
+        planner.send_text("bridge_config", relay.format("apollo", SEQUENCE.replace(".", "/")))
+        planner.send_text("bridge_config", relay.format("ros", GENERAL.replace(".", "/")))
+        planner.send_text("bridge_config", relay.format("ros", "turtle/pose"))
+        planner.send_text("bridge_config", "<config><relay name='x'/></config>")
+        planner.send_text("bridge_config", "<nonsense/>")
+        planner.send_text("bridge_service", '<service><request name="reset"/></service>')
+        planner.send_text(
             "bridge_info",
             '<info><request type="msg-structure" name="ram/asap/feedback/prediction"/>'
             '<request type="list-pubs-subs-services"/><request type="tea"/></info>',
         )
-        await it.until(lambda: len(it.texts("bridge_status")) == 7)
-        statuses = [Xml.fromstring(text) for text in it.texts("bridge_status")]
+        await planner.until(lambda: len(planner.texts("bridge_status")) == 7)
+        statuses = [Xml.fromstring(text) for text in planner.texts("bridge_status")]
         assert [status.findtext("relay") for status in statuses[:3]] == ["ok", "ok", "failed"]
         assert all(status.find("error") is not None for status in statuses[2:])
-        [info] = it.texts("bridge_info")
+        [info] = planner.texts("bridge_info")
         assert '<duration type="float">0.0</duration>' in info
         request = '<request type="list-pubs-subs-services"/>'
-        it.send_text("bridge_info", f"<info>{request * 1000}</info>")
-        await it.until(lambda: len(it.texts("bridge_info")) == 2)
-        assert it.texts("bridge_info")[1].count("<response") == 100
+        planner.send_text("bridge_info", f"<info>{request * 1000}</info>")
+        await planner.until(lambda: len(planner.texts("bridge_info")) == 2)
+        assert planner.texts("bridge_info")[1].count("<response") == 100
         assert '<sub-topic isrelayed="True">/ram/animation/hmmm/sequence</sub-topic>' in info
 
 
 @pytest.mark.toolkit("E3")
 async def test_nonsense_is_told_and_the_next_message_is_played(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         for topic in (SEQUENCE, "ram.animation.desired.joint", "ram.animation.hmmm.saliency"):
             for text in ("", "<data", "\x01", "<data><a type='x'/></data>", "<data>" * 100):
-                it.send_text(topic, text)
-        it.send("ram.animation.hmmm.saliency", {"locationsX": (1.0,)})
-        it.ask("nod", NOD)
-        await it.over("nod")
-        assert any("different lengths" in text for text in it.texts("bridge_status"))
+                planner.send_text(topic, text)
+        planner.send("ram.animation.hmmm.saliency", {"locationsX": (1.0,)})
+        planner.ask("nod", NOD)
+        await planner.sequence_ended("nod")
+        assert any("different lengths" in text for text in planner.texts("bridge_status"))
 
 
 @pytest.mark.toolkit("E3")
 async def test_a_flood_and_a_huge_message_are_survived(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
+    async with bridged(tmp_path) as planner:
         for number in range(250):
             angle = number / 250
-            it.send("ram.animation.desired.joint", {"position": (angle, 0.6, 0.45)})
-            it.send("ram.animation.hmmm.saliency", saliency(angle, 0.0, 100, str(number)))
-            it.ask(f"s{number}", 99)
-        it.send("ram.animation.hmmm.emotion", {"id": "x" * (1 << 19)})
-        it.ask("nod", NOD)
-        await it.over("nod")
-        assert it.general("s249") == [NACK_INVALID]
-        assert len(it.texts("bridge_status")) <= 20
+            planner.send("ram.animation.desired.joint", {"position": (angle, 0.6, 0.45)})
+            planner.send("ram.animation.hmmm.saliency", saliency(angle, 0.0, 100, str(number)))
+            planner.ask(f"s{number}", 99)
+        planner.send("ram.animation.hmmm.emotion", {"id": "x" * (1 << 19)})
+        planner.ask("nod", NOD)
+        await planner.sequence_ended("nod")
+        assert planner.general("s249") == [NACK_INVALID]
+        assert len(planner.texts("bridge_status")) <= 20
 
 
 @pytest.mark.toolkit("E3")
 async def test_what_was_accepted_is_played_to_its_end_without_its_planner(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.ask("nod", NOD)
-        await it.until(lambda: START in it.general("nod"))
-        await it.broker.stop()
-        [command] = it.commands("play")
-        end = await it.host.published(
+    async with bridged(tmp_path) as planner:
+        planner.ask("nod", NOD)
+        await planner.until(lambda: START in planner.general("nod"))
+        await planner.broker.stop()
+        [command] = planner.commands("play")
+        end = await planner.host.published(
             lambda line: isinstance(line, m.End) and line.command == command.command
         )
         assert isinstance(end, m.Done)
@@ -382,18 +394,18 @@ async def test_what_was_accepted_is_played_to_its_end_without_its_planner(tmp_pa
 
 @pytest.mark.toolkit("E3")
 async def test_a_broker_that_comes_back_is_used_again(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        await it.broker.stop()
-        await it.until(lambda: any("tried again" in each for each in it.sentences))
-        await it.broker.start()
-        await it.until(lambda: it.broker.subscribed)
-        it.ask("nod", NOD)
-        await it.over("nod")
+    async with bridged(tmp_path) as planner:
+        await planner.broker.stop()
+        await planner.until(lambda: any("tried again" in each for each in planner.sentences))
+        await planner.broker.start()
+        await planner.until(lambda: planner.broker.subscribed)
+        planner.ask("nod", NOD)
+        await planner.sequence_ended("nod")
 
 
 async def test_what_the_command_says_comes_at_once_into_a_pipe(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        place = ("--stomp", f"127.0.0.1:{it.broker.port}", "--session", str(it.host.path))
+    async with bridged(tmp_path) as planner:
+        place = ("--stomp", f"127.0.0.1:{planner.broker.port}", "--session", str(planner.host.path))
         command = (sys.executable, "-m", "woz_tui", "bridge", *place)
         buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
         running = await asyncio.create_subprocess_exec(
@@ -409,8 +421,8 @@ async def test_what_the_command_says_comes_at_once_into_a_pipe(tmp_path: Path) -
 
 
 async def test_who_asks_is_seen(tmp_path: Path) -> None:
-    async with bridged(tmp_path) as it:
-        it.send("ram.animation.hmmm.emotion", {"id": "e", "arousal": 0.5})
-        await it.until(lambda: bool(it.commands("affect")))
-        joined = [line for line in it.host.lines if isinstance(line, m.ConsoleAttached)]
+    async with bridged(tmp_path) as planner:
+        planner.send("ram.animation.hmmm.emotion", {"id": "e", "arousal": 0.5})
+        await planner.until(lambda: bool(planner.commands("affect")))
+        joined = [line for line in planner.host.lines if isinstance(line, m.ConsoleAttached)]
         assert [line.name for line in joined] == ["bridge"]

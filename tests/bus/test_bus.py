@@ -177,10 +177,10 @@ def test_a_stop_that_blocks_longer_than_promised_is_not_confirmed(
         await asyncio.sleep(5)
         assert rig.bus.unconfirmed == [name for name in ("head",) if name not in confirmed]
 
-    (told,) = in_rig(scenario).of(m.StopConfirmed)
-    assert isinstance(told, m.StopConfirmed)
-    assert told.confirmed == confirmed
-    assert told.elapsed_us == pytest.approx(blocks * 1e6, abs=100)
+    (message,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(message, m.StopConfirmed)
+    assert message.confirmed == confirmed
+    assert message.elapsed_us == pytest.approx(blocks * 1e6, abs=100)
 
 
 def test_announced_durations_extend_the_limit() -> None:
@@ -242,9 +242,9 @@ def test_what_does_not_wait_is_refused_while_its_lane_is_busy() -> None:
         rig.send("talk", when_busy="replace")  # c3
 
     rig = in_rig(scenario)
-    refused = rig.end("c2")
-    assert isinstance(refused, m.Refused)
-    assert refused.code == "busy"
+    end = rig.end("c2")
+    assert isinstance(end, m.Refused)
+    assert end.code == "busy"
     assert isinstance(rig.end("c1"), m.Superseded)
     assert isinstance(rig.end("c3"), m.Done)
 
@@ -317,9 +317,9 @@ def test_stop_ends_all_at_once_latches_and_names_who_confirmed() -> None:
 
     rig = in_rig(scenario)
     assert [type(rig.end(c)).__name__ for c in ("c1", "c2", "c3")] == ["Stopped"] * 3
-    refused = rig.end("c4")
-    assert isinstance(refused, m.Refused)
-    assert refused.code == "stopped"
+    end = rig.end("c4")
+    assert isinstance(end, m.Refused)
+    assert end.code == "stopped"
     (confirmed,) = rig.of(m.StopConfirmed)
     assert isinstance(confirmed, m.StopConfirmed)
     assert (confirmed.confirmed, confirmed.missing) == (["head"], ["base"])
@@ -348,11 +348,11 @@ def test_a_driver_of_several_parts_tells_of_each_and_has_not_confirmed_with_one_
         rig.bus.stop("key")
 
     rig = in_rig(scenario)
-    (told,) = rig.of(m.StopConfirmed)
-    assert isinstance(told, m.StopConfirmed)
-    assert (told.confirmed, told.missing) == (["head"], ["base"])
-    assert told.parts == {"head": ["speech", "motion"], "base": ["motion"]}
-    assert told.missing_parts == {"base": ["tablet"]}
+    (message,) = rig.of(m.StopConfirmed)
+    assert isinstance(message, m.StopConfirmed)
+    assert (message.confirmed, message.missing) == (["head"], ["base"])
+    assert message.parts == {"head": ["speech", "motion"], "base": ["motion"]}
+    assert message.missing_parts == {"base": ["tablet"]}
 
 
 @pytest.mark.parametrize(
@@ -375,10 +375,10 @@ def test_a_driver_that_is_not_connected_confirms_nothing_and_is_not_reached(
         await asyncio.sleep(1)
 
     rig = in_rig(scenario)
-    (told,) = rig.of(m.StopConfirmed)
-    assert isinstance(told, m.StopConfirmed)
-    assert told.confirmed == ["head", "base"][: 1 + reached]
-    assert told.missing == told.unreached == ["base"][reached:]
+    (message,) = rig.of(m.StopConfirmed)
+    assert isinstance(message, m.StopConfirmed)
+    assert message.confirmed == ["head", "base"][: 1 + reached]
+    assert message.missing == message.unreached == ["base"][reached:]
     assert rig.base.calls == [("stop", "all")], "perhaps it hears it all the same"
 
 
@@ -390,9 +390,9 @@ def test_a_driver_that_never_said_that_it_is_connected_is_not_reached() -> None:
         bus.stop("key")
         await asyncio.sleep(1)
 
-    (told,) = in_rig(scenario).of(m.StopConfirmed)
-    assert isinstance(told, m.StopConfirmed)
-    assert (told.confirmed, told.unreached) == ([], ["lamp"])
+    (message,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(message, m.StopConfirmed)
+    assert (message.confirmed, message.unreached) == ([], ["lamp"])
 
 
 def test_a_driver_that_is_lost_while_others_confirm_is_not_reached() -> None:
@@ -403,9 +403,9 @@ def test_a_driver_that_is_lost_while_others_confirm_is_not_reached() -> None:
         rig.hub.publish(m.DriverLost(driver="head"))
         await asyncio.sleep(1)
 
-    (told,) = in_rig(scenario).of(m.StopConfirmed)
-    assert isinstance(told, m.StopConfirmed)
-    assert (told.confirmed, told.missing, told.unreached) == (["base"], ["head"], ["head"])
+    (message,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(message, m.StopConfirmed)
+    assert (message.confirmed, message.missing, message.unreached) == (["base"], ["head"], ["head"])
 
 
 @pytest.mark.parametrize("after", [0.2, 5.0], ids=["while others confirm", "later"])
@@ -525,9 +525,9 @@ def test_a_driver_whose_stop_finds_its_hardware_gone_is_not_reached() -> None:
         rig.bus.stop("key")
         await asyncio.sleep(1)
 
-    (told,) = in_rig(scenario).of(m.StopConfirmed)
-    assert isinstance(told, m.StopConfirmed)
-    assert (told.confirmed, told.unreached) == (["head"], ["base"])
+    (message,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(message, m.StopConfirmed)
+    assert (message.confirmed, message.unreached) == (["head"], ["base"])
 
 
 def test_a_faulted_driver_that_was_never_whole_confirms_by_naming_its_parts() -> None:
@@ -538,9 +538,9 @@ def test_a_faulted_driver_that_was_never_whole_confirms_by_naming_its_parts() ->
         rig.bus.stop("key")
         await asyncio.sleep(1)
 
-    (told,) = in_rig(scenario).of(m.StopConfirmed)
-    assert isinstance(told, m.StopConfirmed)
-    assert (told.confirmed, told.missing, told.unreached) == (["head", "base"], [], [])
+    (message,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(message, m.StopConfirmed)
+    assert (message.confirmed, message.missing, message.unreached) == (["head", "base"], [], [])
 
 
 def test_a_second_press_after_the_first_round_calls_the_drivers_again() -> None:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.export.out import exported
-from tests.replay.again import recorded, run_again, written
-from tests.replay.test_plan import END, command, dispatched, done
+from tests.export.export_runs import export_logs
+from tests.replay.rerun_rig import record_session, run_again, write_log
 from tests.replay.test_rerun import tour
+from tests.replay.test_rerun_plan import END, command, dispatched, done_message
 from woz_tui.cli import main
 from woz_tui.protocol import messages as m
 
@@ -27,7 +27,7 @@ class Logs:
 @pytest.fixture(scope="module")
 def logs(tmp_path_factory: pytest.TempPathFactory) -> Logs:
     folder = tmp_path_factory.mktemp("logs")
-    original = recorded(folder / "a", tour)
+    original = record_session(folder / "a", tour)
     return Logs(original, run_again(folder / "b", original).log)
 
 
@@ -52,9 +52,9 @@ def log(
         lines += [
             (n + 1, command(own, verb=name, args={"text": text})),
             (n + 1, dispatched(own)),
-            (n + 1.5, done(own)),
+            (n + 1.5, done_message(own)),
         ]
-    return written(path, [*lines, (99, END)])
+    return write_log(path, [*lines, (99, END)])
 
 
 def test_a_re_run_is_the_same_and_its_lateness_is_told(
@@ -149,7 +149,7 @@ def test_what_was_taken_out_of_a_log_is_not_called_the_same(
     assert main(["compare", *map(str, logs)]) == 1
     for path in logs:
         out = path.with_name("redacted")
-        exported(path, "jsonl", out, redact=True)
+        export_logs(path, "jsonl", out, redact=True)
     capsys.readouterr()
     copies = [next(path.with_name("redacted").glob("*_S01.jsonl")) for path in logs]
     assert main(["compare", *map(str, copies)]) == 0

@@ -43,13 +43,13 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def converted(*options: str) -> int:
+def run_convert(*options: str) -> int:
     parser = argparse.ArgumentParser()
     convert.add(parser)
     return convert.convert(parser.parse_args(options), CATALOGUE)
 
 
-def read(path: Path) -> Experiment:
+def read_experiment(path: Path) -> Experiment:
     return load(path, CATALOGUE)
 
 
@@ -57,8 +57,8 @@ def test_the_same_experiment_beside_the_file(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     config, ours = folder / "a" / "config.yaml", folder / "a" / "ours.yaml"
-    assert converted(str(config), "-o", str(ours)) == 0
-    assert essence(read(ours)) == essence(read(config))
+    assert run_convert(str(config), "-o", str(ours)) == 0
+    assert essence(read_experiment(ours)) == essence(read_experiment(config))
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.splitlines() == [
@@ -70,7 +70,7 @@ def test_the_same_experiment_beside_the_file(
 
 def test_on_standard_output(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     config = folder / "a" / "config.yaml"
-    assert converted(str(config)) == 0
+    assert run_convert(str(config)) == 0
     told = capsys.readouterr()
     assert "warning" in told.err
     text = told.out
@@ -80,23 +80,26 @@ def test_on_standard_output(folder: Path, capsys: pytest.CaptureFixture[str]) ->
     assert "- {key: t, label: Tale, read: texts/tale.txt}  # 'ctrl+3' means stop on" in text
     assert "label: 'Brücke \"A\"'" in text  # unicode as it is
     (folder / "a" / "ours.yaml").write_text(text, encoding="utf-8")
-    assert essence(read(folder / "a" / "ours.yaml")) == essence(read(config))
+    assert essence(read_experiment(folder / "a" / "ours.yaml")) == essence(read_experiment(config))
 
 
 def test_in_another_folder_relative_paths_change_with_it(folder: Path) -> None:
     config, ours = folder / "a" / "config.yaml", folder / "b" / "ours.yaml"
     ours.parent.mkdir()
-    assert converted(str(config), "-o", str(ours)) == 0
-    experiment = read(ours)
+    assert run_convert(str(config), "-o", str(ours)) == 0
+    experiment = read_experiment(ours)
     assert experiment.warnings == ()  # so the files are found
     assert does(experiment.action("Tale")) == [("read", {"file": "../a/texts/tale.txt"})]
     assert does(experiment.action("Map")) == [("screen", {"file": "../a/pictures/map.png"})]
     assert does(experiment.action("Page")) == [("screen", {"file": "https://a.example/"})]
     assert does(experiment.action("Gong")) == [("sound", {"file": "/home/nao/gong.wav"})]
-    found = settings(experiment)
-    assert (found.pictures, found.tablet.root) == ("../a/faces", "../a/pictures")
-    assert found.tablet.default == "../a/pictures/map.png"
-    assert found.recordings == settings(read(config)).recordings
+    pepper_settings = settings(experiment)
+    assert (pepper_settings.pictures, pepper_settings.tablet.root) == (
+        "../a/faces",
+        "../a/pictures",
+    )
+    assert pepper_settings.tablet.default == "../a/pictures/map.png"
+    assert pepper_settings.recordings == settings(read_experiment(config)).recordings
 
 
 def test_errors_write_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -109,9 +112,9 @@ def test_errors_write_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) 
     assert errors[-1] == f"woz convert: {config}: 1 error; nothing was written"
 
 
-def refused(*options: str) -> str:
+def refusal_text(*options: str) -> str:
     with pytest.raises(convert.ConvertError) as caught:
-        converted(*options)
+        run_convert(*options)
     return str(caught.value)
 
 
@@ -119,11 +122,12 @@ def test_nothing_is_overwritten_unasked(folder: Path) -> None:
     config, ours = folder / "a" / "config.yaml", folder / "a" / "ours.yaml"
     ours.write_text("mine", encoding="utf-8")
     assert (
-        refused(str(config), "-o", str(ours)) == f"{ours} exists already; use --force to replace it"
+        refusal_text(str(config), "-o", str(ours))
+        == f"{ours} exists already; use --force to replace it"
     )
     assert ours.read_text(encoding="utf-8") == "mine"
-    assert converted(str(config), "-o", str(ours), "--force") == 0
-    assert essence(read(ours)) == essence(read(config))
+    assert run_convert(str(config), "-o", str(ours), "--force") == 0
+    assert essence(read_experiment(ours)) == essence(read_experiment(config))
 
 
 def test_the_file_itself_stays(folder: Path) -> None:
@@ -131,7 +135,7 @@ def test_the_file_itself_stays(folder: Path) -> None:
     same = folder / "b" / ".." / "a" / "config.yaml"
     (folder / "b").mkdir()
     refusal = f"{same} is the WoZ4U file itself; write to another file"
-    assert refused(str(config), "-o", str(same), "--force") == refusal
+    assert refusal_text(str(config), "-o", str(same), "--force") == refusal
     assert config.read_text(encoding="utf-8") == TEXT
 
 
@@ -148,19 +152,19 @@ def test_the_file_itself_stays(folder: Path) -> None:
 def test_other_files(tmp_path: Path, text: str, sentence: str) -> None:
     path = tmp_path / "x.yaml"
     path.write_text(text, encoding="utf-8")
-    assert refused(str(path)) == f"{path} {sentence}"
+    assert refusal_text(str(path)) == f"{path} {sentence}"
 
 
 def test_no_file_and_no_yaml(tmp_path: Path) -> None:
     path = tmp_path / "x.yaml"
-    assert refused(str(path)) == f"{path}:1:1: there is no such file"
+    assert refusal_text(str(path)) == f"{path}:1:1: there is no such file"
     path.write_text("pepper_ips: [", encoding="utf-8")
-    assert refused(str(path)).startswith(f"{path}:2:1: YAML: ")
+    assert refusal_text(str(path)).startswith(f"{path}:2:1: YAML: ")
 
 
 def test_a_folder_that_is_not_there(folder: Path) -> None:
     out = folder / "nowhere" / "x.yaml"
-    assert refused(str(folder / "a" / "config.yaml"), "-o", str(out)).startswith(
+    assert refusal_text(str(folder / "a" / "config.yaml"), "-o", str(out)).startswith(
         f"{out} cannot be written: No such file"
     )
 
@@ -178,16 +182,16 @@ def test_the_command_tells_in_a_sentence(
 def test_a_name_that_is_no_text(folder: Path) -> None:
     config, ours = folder / "a" / "new\nline \udcff.yaml", folder / "a" / "ours.yaml"
     config.write_text(TEXT, encoding="utf-8")
-    assert converted(str(config), "-o", str(ours)) == 0
+    assert run_convert(str(config), "-o", str(ours)) == 0
     assert ours.read_text(encoding="utf-8").startswith("# new line .yaml of WoZ4U, as")
-    assert read(ours).title == read(config).title == "WoZ4U: new line .yaml"
+    assert read_experiment(ours).title == read_experiment(config).title == "WoZ4U: new line .yaml"
 
 
 def test_a_path_that_is_no_text_is_told(folder: Path) -> None:
     (folder / "\udcff").mkdir()
     config, ours = folder / "\udcff" / "config.yaml", folder / "ours.yaml"
     config.write_text(TEXT, encoding="utf-8")
-    assert "there is no U+DCFF in utf-8" in refused(str(config), "-o", str(ours))
+    assert "there is no U+DCFF in utf-8" in refusal_text(str(config), "-o", str(ours))
     assert [entry.name for entry in folder.iterdir() if entry.is_file()] == []
 
 
@@ -195,7 +199,9 @@ def test_a_path_that_is_no_text_is_told(folder: Path) -> None:
 def test_what_is_no_file_is_not_written_to(folder: Path, make: Any) -> None:
     ours = folder / "ours.yaml"
     make(ours)
-    assert "is not a file" in refused(str(folder / "a" / "config.yaml"), "-o", str(ours), "--force")
+    assert "is not a file" in refusal_text(
+        str(folder / "a" / "config.yaml"), "-o", str(ours), "--force"
+    )
 
 
 def test_a_disk_that_takes_no_more_leaves_what_was_there(
@@ -208,10 +214,10 @@ def test_a_disk_that_takes_no_more_leaves_what_was_there(
     ours.write_text("mine", encoding="utf-8")
     link.symlink_to(ours)
     monkeypatch.setattr(os, "fsync", fsync)
-    assert refused(str(config), "-o", str(link), "--force").endswith("No space left on device")
+    assert refusal_text(str(config), "-o", str(link), "--force").endswith("No space left on device")
     monkeypatch.undo()
     assert ours.read_text(encoding="utf-8") == "mine"
-    assert converted(str(config), "-o", str(link), "--force") == 0
+    assert run_convert(str(config), "-o", str(link), "--force") == 0
     assert link.is_symlink()
     assert ours.read_text(encoding="utf-8") != "mine"
 

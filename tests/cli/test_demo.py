@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.microphone import voice_detection
 
-from tests.drivers.heard import until
+from tests.drivers.published_messages import until
 from woz_tui.cli import demo
 from woz_tui.cli import run as run_command
 from woz_tui.config.bundled_files import bundled_file, robot_files

@@ -12,7 +12,7 @@ import pytest
 
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import HEAD, HELLO, panel
-from tests.session.studied import had, log
+from tests.session.study_rig import had, log
 from woz_tui.cli import check, design
 
 FILE = panel(

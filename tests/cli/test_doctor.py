@@ -51,7 +51,7 @@ class Broken(PassiveDriver):
 
 
 @dataclass(frozen=True)
-class Visit:
+class DoctorRun:
     """What one run of the doctor said."""
 
     code: int
@@ -67,10 +67,10 @@ class Visit:
 
 
 @pytest.fixture
-def visit(tmp_path: Path) -> Callable[..., Visit]:
+def visit(tmp_path: Path) -> Callable[..., DoctorRun]:
     """Runs `woz doctor`, without a terminal unless one is given."""
 
-    def run(*options: str, terminal: int | None = None, **environ: str) -> Visit:
+    def run(*options: str, terminal: int | None = None, **environ: str) -> DoctorRun:
         def adopt_terminal() -> None:
             if terminal is not None:
                 fcntl.ioctl(terminal, termios.TIOCSCTTY, 0)
@@ -89,7 +89,7 @@ def visit(tmp_path: Path) -> Callable[..., Visit]:
             check=False,
         )
         assert "Traceback" not in done.stderr
-        return Visit(done.returncode, done.stdout, done.stderr)
+        return DoctorRun(done.returncode, done.stdout, done.stderr)
 
     return run
 
@@ -109,68 +109,70 @@ def write(folder: Path, text: str) -> str:
     return str(path)
 
 
-def test_without_a_file_the_machine_is_examined(visit: Callable[..., Visit]) -> None:
-    seen = visit("--json")
-    report: dict[str, Any] = json.loads(seen.out)
+def test_without_a_file_the_machine_is_examined(visit: Callable[..., DoctorRun]) -> None:
+    doctor_run = visit("--json")
+    report: dict[str, Any] = json.loads(doctor_run.out)
     assert set(report) == {"errors", "warnings", "findings"}
-    levels = [finding["level"] for finding in seen.findings()]
+    levels = [finding["level"] for finding in doctor_run.findings()]
     assert (report["errors"], report["warnings"]) == (
         levels.count("error"),
         levels.count("warning"),
     )
-    assert seen.code == (1 if report["errors"] else 0)
-    subjects = {finding["subject"] for finding in seen.findings()}
+    assert doctor_run.code == (1 if report["errors"] else 0)
+    subjects = {finding["subject"] for finding in doctor_run.findings()}
     assert subjects >= {"terminal", "python", "disk", "recordings", "date", "timing", "socket"}
-    assert [finding["level"] for finding in seen.find("Terminal")] == ["info"]
+    assert [finding["level"] for finding in doctor_run.find("Terminal")] == ["info"]
 
 
 def test_the_recordings_folder_is_the_one_named(
-    visit: Callable[..., Visit], tmp_path: Path
+    visit: Callable[..., DoctorRun], tmp_path: Path
 ) -> None:
-    seen = visit("--json", "--recordings", "/proc/nowhere")
-    [recordings] = [one for one in seen.findings() if one["subject"] == "recordings"]
-    assert (recordings["level"], seen.code) == ("error", 1)
+    doctor_run = visit("--json", "--recordings", "/proc/nowhere")
+    [recordings] = [one for one in doctor_run.findings() if one["subject"] == "recordings"]
+    assert (recordings["level"], doctor_run.code) == ("error", 1)
     assert "--recordings" in recordings["remedy"]
     assert not list(tmp_path.glob("recordings*"))
 
 
-def test_a_terminal_is_asked_what_it_can_do(visit: Callable[..., Visit]) -> None:
+def test_a_terminal_is_asked_what_it_can_do(visit: Callable[..., DoctorRun]) -> None:
     answers = {b"\x1b[?u": b"\x1b[?0u", b"\x1b[c": b"\x1b[?62c", b"\x1b[6n": b"\x1b[1;1R"}
     with answering(answers) as descriptor:
-        seen = visit("--json", terminal=descriptor, TERM="xterm-kitty")
-    levels = {finding["subject"]: finding["level"] for finding in seen.find("Terminal")}
+        doctor_run = visit("--json", terminal=descriptor, TERM="xterm-kitty")
+    levels = {finding["subject"]: finding["level"] for finding in doctor_run.find("Terminal")}
     assert levels["keys"] == "ok"
     assert {"terminal", "characters", "colours", "size", "line"} <= set(levels)
 
 
-def test_a_good_file_has_its_drivers_examined(visit: Callable[..., Visit], tmp_path: Path) -> None:
-    seen = visit(write(tmp_path, GOOD), "--json")
-    [about] = seen.find("Experiment")
+def test_a_good_file_has_its_drivers_examined(
+    visit: Callable[..., DoctorRun], tmp_path: Path
+) -> None:
+    doctor_run = visit(write(tmp_path, GOOD), "--json")
+    [about] = doctor_run.find("Experiment")
     assert about["level"] == "ok"
     assert "Greeting: 1 action, 1 driver" in about["text"]
-    assert seen.find("Driver")
+    assert doctor_run.find("Driver")
 
 
 def test_every_error_of_a_broken_file_is_told_with_its_place(
-    visit: Callable[..., Visit], tmp_path: Path
+    visit: Callable[..., DoctorRun], tmp_path: Path
 ) -> None:
-    seen = visit(write(tmp_path, BROKEN), "--json")
-    errors = [one for one in seen.find("Experiment") if one["level"] == "error"]
-    assert seen.code == 1
+    doctor_run = visit(write(tmp_path, BROKEN), "--json")
+    errors = [one for one in doctor_run.find("Experiment") if one["level"] == "error"]
+    assert doctor_run.code == 1
     assert any("study.yaml:1:1" in one["subject"] for one in errors)
     assert any("study.yaml:6:" in one["subject"] for one in errors)
-    assert not seen.find("Driver")
+    assert not doctor_run.find("Driver")
 
 
 def test_a_robot_file_is_examined_without_an_experiment(
-    visit: Callable[..., Visit], tmp_path: Path
+    visit: Callable[..., DoctorRun], tmp_path: Path
 ) -> None:
     robot = tmp_path / "f1.yaml"
     robot.write_text("name: f1\ndrivers: {one: {type: simulated}}\n")
-    seen = visit("f1.yaml", "--json")
-    [about] = seen.find("Robot file")
+    doctor_run = visit("f1.yaml", "--json")
+    [about] = doctor_run.find("Robot file")
     assert (about["level"], about["text"]) == ("ok", "1 driver")
-    assert seen.find("Driver one (simulated)")
+    assert doctor_run.find("Driver one (simulated)")
     robot.write_text("name: f1\ndrivers: {one: {type: simulatet}}\n")
     [wrong] = visit("f1.yaml", "--json").find("Robot file")
     assert (wrong["level"], wrong["subject"]) == ("error", "f1.yaml:2:17")
@@ -179,31 +181,31 @@ def test_a_robot_file_is_examined_without_an_experiment(
 
 
 def test_a_computer_that_no_driver_is_at_is_an_error(
-    visit: Callable[..., Visit], tmp_path: Path
+    visit: Callable[..., DoctorRun], tmp_path: Path
 ) -> None:
     drivers = "{arm: {type: simulated, at: arm-pi}, head: {type: simulated}}"
     (tmp_path / "f1.yaml").write_text(f"name: f1\ndrivers: {drivers}\n")
-    seen = visit("f1.yaml", "--at", "armpi", "--json")
-    [wrong] = seen.find("Computer")
-    assert (seen.code, wrong["level"], wrong["remedy"]) == (1, "error", "there are arm-pi")
-    assert not seen.find("Driver")
+    doctor_run = visit("f1.yaml", "--at", "armpi", "--json")
+    [wrong] = doctor_run.find("Computer")
+    assert (doctor_run.code, wrong["level"], wrong["remedy"]) == (1, "error", "there are arm-pi")
+    assert not doctor_run.find("Driver")
     [elsewhere] = visit("f1.yaml", "--at", "arm-pi", "--json").find("Driver head")
     assert elsewhere["text"] == "its hardware is at the computer of the session"
     assert visit("--at", "arm-pi", "--json").code == 1
 
 
 def test_a_missing_file_is_an_error_and_the_machine_is_examined_all_the_same(
-    visit: Callable[..., Visit],
+    visit: Callable[..., DoctorRun],
 ) -> None:
-    seen = visit("nowhere.yaml", "--json")
-    [missing] = seen.find("Experiment")
-    assert (missing["level"], seen.code) == ("error", 1)
+    doctor_run = visit("nowhere.yaml", "--json")
+    [missing] = doctor_run.find("Experiment")
+    assert (missing["level"], doctor_run.code) == ("error", 1)
     assert "nowhere.yaml" in missing["subject"]
-    assert seen.find("Machine")
+    assert doctor_run.find("Machine")
 
 
 def test_a_strangers_driver_that_fails_its_own_checks_is_an_error(
-    visit: Callable[..., Visit], tmp_path: Path
+    visit: Callable[..., DoctorRun], tmp_path: Path
 ) -> None:
     packages = tmp_path / "packages"
     (packages / "stranger-1.0.dist-info").mkdir(parents=True)
@@ -213,21 +215,21 @@ def test_a_strangers_driver_that_fails_its_own_checks_is_an_error(
     (metadata / "entry_points.txt").write_text("[woz_tui.drivers]\nbroken = stranger:Broken\n")
     (tmp_path / "robot.yaml").write_text("name: Stranger\ndrivers: {arm: {type: broken}}\n")
     study = GOOD.replace("simulated", "robot.yaml").replace("say:", "mark:")
-    seen = visit(write(tmp_path, study), "--json", PYTHONPATH=str(packages))
-    [finding] = seen.find("Driver arm (broken)")
-    assert (finding["level"], seen.code) == ("error", 1)
+    doctor_run = visit(write(tmp_path, study), "--json", PYTHONPATH=str(packages))
+    [finding] = doctor_run.find("Driver arm (broken)")
+    assert (finding["level"], doctor_run.code) == ("error", 1)
     assert "the vendor's library is missing" in finding["text"]
 
 
-def test_the_tables_keep_to_the_width_and_to_plain_text(visit: Callable[..., Visit]) -> None:
-    seen = visit("--recordings", "/proc/nowhere", COLUMNS="60", NO_COLOR="1")
-    assert "\x1b" not in seen.out
-    assert max(map(len, seen.out.splitlines())) <= 60
-    assert "✗" in seen.out
-    assert "2 errors" in seen.out  # no room, no file
+def test_the_tables_keep_to_the_width_and_to_plain_text(visit: Callable[..., DoctorRun]) -> None:
+    doctor_run = visit("--recordings", "/proc/nowhere", COLUMNS="60", NO_COLOR="1")
+    assert "\x1b" not in doctor_run.out
+    assert max(map(len, doctor_run.out.splitlines())) <= 60
+    assert "✗" in doctor_run.out
+    assert "2 errors" in doctor_run.out  # no room, no file
 
 
-def test_a_screen_without_unicode_gets_plain_signs(visit: Callable[..., Visit]) -> None:
-    seen = visit(PYTHONIOENCODING="ascii")
-    assert seen.out.isascii()
-    assert "ok python" in seen.out
+def test_a_screen_without_unicode_gets_plain_signs(visit: Callable[..., DoctorRun]) -> None:
+    doctor_run = visit(PYTHONIOENCODING="ascii")
+    assert doctor_run.out.isascii()
+    assert "ok python" in doctor_run.out

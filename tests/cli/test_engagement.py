@@ -39,7 +39,7 @@ def rows(*given: dict[str, Any], count: int = 1) -> list[dict[str, Any]]:
     return [{"t": round(number / 3, 3), **row} for number, row in enumerate(many)]
 
 
-def written(folder: Path, *lines: dict[str, Any] | bytes | str) -> Path:
+def write_lines(folder: Path, *lines: dict[str, Any] | bytes | str) -> Path:
     """A file of lines."""
     file = folder / "samples.jsonl"
     raw = [line if isinstance(line, bytes) else _text(line).encode() for line in lines]
@@ -90,7 +90,7 @@ def woz(capfdbinary: pytest.CaptureFixture[bytes]) -> Woz:
 
 
 def test_one_line_for_each_line(woz: Woz, tmp_path: Path) -> None:
-    ran = woz(written(tmp_path, *rows(ALL, {**ALL, "gaze": 0}, count=8)))
+    ran = woz(write_lines(tmp_path, *rows(ALL, {**ALL, "gaze": 0}, count=8)))
     assert (ran.code, ran.err) == (0, "")
     assert ran.column("t") == [row["t"] for row in rows(ALL, count=16)]
     assert ran.column("gaze") == [0] * 3 + [1] * 9 + [0] * 4
@@ -104,7 +104,9 @@ def test_lines_that_are_no_rows_are_told_and_answered(woz: Woz, tmp_path: Path) 
     """What comes out stays in step with what went in; blank lines do not count."""
     deep = "[" * 100_000
     ran = woz(
-        written(tmp_path, {"t": 1, **ALL}, "{", "", " \t", "[1]", b'{"id": "\xff"}', deep, ALL, "3")
+        write_lines(
+            tmp_path, {"t": 1, **ALL}, "{", "", " \t", "[1]", b'{"id": "\xff"}', deep, ALL, "3"
+        )
     )
     assert ran.code == 0
     assert [row.get("bad") for row in ran.said] == [None, *[["line"]] * 4, None, ["line"]]
@@ -119,35 +121,37 @@ def test_lines_that_are_no_rows_are_told_and_answered(woz: Woz, tmp_path: Path) 
 
 
 def test_many_wrong_lines_are_told_as_a_number(woz: Woz, tmp_path: Path) -> None:
-    ran = woz(written(tmp_path, ALL, *["rubbish"] * 50))
+    ran = woz(write_lines(tmp_path, ALL, *["rubbish"] * 50))
     lines = ran.err.splitlines()
     assert len(lines) == MOST_ERRORS + 1
     assert lines[-1].endswith("50 lines are not rows of samples")
 
 
 def test_a_line_without_end_is_not_read_into_memory(woz: Woz, tmp_path: Path) -> None:
-    ran = woz(written(tmp_path, ALL, "x" * (2 * LONGEST), {"t": 5, **ALL}, "y" * LONGEST))
+    ran = woz(write_lines(tmp_path, ALL, "x" * (2 * LONGEST), {"t": 5, **ALL}, "y" * LONGEST))
     assert [row.get("bad") for row in ran.said] == [None, ["line"], None, ["line"]]
     assert "samples.jsonl:2: the line is longer than" in ran.err
 
 
 def test_numbers_that_json_does_not_have(woz: Woz, tmp_path: Path) -> None:
     lines = ['{"t": 0, "distance": NaN}', '{"t": 1, "distance": Infinity, "presence": 1e999}']
-    ran = woz(written(tmp_path, *lines, '{"t": 2, "presence": 1, "presence": 0, "id": "\\ud800"}'))
+    ran = woz(
+        write_lines(tmp_path, *lines, '{"t": 2, "presence": 1, "presence": 0, "id": "\\ud800"}')
+    )
     assert ran.code == 0
     assert [row.get("bad") for row in ran.said] == [None, ["presence"], ["id"]]
 
 
 def test_names_keep_their_letters(woz: Woz, tmp_path: Path) -> None:
-    ran = woz(written(tmp_path, b'\xef\xbb\xbf{"id": "Zo\xc3\xab"}'), "--samples", 1)
+    ran = woz(write_lines(tmp_path, b'\xef\xbb\xbf{"id": "Zo\xc3\xab"}'), "--samples", 1)
     assert ran.column("id") == ["Zoë"]
 
 
 def test_a_sign_that_never_comes_is_hinted_at(woz: Woz, tmp_path: Path) -> None:
-    ran = woz(written(tmp_path, {"presence": 1, "gaze": None}, {"rms": 3000}))
+    ran = woz(write_lines(tmp_path, {"presence": 1, "gaze": None}, {"rms": 3000}))
     assert "no line gave gaze or distance" in ran.err
     assert "1 values of rms lie above 1" in ran.err
-    assert woz(written(tmp_path, {"presence": 1}), "--signs", "presence").err == ""
+    assert woz(write_lines(tmp_path, {"presence": 1}), "--signs", "presence").err == ""
 
 
 # -- settings -----------------------------------------------------------------------------------
@@ -155,29 +159,29 @@ def test_a_sign_that_never_comes_is_hinted_at(woz: Woz, tmp_path: Path) -> None:
 
 def test_places_and_threshold(woz: Woz, tmp_path: Path) -> None:
     """E2; seven tenths of ten are seven, not eight."""
-    file = written(tmp_path, *rows(ALL, count=12))
+    file = write_lines(tmp_path, *rows(ALL, count=12))
     ran = woz(file, "--samples", 10, "--threshold", "0.7")
     assert ran.column("presence") == [0] * 6 + [1] * 6
 
 
 def test_the_other_options(woz: Woz, tmp_path: Path) -> None:
-    file = written(tmp_path, *rows(ALL, count=3))
+    file = write_lines(tmp_path, *rows(ALL, count=3))
     assert woz(file, "--start-up", "partial").column("presence") == [1, 1, 1]
     assert woz(file, "--start-up", "hold").column("presence") == [None] * 3
     assert woz(file, "--samples", 1, "--social-distance", 0.5).column("distance") == [0] * 3
     assert woz(file, "--samples", 1, "--signs", "presence,gaze").outcomes == [
         *("human_presence", "recognized"),
     ]
-    even = written(tmp_path, *rows({"distance": 0.9}, {"distance": 3.0}, count=4))
+    even = write_lines(tmp_path, *rows({"distance": 0.9}, {"distance": 3.0}, count=4))
     assert woz(even).column("distance")[-1] == 1
     assert woz(even, "--filter", "median").column("distance")[-1] == 0
     assert woz(file, "--filter", "joint").code == 0
-    gap = written(tmp_path, {"t": 0, **ALL}, {"t": 1.5})
+    gap = write_lines(tmp_path, {"t": 0, **ALL}, {"t": 1.5})
     assert woz(gap, "--samples", 1).column("presence") == [1, 0]
     assert woz(gap, "--samples", 1, "--stale", 1.5).column("presence") == [1, 1]
-    assert woz(written(tmp_path, {}, {}), "--rate", 5).column("t") == [0.0, 0.2]
+    assert woz(write_lines(tmp_path, {}, {}), "--rate", 5).column("t") == [0.0, 0.2]
     speech = rows(ALL, ALL, {**ALL, "rms": 2500})
-    assert woz(written(tmp_path, *speech), "--samples", 1, "--loud", 2400).outcomes[-1] == (
+    assert woz(write_lines(tmp_path, *speech), "--samples", 1, "--loud", 2400).outcomes[-1] == (
         "listening"
     )
 
@@ -185,7 +189,7 @@ def test_the_other_options(woz: Woz, tmp_path: Path) -> None:
 def test_an_experiments_settings_and_options_above_them(woz: Woz, tmp_path: Path) -> None:
     experiment = tmp_path / "experiment.yaml"
     experiment.write_text(EXPERIMENT, encoding="utf-8")
-    file = written(tmp_path, *rows(ALL, count=6))
+    file = write_lines(tmp_path, *rows(ALL, count=6))
     ran = woz(file, "--experiment", experiment)
     assert ran.column("presence") == [None, None, 1, 1, 1, 1]
     assert ran.column("gaze") == [None] * 4 + [1, 1]
@@ -227,7 +231,7 @@ def test_an_experiments_settings_and_options_above_them(woz: Woz, tmp_path: Path
 def test_options_out_of_range_are_refused(
     woz: Woz, tmp_path: Path, words: list[str], told: str
 ) -> None:
-    ran = woz(written(tmp_path, ALL), *words)
+    ran = woz(write_lines(tmp_path, ALL), *words)
     assert (ran.code, ran.said) == (2, [])
     assert told in ran.err
 
@@ -240,7 +244,7 @@ def test_files_that_cannot_be_read(woz: Woz, tmp_path: Path) -> None:
     ran = woz()
     assert ran.code == 2
     assert "name a file" in ran.err
-    assert woz(written(tmp_path, ALL), "--experiment", tmp_path / "none.yaml").code == 1
+    assert woz(write_lines(tmp_path, ALL), "--experiment", tmp_path / "none.yaml").code == 1
 
 
 def test_an_empty_file_says_nothing(woz: Woz, tmp_path: Path) -> None:

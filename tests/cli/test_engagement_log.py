@@ -112,22 +112,22 @@ def settings() -> EngagementSettings:
 
 def test_with_the_same_settings_the_path_is_the_same(log: Path) -> None:
     """E5: what the session has logged comes out again, every reason and verdict included."""
-    found = rerun(log, settings(), Damage())
-    assert len(found.recorded) > 20
-    assert path_of(found.computed) == path_of(found.recorded)
-    assert all(pair.sign == SAME for pair in paired(found.recorded, found.computed))
+    log_rerun = rerun(log, settings(), Damage())
+    assert len(log_rerun.recorded) > 20
+    assert path_of(log_rerun.computed) == path_of(log_rerun.recorded)
+    assert all(pair.sign == SAME for pair in paired(log_rerun.recorded, log_rerun.computed))
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_whatever_the_wizard_does_the_path_is_the_same(tmp_path: Path, seed: int) -> None:
     """E7: overrides, forced states, the stop, filters set while running, the file edited, too."""
     path = run_virtual(_recorded(tmp_path, seed))
-    found = rerun(path, None, Damage())
-    assert found.again is not None
-    assert len(found.again.settings_at) > 2
-    assert len(found.recorded) > 20
-    assert any(change.forced for change in found.recorded)
-    assert path_of(found.computed) == path_of(found.recorded)
+    log_rerun = rerun(path, None, Damage())
+    assert log_rerun.again is not None
+    assert len(log_rerun.again.settings_at) > 2
+    assert len(log_rerun.recorded) > 20
+    assert any(change.forced for change in log_rerun.recorded)
+    assert path_of(log_rerun.computed) == path_of(log_rerun.recorded)
 
 
 def test_lines_have_the_fields_of_rows(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -224,9 +224,9 @@ def test_a_torn_log_is_read_as_far_as_it_goes(log: Path, tmp_path: Path) -> None
     samples = log.with_name(log.name.replace(".jsonl", ".samples.jsonl"))
     (tmp_path / samples.name).write_bytes(samples.read_bytes())
     damage = Damage()
-    found = rerun(torn, settings(), damage)
+    log_rerun = rerun(torn, settings(), damage)
     assert damage.sentences()
-    assert path_of(found.computed)[:5] == path_of(found.recorded)[:5]
+    assert path_of(log_rerun.computed)[:5] == path_of(log_rerun.recorded)[:5]
 
 
 def change(t: float, was: str, now: str) -> Transition:
@@ -282,6 +282,6 @@ def test_samples_whose_sensor_is_no_name_are_passed_over(log: Path, tmp_path: Pa
         lines[place] = json.dumps(odd).encode()
     (tmp_path / name).write_bytes(b"\n".join(lines) + b"\n")
     (tmp_path / log.name).write_bytes(log.read_bytes())
-    found = rerun(tmp_path / log.name, None, Damage())
-    assert len(found.computed) > 20
-    assert found.sensors <= {"presence", "gaze", "distance", "identity", "loudness"}
+    log_rerun = rerun(tmp_path / log.name, None, Damage())
+    assert len(log_rerun.computed) > 20
+    assert log_rerun.sensors <= {"presence", "gaze", "distance", "identity", "loudness"}

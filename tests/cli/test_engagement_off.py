@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
-from tests.replay.again import written
-from tests.replay.test_plan import LOG, START
+from tests.replay.rerun_rig import write_log
+from tests.replay.test_rerun_plan import LOG, START
 from woz_tui import cli
 from woz_tui.cli.engagement_compare import engaged_share
 from woz_tui.cli.engagement_log import RecordedModel, rerun
@@ -28,32 +28,32 @@ GONE = m.EngagementAdopted(settings={})
 
 def switched(at: float, run: str) -> list[Timed]:
     name = f"c{at}"
-    asked = m.Command(
+    command = m.Command(
         command=name, verb="engagement", args={"run": run}, driver="engagement", source="key"
     )
     done = m.Done(command=name, driver="engagement", sent={"run": run}, latency_us=0, duration_us=0)
-    return [(at, asked), (at, done)]
+    return [(at, command), (at, done)]
 
 
-def moved(at: float, was: str, now: str) -> Timed:
+def engagement_changed(at: float, was: str, now: str) -> Timed:
     return at, m.EngagementChanged(was=was, now=now, outcome="x", why="", verdicts={})
 
 
 def visit(*more: Timed) -> list[Timed]:
     """Engaged from 20 to 70 of 100 seconds, as the log says."""
     course = [
-        moved(20, "Wait", "EngagedWithUnknown"),
+        engagement_changed(20, "Wait", "EngagedWithUnknown"),
         *more,
-        moved(70, "EngagedWithUnknown", "Wait"),
+        engagement_changed(70, "EngagedWithUnknown", "Wait"),
         (100, m.SessionEnd(reason="wizard")),
     ]
     return sorted(course, key=lambda each: each[0])
 
 
-def compared(
+def run_comparison(
     folder: Path, capsys: pytest.CaptureFixture[str], *messages: Timed
 ) -> tuple[dict[str, m.Json], str]:
-    path = written(folder / LOG, [(0, START), *messages])
+    path = write_log(folder / LOG, [(0, START), *messages])
     assert cli.main(["engagement", str(path), "--compare"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     figures = rerun(path, None, Damage())
@@ -64,7 +64,7 @@ def compared(
 
 def test_time_off_is_counted_apart(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     off = [*switched(40, "off"), *switched(60, "run")]
-    figures, text = compared(tmp_path, capsys, (0, ADOPTED), *visit(*off))
+    figures, text = run_comparison(tmp_path, capsys, (0, ADOPTED), *visit(*off))
     assert figures["engaged_recorded"] == 30 / 80
     assert (figures["off_recorded"], figures["off_computed"]) == (20.0, 20.0)
     assert "model off or missing: 20.0 s recorded, 20.0 s computed" in text
@@ -74,7 +74,7 @@ def test_time_off_is_counted_apart(tmp_path: Path, capsys: pytest.CaptureFixture
 def test_nothing_is_said_of_a_model_that_was_never_off(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    figures, text = compared(tmp_path, capsys, (0, ADOPTED), *visit())
+    figures, text = run_comparison(tmp_path, capsys, (0, ADOPTED), *visit())
     assert (figures["engaged_recorded"], figures["off_recorded"]) == (0.5, 0.0)
     assert "model off or missing" not in text
 
@@ -82,12 +82,12 @@ def test_nothing_is_said_of_a_model_that_was_never_off(
 def test_one_that_is_gone_begins_anew(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     course = [
         (0.0, ADOPTED),
-        moved(20, "Wait", "EngagedWithUnknown"),
+        engagement_changed(20, "Wait", "EngagedWithUnknown"),
         (40.0, GONE),
         (50.0, ADOPTED),
         (100.0, m.SessionEnd(reason="wizard")),
     ]
-    figures, _ = compared(tmp_path, capsys, *course)
+    figures, _ = run_comparison(tmp_path, capsys, *course)
     assert (figures["engaged_recorded"], figures["off_recorded"]) == (round(20 / 90, 4), 10.0)
 
 
@@ -95,7 +95,9 @@ def test_one_that_is_never_on_has_no_share(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     start = m.EngagementAdopted(settings=settings_to_json(EngagementSettings(start="off")))
-    figures, text = compared(tmp_path, capsys, (0, start), (100, m.SessionEnd(reason="wizard")))
+    figures, text = run_comparison(
+        tmp_path, capsys, (0, start), (100, m.SessionEnd(reason="wizard"))
+    )
     assert figures["engaged_recorded"] is None
     assert figures["engaged_computed"] is None
     assert "engaged: ? of the time" in text
@@ -112,18 +114,18 @@ STEPS = st.one_of(
 @given(st.lists(st.tuples(st.integers(1, 20), STEPS), max_size=12))
 def test_the_share_is_the_reports(steps: list[tuple[int, str | m.AnyMessage]]) -> None:
     """Whatever a log tells, both rooms read it alike."""
-    it = ExampleSession().add(0, ADOPTED)
+    session = ExampleSession().add(0, ADOPTED)
     at, state = 0, "Wait"
     for pause, what in steps:
         at += pause
         if not isinstance(what, str):
-            it.add(at, what)
+            session.add(at, what)
             if isinstance(what, m.EngagementAdopted):
                 state = state if what.settings and state else "Wait" if what.settings else ""
         elif state:  # where no model is, nothing moves
-            it.state(at, state, what)
+            session.state(at, state, what)
             state = what
-    messages = in_time(it.end(at + 5))
+    messages = in_time(session.end(at + 5))
     then = RecordedModel(present=False, on=True)
     path: list[Transition] = []
     for message in messages:

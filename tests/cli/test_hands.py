@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
-from tests.drivers.heard import PATIENCE_S
+from tests.drivers.published_messages import PATIENCE_S
 from tests.fakes.joystick import Joystick
-from tests.host.rig import Served
+from tests.host.rig import ServedSession
 from tests.host.test_controls import session
 from woz_tui.cli import hands, main
 from woz_tui.drivers import plugins
@@ -30,7 +30,7 @@ from woz_tui.testing import until
 SSH = '#!/bin/sh\nfor last; do :; done\nexec sh -c "$last"\n'
 
 
-class Program:
+class HandsProgram:
     """`woz hands` under way."""
 
     def __init__(self, process: Process) -> None:
@@ -49,7 +49,7 @@ class Program:
 
 
 @asynccontextmanager
-async def program(folder: Path, *arguments: str) -> AsyncIterator[Program]:
+async def program(folder: Path, *arguments: str) -> AsyncIterator[HandsProgram]:
     """Start it; it is ended afterwards."""
     (folder / "bin").mkdir(exist_ok=True)
     ssh = folder / "bin" / "ssh"
@@ -65,7 +65,7 @@ async def program(folder: Path, *arguments: str) -> AsyncIterator[Program]:
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
-        yield Program(process)
+        yield HandsProgram(process)
     finally:
         with contextlib.suppress(ProcessLookupError):
             process.send_signal(signal.SIGINT)
@@ -75,7 +75,7 @@ async def program(folder: Path, *arguments: str) -> AsyncIterator[Program]:
             await process.wait()
 
 
-def by_ssh(place: Served) -> tuple[str, ...]:
+def by_ssh(place: ServedSession) -> tuple[str, ...]:
     """Arguments for a session on another computer."""
     return ("--to", "robot", "--woz", f"{sys.executable} -m woz_tui", str(place.path))
 
@@ -88,19 +88,19 @@ async def test_a_gamepad_plays_and_drives_until_its_program_is_killed(
     async with session(tmp_path) as (place, reader):
         reader.leave()
         words = by_ssh(place) if far else (str(place.path),)
-        async with program(tmp_path, *words, "--device", str(pad.port)) as it:
-            await it.says("south Hello")
+        async with program(tmp_path, *words, "--device", str(pad.port)) as hands_program:
+            await hands_program.says("south Hello")
             pad.press("south")
             asked = await place.published(lambda line: isinstance(line, m.ActionRequested))
             assert isinstance(asked, m.ActionRequested)
             assert (asked.action, asked.source) == ("Hello", "gamepad")
             pad.let_go("south")
             pad.press("west")
-            assert "locked" in await it.says("Locked: ")
+            assert "locked" in await hands_program.says("Locked: ")
             pad.push("left-stick-y", -1)
             pad.press("left-bumper")
             await place.published(lambda line: isinstance(line, m.Command) and line.verb == "drive")
-            it.process.kill()
+            hands_program.process.kill()
             halted = await place.published(lambda line: isinstance(line, m.StopPressed))
             assert isinstance(halted, m.StopPressed)
             assert halted.scope == "drive"
@@ -111,16 +111,16 @@ async def test_a_frozen_program_holds_nothing(tmp_path: Path) -> None:
     pad = Joystick(tmp_path / "js0")
     async with session(tmp_path, hold=2.0) as (place, reader):
         reader.leave()
-        async with program(tmp_path, *by_ssh(place), "--device", str(pad.port)) as it:
-            await it.says("south Hello")
+        async with program(tmp_path, *by_ssh(place), "--device", str(pad.port)) as hands_program:
+            await hands_program.says("south Hello")
             pad.push("left-stick-y", -1)
             pad.press("left-bumper")
             await place.published(lambda line: isinstance(line, m.Command) and line.verb == "drive")
-            it.process.send_signal(signal.SIGSTOP)
+            hands_program.process.send_signal(signal.SIGSTOP)
             halted = await place.published(lambda line: isinstance(line, m.StopPressed))
             assert isinstance(halted, m.StopPressed)
             assert "nothing was heard" in halted.source
-            it.process.send_signal(signal.SIGCONT)
+            hands_program.process.send_signal(signal.SIGCONT)
     pad.unplug()
 
 
@@ -128,12 +128,12 @@ async def test_the_end_of_the_session_is_its_end(tmp_path: Path) -> None:
     pad = Joystick(tmp_path / "js0")
     async with session(tmp_path) as (place, reader):
         reader.leave()
-        async with program(tmp_path, *by_ssh(place), "--device", str(pad.port)) as it:
-            await it.says("south Hello")
+        async with program(tmp_path, *by_ssh(place), "--device", str(pad.port)) as hands_program:
+            await hands_program.says("south Hello")
             await place.session.close("test", rest=False)
             await place.host.close()
-            await it.says("the session has ended")
-            assert await it.process.wait() == 0
+            await hands_program.says("the session has ended")
+            assert await hands_program.process.wait() == 0
     pad.unplug()
 
 
@@ -188,23 +188,23 @@ async def test_devices_that_cannot_be_read_any_more_end_it(
 
 
 async def test_without_a_session_it_says_so_and_ends(tmp_path: Path) -> None:
-    async with program(tmp_path, str(tmp_path / "nobody")) as it:
-        await it.says("no session is running")
-        assert await it.process.wait() == 1
+    async with program(tmp_path, str(tmp_path / "nobody")) as hands_program:
+        await hands_program.says("no session is running")
+        assert await hands_program.process.wait() == 1
     far = ("--to", "robot", "--woz", f"{sys.executable} -m woz_tui", str(tmp_path / "nobody"))
-    async with program(tmp_path, *far) as it:
-        await it.says("no session is running")
-        await it.says("no session answered")
-        assert await it.process.wait() == 1
+    async with program(tmp_path, *far) as hands_program:
+        await hands_program.says("no session is running")
+        await hands_program.says("no session answered")
+        assert await hands_program.process.wait() == 1
 
 
 async def test_it_shows_the_names_of_controls(tmp_path: Path) -> None:
     pad = Joystick(tmp_path / "js0")
-    async with program(tmp_path, "--show", "--device", str(pad.port)) as it:
-        await it.says("gamepad")
+    async with program(tmp_path, "--show", "--device", str(pad.port)) as hands_program:
+        await hands_program.says("gamepad")
         pad.press("north")
-        await it.says("north 1")
+        await hands_program.says("north 1")
         pad.push("left-stick-y", -1)
-        await it.says("left-stick-y 1")
+        await hands_program.says("left-stick-y 1")
         pad.unplug()
-        await it.says("gone")
+        await hands_program.says("gone")

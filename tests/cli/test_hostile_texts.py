@@ -16,7 +16,7 @@ import pytest
 from tests.analysis.example_sessions import ExampleSession
 from tests.cli.test_report import session
 from tests.export.logs import Timed, visit
-from tests.fakes.hostile import HOSTILE, MARKUP, OBEYED, hostile
+from tests.fakes.hostile_texts import HOSTILE, MARKUP, OBEYED, hostile
 from tests.protocol import examples
 from woz_tui.cli import main
 from woz_tui.protocol import codec
@@ -42,7 +42,7 @@ panels:
 """.replace(" H", f" {json.dumps(HOSTILE)[1:-1]}")
 
 
-def written(folder: Path, messages: Iterable[m.AnyMessage], stem: str) -> Path:
+def write_log(folder: Path, messages: Iterable[m.AnyMessage], stem: str) -> Path:
     path = folder / f"{stem}.jsonl"
     lines = [json.loads(codec.encode(message)) for message in messages]
     for number, line in enumerate(lines):
@@ -70,10 +70,10 @@ def logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "recordings"
     folder.mkdir()
     note = ExampleSession().add(1, m.Note(text="laughs")).add(2, m.Marker(text="unclear")).end(3)
-    written(folder, session().messages, "2026-03-01T10-00-00_P07_S01")
-    written(folder, timed(visit()), "2026-03-01T11-00-00_P08_S02")
-    written(folder, examples.messages(), "2026-03-01T12-00-00_P09_S03")
-    written(folder, note.messages, "2026-03-01T13-00-00_P10_S04")
+    write_log(folder, session().messages, "2026-03-01T10-00-00_P07_S01")
+    write_log(folder, timed(visit()), "2026-03-01T11-00-00_P08_S02")
+    write_log(folder, examples.messages(), "2026-03-01T12-00-00_P09_S03")
+    write_log(folder, note.messages, "2026-03-01T13-00-00_P10_S04")
     (tmp_path / "e.yaml").write_text(EXPERIMENT, encoding="utf-8")
     return folder
 

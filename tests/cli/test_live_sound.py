@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import WAIT_S, Served, served
+from tests.host.rig import WAIT_S, ServedSession, served_session
 from tests.host.test_live_sound import RATE, WORD, loudspeaker, microphone, now
 from woz_tui.drivers.sound_feeds import LISTENED, SoundListened, SoundReader, SoundWindow
 from woz_tui.host import sound_service
@@ -26,10 +26,10 @@ from woz_tui.protocol.requests import Welcome
 WOZ = (sys.executable, "-m", "woz_tui")
 
 
-class Bench:
+class LiveSoundRig:
     """A served session, and commands beside it."""
 
-    def __init__(self, host: Served) -> None:
+    def __init__(self, host: ServedSession) -> None:
         self.host = host
         self.begun: list[Process] = []
 
@@ -71,11 +71,11 @@ def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-async def bench(tmp_path: Path) -> AsyncIterator[Bench]:
-    async with served(tmp_path) as host:
-        made = Bench(host)
-        yield made
-        for running in made.begun:
+async def sound_rig(tmp_path: Path) -> AsyncIterator[LiveSoundRig]:
+    async with served_session(tmp_path) as host:
+        rig = LiveSoundRig(host)
+        yield rig
+        for running in rig.begun:
             with contextlib.suppress(ProcessLookupError):
                 running.kill()
             await running.wait()
@@ -84,21 +84,23 @@ async def bench(tmp_path: Path) -> AsyncIterator[Bench]:
 # -- listening ---------------------------------------------------------------------------------
 
 
-async def heard(bench: Bench, window: SoundWindow, running: Process, size: int) -> bytes:
+async def received_sound(
+    rig: LiveSoundRig, window: SoundWindow, running: Process, size: int
+) -> bytes:
     """What is written first; words are said until then, because what comes late is dropped."""
     assert running.stdout is not None
     hearing = asyncio.ensure_future(running.stdout.readexactly(size))
     while not hearing.done():
-        window.add(WORD, now(bench.host))
+        window.add(WORD, now(rig.host))
         await asyncio.sleep(0.01)
     return await hearing
 
 
-async def test_the_microphone_on_standard_output_as_wav(bench: Bench) -> None:
-    window = microphone(bench.host)
-    running = await bench.woz("listen", stdout=PIPE)
-    await bench.wanted()
-    written = await heard(bench, window, running, 44 + 640)
+async def test_the_microphone_on_standard_output_as_wav(sound_rig: LiveSoundRig) -> None:
+    window = microphone(sound_rig.host)
+    running = await sound_rig.woz("listen", stdout=PIPE)
+    await sound_rig.wanted()
+    written = await received_sound(sound_rig, window, running, 44 + 640)
     head, word = written[:44], written[44:]
     assert word == WORD
     with wave.open(io.BytesIO(head)) as file:
@@ -106,23 +108,25 @@ async def test_the_microphone_on_standard_output_as_wav(bench: Bench) -> None:
     assert f"{RATE} Hz" in await line_with(running, "delay")
 
 
-async def test_bare_samples(bench: Bench) -> None:
-    window = microphone(bench.host)
-    running = await bench.woz("listen", "--format", "raw", stdout=PIPE)
-    await bench.wanted()
-    assert await heard(bench, window, running, 640) == WORD
+async def test_bare_samples(sound_rig: LiveSoundRig) -> None:
+    window = microphone(sound_rig.host)
+    running = await sound_rig.woz("listen", "--format", "raw", stdout=PIPE)
+    await sound_rig.wanted()
+    assert await received_sound(sound_rig, window, running, 640) == WORD
 
 
-async def test_who_takes_nothing_loses_sound_and_hears_the_newest_later(bench: Bench) -> None:
-    window = microphone(bench.host)
+async def test_who_takes_nothing_loses_sound_and_hears_the_newest_later(
+    sound_rig: LiveSoundRig,
+) -> None:
+    window = microphone(sound_rig.host)
     reading, writing = os.pipe()
-    running = await bench.woz("listen", "--format", "raw", stdout=writing)
+    running = await sound_rig.woz("listen", "--format", "raw", stdout=writing)
     os.close(writing)
-    await bench.wanted()
+    await sound_rig.wanted()
     told = asyncio.ensure_future(line_with(running, "nobody takes"))
     spoken = 0
     while not told.done():
-        window.add((spoken % 30_000).to_bytes(2, "little") * 320, now(bench.host))
+        window.add((spoken % 30_000).to_bytes(2, "little") * 320, now(sound_rig.host))
         spoken += 1
         await asyncio.sleep(0.005)
     await told
@@ -133,7 +137,7 @@ async def test_who_takes_nothing_loses_sound_and_hears_the_newest_later(bench: B
     while last not in (bytes(rest[-2:]),):
         taken = asyncio.ensure_future(asyncio.to_thread(os.read, reading, 1 << 16))
         while not taken.done():  # again and again: what a busy machine holds back is dropped
-            window.add(last * 320, now(bench.host))
+            window.add(last * 320, now(sound_rig.host))
             await asyncio.sleep(0.01)
         rest += await taken
     assert len(rest) < 40_000, "what was said meanwhile is not made up for"
@@ -141,39 +145,41 @@ async def test_who_takes_nothing_loses_sound_and_hears_the_newest_later(bench: B
     assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
 
 
-async def test_a_closed_pipe_ends_it_though_nobody_speaks(bench: Bench) -> None:
-    microphone(bench.host)
+async def test_a_closed_pipe_ends_it_though_nobody_speaks(sound_rig: LiveSoundRig) -> None:
+    microphone(sound_rig.host)
     reading, writing = os.pipe()
-    running = await bench.woz("listen", stdout=writing)
+    running = await sound_rig.woz("listen", stdout=writing)
     os.close(writing)
-    await bench.wanted()
+    await sound_rig.wanted()
     os.close(reading)
     assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
-    await bench.host.published(lambda line: isinstance(line, m.ListenerLeft))
+    await sound_rig.host.published(lambda line: isinstance(line, m.ListenerLeft))
 
 
-async def test_a_microphone_that_is_pulled_out_is_told_and_is_heard_again(bench: Bench) -> None:
-    window = microphone(bench.host)
-    running = await bench.woz("listen", "--format", "raw", stdout=PIPE)
-    await bench.wanted()
+async def test_a_microphone_that_is_pulled_out_is_told_and_is_heard_again(
+    sound_rig: LiveSoundRig,
+) -> None:
+    window = microphone(sound_rig.host)
+    running = await sound_rig.woz("listen", "--format", "raw", stdout=PIPE)
+    await sound_rig.wanted()
     assert "robot" in await line_with(running, "no sound")
-    assert await heard(bench, window, running, 640) == WORD
+    assert await received_sound(sound_rig, window, running, 640) == WORD
     await line_with(running, "delay")
 
 
-async def test_the_end_of_the_session_ends_it(bench: Bench) -> None:
-    microphone(bench.host)
-    running = await bench.woz("listen", stdout=PIPE)
-    await bench.wanted()
-    await bench.host.session.close("test", rest=False)
-    await bench.host.host.close()
+async def test_the_end_of_the_session_ends_it(sound_rig: LiveSoundRig) -> None:
+    microphone(sound_rig.host)
+    running = await sound_rig.woz("listen", stdout=PIPE)
+    await sound_rig.wanted()
+    await sound_rig.host.session.close("test", rest=False)
+    await sound_rig.host.host.close()
     _, said = await asyncio.wait_for(running.communicate(), WAIT_S)
     assert running.returncode == 0
     assert b"the session has ended" in said
 
 
-async def test_a_session_without_a_microphone_is_told(bench: Bench) -> None:
-    running = await bench.woz("listen", stdout=PIPE)
+async def test_a_session_without_a_microphone_is_told(sound_rig: LiveSoundRig) -> None:
+    running = await sound_rig.woz("listen", stdout=PIPE)
     _, said = await asyncio.wait_for(running.communicate(), WAIT_S)
     assert running.returncode == 1
     assert b"no driver of this session has a microphone" in said
@@ -258,9 +264,9 @@ def late(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("late")
 @pytest.mark.parametrize("header", [True, False])
-async def test_a_voice_from_standard_input(bench: Bench, header: bool) -> None:
-    reader = loudspeaker(bench.host, on=True)
-    running = await bench.woz("talk", stdin=PIPE)
+async def test_a_voice_from_standard_input(sound_rig: LiveSoundRig, header: bool) -> None:
+    reader = loudspeaker(sound_rig.host, on=True)
+    running = await sound_rig.woz("talk", stdin=PIPE)
     assert running.stdin is not None
     if header:
         running.stdin.write(wav(WORD))
@@ -273,9 +279,9 @@ async def test_a_voice_from_standard_input(bench: Bench, header: bool) -> None:
     assert await asyncio.wait_for(running.wait(), WAIT_S) == 0
 
 
-async def test_that_it_is_switched_off_is_told(bench: Bench) -> None:
-    reader = loudspeaker(bench.host)
-    running = await bench.woz("talk", stdin=PIPE)
+async def test_that_it_is_switched_off_is_told(sound_rig: LiveSoundRig) -> None:
+    reader = loudspeaker(sound_rig.host)
+    running = await sound_rig.woz("talk", stdin=PIPE)
     await say(running, WORD, reader)
     assert "talk" in await line_with(running, "off")
 
@@ -283,15 +289,15 @@ async def test_that_it_is_switched_off_is_told(bench: Bench) -> None:
 @pytest.mark.usefixtures("late")
 @pytest.mark.parametrize("piped", [False, True])
 async def test_a_recording_comes_whole_and_in_time(
-    bench: Bench, tmp_path: Path, piped: bool
+    sound_rig: LiveSoundRig, tmp_path: Path, piped: bool
 ) -> None:
     """Longer than a piece may be, and than what waits of somebody who speaks."""
-    reader = loudspeaker(bench.host, on=True)
+    reader = loudspeaker(sound_rig.host, on=True)
     file = tmp_path / "voice.wav"
     pcm = b"".join(bytes([n, n]) * 320 for n in range(60))
     file.write_bytes(wav(pcm))
     with file.open("rb") as voice:
-        running = await bench.woz("talk", stdin=PIPE if piped else voice)
+        running = await sound_rig.woz("talk", stdin=PIPE if piped else voice)
         if running.stdin is not None:  # as through ssh, which sends all of it at once
             running.stdin.write(file.read_bytes())
             running.stdin.close()
@@ -300,9 +306,11 @@ async def test_a_recording_comes_whole_and_in_time(
 
 
 @pytest.mark.parametrize(("rate", "channels"), [(44_100, 1), (RATE, 2)])
-async def test_another_kind_of_sound_is_refused(bench: Bench, rate: int, channels: int) -> None:
-    reader = loudspeaker(bench.host, on=True)
-    running = await bench.woz("talk", stdin=PIPE)
+async def test_another_kind_of_sound_is_refused(
+    sound_rig: LiveSoundRig, rate: int, channels: int
+) -> None:
+    reader = loudspeaker(sound_rig.host, on=True)
+    running = await sound_rig.woz("talk", stdin=PIPE)
     _, said = await asyncio.wait_for(running.communicate(wav(WORD, rate, channels)), WAIT_S)
     assert running.returncode == 1
     assert f"arecord -f S16_LE -c 1 -r {RATE}".encode() in said
@@ -310,10 +318,10 @@ async def test_another_kind_of_sound_is_refused(bench: Bench, rate: int, channel
 
 
 async def test_a_robot_process_that_stands_still_costs_sound_and_nothing_is_late(
-    bench: Bench,
+    sound_rig: LiveSoundRig,
 ) -> None:
-    reader = loudspeaker(bench.host, on=True)
-    running = await bench.woz("talk", stdin=PIPE)
+    reader = loudspeaker(sound_rig.host, on=True)
+    running = await sound_rig.woz("talk", stdin=PIPE)
     assert running.stdin is not None
     await say(running, WORD, reader)
     transport = running.stdin.transport
@@ -335,9 +343,9 @@ async def test_a_robot_process_that_stands_still_costs_sound_and_nothing_is_late
     assert await line_with(running, "dropped here")
 
 
-async def test_nothing_on_standard_input_is_told(bench: Bench) -> None:
-    loudspeaker(bench.host)
-    running = await bench.woz("talk", stdin=DEVNULL)
+async def test_nothing_on_standard_input_is_told(sound_rig: LiveSoundRig) -> None:
+    loudspeaker(sound_rig.host)
+    running = await sound_rig.woz("talk", stdin=DEVNULL)
     _, said = await asyncio.wait_for(running.communicate(), WAIT_S)
     assert running.returncode == 1
     assert b"standard input" in said

@@ -18,13 +18,13 @@ from woz_tui.drivers import plugins
 ROOT = Path(__file__).parents[2]
 
 
-def made(path: Path, *options: str, ask: Callable[[str], str] | None = None) -> int:
+def run_new(path: Path, *options: str, ask: Callable[[str], str] | None = None) -> int:
     parser = argparse.ArgumentParser()
     new.add(parser)
     return new.new(parser.parse_args([str(path), *options]), plugins.installed(), ask)
 
 
-def read(path: Path) -> Experiment:
+def read_experiment(path: Path) -> Experiment:
     return load(path, plugins.installed())
 
 
@@ -36,8 +36,8 @@ def test_every_template_is_right_without_a_warning(
     tmp_path: Path, template: str, options: tuple[str, ...]
 ) -> None:
     path = tmp_path / "e.yaml"
-    assert made(path, "--template", template, *options) == 0
-    experiment = read(path)
+    assert run_new(path, "--template", template, *options) == 0
+    experiment = read_experiment(path)
     assert experiment.warnings == ()
     assert len(experiment.phases) == 3
     keys = [action.key for panel in experiment.panels for action in panel.actions]
@@ -55,7 +55,7 @@ def test_the_tutorial_tells_what_the_template_has(
 ) -> None:
     page = (ROOT / "docs" / "tutorials" / "interview.md").read_text(encoding="utf-8")
     assert "woz new talk.yaml --yes --conditions neutral,empathic\n" in page
-    assert made(tmp_path / "talk.yaml", "--yes", "--conditions", "neutral,empathic") == 0
+    assert run_new(tmp_path / "talk.yaml", "--yes", "--conditions", "neutral,empathic") == 0
     told = re.findall(r"\d+ actions on .*", capsys.readouterr().out)[0].rstrip(".")
     assert f"# {told}\n" in page
 
@@ -63,8 +63,8 @@ def test_the_tutorial_tells_what_the_template_has(
 def test_what_is_asked_for_stands_in_it(tmp_path: Path) -> None:
     path = tmp_path / "e.yaml"
     options = ("--conditions", "cold,warm", "--language", "de", "--keyboard", "fr")
-    assert made(path, *options, "--robot", "pepper") == 0
-    experiment = read(path)
+    assert run_new(path, *options, "--robot", "pepper") == 0
+    experiment = read_experiment(path)
     assert experiment.conditions == ("cold", "warm")
     assert (experiment.language, experiment.keyboard) == ("de", "fr")
     assert [spec.type for spec in experiment.drivers] == ["pepper"]
@@ -79,9 +79,9 @@ def test_what_no_option_says_is_asked(tmp_path: Path, capsys: pytest.CaptureFixt
         asked.append(question)
         return next(answers)
 
-    assert made(path, "--language", "fr", ask=ask) == 0
+    assert run_new(path, "--language", "fr", ask=ask) == 0
     assert len(asked) == 5  # one of them twice, and no language
-    experiment = read(path)
+    experiment = read_experiment(path)
     assert experiment.conditions == ("polite", "rude")
     assert (experiment.language, experiment.keyboard) == ("fr", "us")
     out = capsys.readouterr().out
@@ -95,7 +95,7 @@ def test_a_file_that_is_there_is_left_alone(
 ) -> None:
     path = tmp_path / "e.yaml"
     path.write_text("mine")
-    assert made(path) == 1
+    assert run_new(path) == 1
     assert path.read_text() == "mine"
     assert "is there already" in capsys.readouterr().err
 
@@ -121,7 +121,7 @@ def test_what_cannot_be_is_said_and_nothing_is_written(
     (tmp_path / "camera.yaml").write_text("drivers: {eye: {type: rangefinder, port: /dev/x}}\n")
     before = {*tmp_path.iterdir()}
     for file in ("e.yaml", "new/folder/e.yaml"):
-        assert made(tmp_path / file, *options) == 1
+        assert run_new(tmp_path / file, *options) == 1
         assert said in capsys.readouterr().err
         assert {*tmp_path.iterdir()} == before
 
@@ -129,11 +129,11 @@ def test_what_cannot_be_is_said_and_nothing_is_written(
 def test_what_is_in_the_way_is_named(tmp_path: Path) -> None:
     (tmp_path / "notes").write_text("a file")
     with pytest.raises(OSError, match=r"notes'$"):
-        made(tmp_path / "notes" / "e.yaml")
+        run_new(tmp_path / "notes" / "e.yaml")
 
 
 def test_free_play_has_no_conditions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert made(tmp_path / "e.yaml", "--free", "--conditions", "a,b") == 2
+    assert run_new(tmp_path / "e.yaml", "--free", "--conditions", "a,b") == 2
     assert "leave out --free" in capsys.readouterr().err
 
 
@@ -142,7 +142,7 @@ def test_a_robot_file_is_found_from_where_the_command_is_typed(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.yaml").write_text("drivers: {body: {type: simulated}}\n")
-    assert made(Path("sub/e.yaml"), "--robot", "mine.yaml") == 0
+    assert run_new(Path("sub/e.yaml"), "--robot", "mine.yaml") == 0
     assert "../mine.yaml" in (tmp_path / "sub" / "e.yaml").read_text()
 
 
@@ -150,7 +150,7 @@ def test_nobody_who_answers_any_more_writes_nothing(tmp_path: Path) -> None:
     def gone(question: str) -> str:
         raise EOFError
 
-    assert made(tmp_path / "e.yaml", ask=gone) == 1
+    assert run_new(tmp_path / "e.yaml", ask=gone) == 1
     assert not [*tmp_path.iterdir()]
 
 
@@ -163,22 +163,24 @@ def test_every_robot_is_offered_and_can_be_taken(tmp_path: Path) -> None:
         asked.append(question)
         return ""
 
-    assert made(tmp_path / "first.yaml", ask=ask) == 0
+    assert run_new(tmp_path / "first.yaml", ask=ask) == 0
     assert {"pepper", "simulated"} <= {*robots}
     for robot in robots:
         assert robot in asked[0]
-        assert made(tmp_path / f"{robot}.yaml", "--robot", robot) == 0
-        assert [spec.type for spec in read(tmp_path / f"{robot}.yaml").drivers] == [robot]
+        assert run_new(tmp_path / f"{robot}.yaml", "--robot", robot) == 0
+        assert [spec.type for spec in read_experiment(tmp_path / f"{robot}.yaml").drivers] == [
+            robot
+        ]
 
 
 def test_the_file_of_a_robot_comes_along(tmp_path: Path) -> None:
-    assert made(tmp_path / "a.yaml", "--robot", "turtlebot") == 0
+    assert run_new(tmp_path / "a.yaml", "--robot", "turtlebot") == 0
     own = tmp_path / "robots" / "turtlebot.yaml"
-    assert read(tmp_path / "a.yaml").files[1] == own
+    assert read_experiment(tmp_path / "a.yaml").files[1] == own
     own.write_text(own.read_text() + "# mine\n")
-    assert made(tmp_path / "b.yaml", "--robot", "turtlebot") == 0
+    assert run_new(tmp_path / "b.yaml", "--robot", "turtlebot") == 0
     assert own.read_text().endswith("# mine\n")
-    assert made(tmp_path / "c.yaml", "--robot", "eyepi") == 1  # its moves are in another folder
+    assert run_new(tmp_path / "c.yaml", "--robot", "eyepi") == 1  # its moves are in another folder
     assert [*own.parent.iterdir()] == [own]
     assert not (tmp_path / "c.yaml").exists()
 
@@ -188,9 +190,9 @@ def test_a_robot_of_a_type_knows_the_gestures_of_the_template(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], robot: str
 ) -> None:
     path = tmp_path / "e.yaml"
-    assert made(path, "--yes", "--robot", robot) == 0
+    assert run_new(path, "--yes", "--robot", robot) == 0
     assert f"{tmp_path / 'robots' / robot}.yaml" in capsys.readouterr().out
-    experiment = read(path)
+    experiment = read_experiment(path)
     assert experiment.warnings == ()
     played = {
         call.args["move"] for a in experiment.actions for call in a.calls if "move" in call.args

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.terminal import FakeTerminal
-from tests.motion.heads import EYEPI, FIVE
+from tests.motion.move_file_bodies import EYEPI, FIVE
 from woz_tui.cli import main
 from woz_tui.cli.keyboard_take import KeyboardTake, Keys, split_keys
 from woz_tui.motion.body_shape import BodyShape
@@ -189,7 +189,9 @@ class Hand:
         return found
 
 
-def performed(hand: Hand, shape: object = EYEPI, seconds: float = 10.0) -> tuple[bool, MoveLayer]:
+def perform_pass(
+    hand: Hand, shape: object = EYEPI, seconds: float = 10.0
+) -> tuple[bool, MoveLayer]:
     assert shape in (EYEPI, FIVE)
     body = FIVE if shape is FIVE else EYEPI
     puppeteer = Puppeteer(body, KeyframeMove("act", "", ()), "hand", 25)
@@ -205,7 +207,7 @@ def test_keys_move_roles_joints_eyes_and_moods() -> None:
     hand = Hand({
         1.5: b"\x1b[D\x1b[D", 2.0: b"\x1bOB", 2.5: b"\x1b[5~w", 3.0: b"4", 3.2: b"z", 4.0: b" ",
     })  # fmt: skip
-    kept, layer = performed(hand)
+    kept, layer = perform_pass(hand)
     assert kept and layer.samples is not None
     ends = {name: values[-1] for name, values in layer.samples.joints.items()}
     assert ends == {"pitch": 6, "top": 3, "middle": 6}
@@ -234,14 +236,14 @@ def test_the_help_names_the_keys_of_this_body_and_breaks_between_them(
 
 
 def test_a_role_is_shared_out_among_joints() -> None:
-    kept, layer = performed(Hand({1.5: b"\x1b[B", 3: b" "}), FIVE)
+    kept, layer = perform_pass(Hand({1.5: b"\x1b[B", 3: b" "}), FIVE)
     assert kept and layer.samples is not None
     assert {n: v[-1] for n, v in layer.samples.joints.items()} == {"neck": 1.2, "nod": 1.8}
 
 
 def test_the_take_begins_after_the_count_in_and_ends_with_its_time() -> None:
     hand = Hand({0.5: b"q ", 1.5: b"q"})
-    kept, layer = performed(hand, seconds=2)
+    kept, layer = perform_pass(hand, seconds=2)
     assert kept and layer.samples is not None
     assert layer.samples.joints["pitch"][-1] == 3, "what was before the take is its beginning"
     assert layer.samples.length == pytest.approx(2, abs=0.05)
@@ -251,11 +253,11 @@ def test_the_take_begins_after_the_count_in_and_ends_with_its_time() -> None:
 
 @pytest.mark.parametrize("key", [b"\x1b", b"\x03"])
 def test_escape_gives_up(key: bytes) -> None:
-    assert performed(Hand({1.5: b"q", 2: key}))[0] is False
+    assert perform_pass(Hand({1.5: b"q", 2: key}))[0] is False
 
 
 def test_keys_without_a_meaning_do_nothing() -> None:
-    kept, layer = performed(Hand({1.5: b"\x1b[15~\x1b[H\x00\xff-", 2: b"\r"}))
+    kept, layer = perform_pass(Hand({1.5: b"\x1b[15~\x1b[H\x00\xff-", 2: b"\r"}))
     assert kept and layer.samples is None and layer.frames == ()
 
 

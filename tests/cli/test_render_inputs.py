@@ -27,7 +27,7 @@ def calm(tmp_path: Path) -> Path:
     return file
 
 
-def written(folder: Path, *lines: object) -> Path:
+def write_inputs(folder: Path, *lines: object) -> Path:
     """A file of inputs."""
     file = folder / "inputs.jsonl"
     file.write_text(
@@ -59,7 +59,7 @@ def written(folder: Path, *lines: object) -> Path:
 def test_wrong_lines_are_told_with_their_place_and_nothing_is_printed(
     capsys: pytest.CaptureFixture[str], calm: Path, line: str, wrong: str | None
 ) -> None:
-    file = written(calm.parent, {"t": 0.5, "input": "blink"}, line)
+    file = write_inputs(calm.parent, {"t": 0.5, "input": "blink"}, line)
     code = main(["render", str(calm), "idle", "--seconds", "1", "--inputs", str(file)])
     out, err = capsys.readouterr()
     if wrong is None:
@@ -72,7 +72,7 @@ def test_wrong_lines_are_told_with_their_place_and_nothing_is_printed(
 
 def test_lenient_leaves_wrong_lines_out(capsys: pytest.CaptureFixture[str], calm: Path) -> None:
     pose = {"t": 0, "input": "pose", "joints": {"pitch": 20}}
-    file = written(calm.parent, "nonsense", pose)
+    file = write_inputs(calm.parent, "nonsense", pose)
     assert main(["render", str(calm), "idle", "--lenient", "--inputs", str(file)]) == 0
     out, err = capsys.readouterr()
     assert f"{file}:1: no JSON" in err
@@ -83,7 +83,7 @@ def test_lenient_leaves_wrong_lines_out(capsys: pytest.CaptureFixture[str], calm
 def test_refused_inputs_are_told_with_their_time_and_the_rest_goes_on(
     capsys: pytest.CaptureFixture[str], calm: Path
 ) -> None:
-    file = written(
+    file = write_inputs(
         calm.parent,
         {"t": 0.1, "input": "gaze", "yaw": "left"},
         '{"t":0.2,"input":"pose","joints":{"pitch":1e999}}',
@@ -102,7 +102,7 @@ def test_refused_inputs_are_told_with_their_time_and_the_rest_goes_on(
 def test_the_stop_freezes_and_the_release_lets_it_stir_again(
     capsys: pytest.CaptureFixture[str], calm: Path
 ) -> None:
-    file = written(
+    file = write_inputs(
         calm.parent,
         {"t": 0, "input": "pose", "joints": {"pitch": 50}, "seconds": 2},
         {"t": 1, "input": "freeze"},
@@ -122,7 +122,7 @@ def test_what_is_seen_turns_the_head(capsys: pytest.CaptureFixture[str], calm: P
     seen = [
         {"t": index / 10, "input": "seen", "x": 0.5, "y": 0.0, "size": 0.02} for index in range(10)
     ]
-    file = written(calm.parent, *seen)
+    file = write_inputs(calm.parent, *seen)
     assert main(["render", str(calm), "tracking", "--inputs", str(file), "--seconds", "1"]) == 0
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert lines[0]["mode"] == "normal"
@@ -143,7 +143,7 @@ def test_a_session_is_rendered_again_from_its_log(
     def said(kind: str, t: float, command: str) -> dict[str, object]:
         return {"kind": f"command.{kind}", "t": round(t * 1e6), "command": command}
 
-    file = written(
+    file = write_inputs(
         calm.parent,
         {"kind": "session.start", "t": 0, "session": "S01"},
         asked("c1", 0.2, "pose", joints={"pitch": 40}, seconds=1),
@@ -210,7 +210,7 @@ def test_a_wrong_robot_file_is_told_with_its_line(
 def test_what_is_taken_but_not_as_it_was_meant_is_told(
     capsys: pytest.CaptureFixture[str], calm: Path, tmp_path: Path
 ) -> None:
-    script = written(
+    script = write_inputs(
         tmp_path,
         {"t": 0, "input": "gaze", "x": -1, "y": 0, "z": 0.3},
         {"t": 1, "input": "pose", "joints": {"pitch": 90}, "seconds": 0.05},
@@ -241,7 +241,7 @@ def test_a_file_from_windows_is_read_like_any_other(
 def test_what_no_camera_can_see_is_told_and_changes_nothing(
     capsys: pytest.CaptureFixture[str], calm: Path, tmp_path: Path, value: object
 ) -> None:
-    script = written(tmp_path, {"t": 0.5, "input": "seen", "x": value, "y": 0, "size": 0.1})
+    script = write_inputs(tmp_path, {"t": 0.5, "input": "seen", "x": value, "y": 0, "size": 0.1})
     assert main(["render", str(calm), "tracking", "--inputs", str(script)]) == 0
     out, err = capsys.readouterr()
     assert "inputs.jsonl:1: seen refused: x must be -1 to 1, or null, not " in err
@@ -332,7 +332,7 @@ def test_a_log_whose_commands_have_no_names_is_told_or_read(
     capsys: pytest.CaptureFixture[str], calm: Path, odd: str
 ) -> None:
     kinds = ("requested", "dispatched", "refused")
-    file = written(
+    file = write_inputs(
         calm.parent, *(f'{{"kind":"command.{kind}","t":1,"command":{odd}}}' for kind in kinds)
     )
     assert main(["render", str(calm), "idle", "--inputs", str(file), "--seconds", "0"]) == 0
@@ -342,7 +342,7 @@ def test_a_log_whose_commands_have_no_names_is_told_or_read(
 def test_text_that_is_no_utf_8_is_told_with_its_place(
     capsys: pytest.CaptureFixture[str], calm: Path
 ) -> None:
-    file = written(calm.parent, {"t": 0, "input": "blink"})
+    file = write_inputs(calm.parent, {"t": 0, "input": "blink"})
     file.write_bytes(file.read_bytes() + b'{"t":0,"input":"\xff"}\n')
     assert main(["render", str(calm), "idle", "--inputs", str(file)]) == 2
     assert f"{file}:2: no UTF-8" in capsys.readouterr().err
@@ -351,7 +351,7 @@ def test_text_that_is_no_utf_8_is_told_with_its_place(
 def test_a_damaged_time_far_away_does_not_make_a_mode_last_for_ever(
     capsys: pytest.CaptureFixture[str], calm: Path
 ) -> None:
-    file = written(calm.parent, {"t": 1e12, "input": "blink"})
+    file = write_inputs(calm.parent, {"t": 1e12, "input": "blink"})
     words = ["render", str(calm), "tracking", "--rate", "1", "--inputs", str(file)]
     assert main(words) == 0
     out, err = capsys.readouterr()

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from tests.replay.logs import SECOND, START, story
-from tests.replay.test_opened import written
+from tests.replay.test_opened_log import write_log
 from woz_tui.cli import main, replay
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
@@ -46,10 +46,10 @@ def log(folder: Path, *, schema: int = 2) -> Path:
     )
     rest = [each for each in story()[1:] if schema > 1 or not isinstance(each, m.SessionPlan)]
     kept = msgspec.structs.replace(experiment_files(read), seq=900, t=1)
-    return written(folder, [start, *rest, *([kept] if schema > 1 else [])])
+    return write_log(folder, [start, *rest, *([kept] if schema > 1 else [])])
 
 
-def shown(path: Path, *words: str) -> ReplayFeed | None:
+def opened_feed(path: Path, *words: str) -> ReplayFeed | None:
     given = arguments(str(path), *words)
     with open_log(path) as index:
         return replay.replay_feed(index, path, given)
@@ -71,23 +71,23 @@ def test_without_a_terminal_it_refuses(
 
 
 def test_a_log_beside_its_experiment_is_shown(tmp_path: Path) -> None:
-    assert title(shown(log(tmp_path))) == ("Museum guide", ["Hello", "Go"])
+    assert title(opened_feed(log(tmp_path))) == ("Museum guide", ["Hello", "Go"])
 
 
 def test_an_old_log_shows_the_experiment_as_it_still_is(tmp_path: Path) -> None:
-    assert title(shown(log(tmp_path, schema=1))) == ("Guide", ["Hello", "Bye"])
+    assert title(opened_feed(log(tmp_path, schema=1))) == ("Guide", ["Hello", "Bye"])
 
 
 def test_an_old_log_without_its_experiment_shows_what_was_played(tmp_path: Path) -> None:
     path = log(tmp_path, schema=1)
     (tmp_path / "tale.yaml").unlink()
-    assert title(shown(path)) == ("tale", ["Hello", "Go"])
+    assert title(opened_feed(path)) == ("tale", ["Hello", "Go"])
 
 
 def test_an_experiment_that_is_gone_stands_against_nothing(tmp_path: Path) -> None:
     path = log(tmp_path)
     (tmp_path / "tale.yaml").unlink()
-    assert title(shown(path)) == ("Museum guide", ["Hello", "Go"])
+    assert title(opened_feed(path)) == ("Museum guide", ["Hello", "Go"])
 
 
 def test_a_changed_experiment_is_refused_with_what_has_changed(
@@ -96,13 +96,13 @@ def test_a_changed_experiment_is_refused_with_what_has_changed(
     path = log(tmp_path)
     file = tmp_path / "tale.yaml"
     file.write_text(GUIDE.replace("say: Bye", "say: Goodbye"), encoding="utf-8")
-    assert shown(path) is None
+    assert opened_feed(path) is None
     said = capsys.readouterr().err
     assert "tale.yaml has changed since the session was played" in said
     assert "-      - {key: b, label: Bye, say: Bye}" in said
     assert "+      - {key: b, label: Bye, say: Goodbye}" in said
     assert "--changed" in said
-    assert title(shown(path, "--changed")) == ("Museum guide", ["Hello", "Go"])
+    assert title(opened_feed(path, "--changed")) == ("Museum guide", ["Hello", "Go"])
 
 
 def test_of_an_old_log_only_the_hashes_can_be_compared(
@@ -110,9 +110,9 @@ def test_of_an_old_log_only_the_hashes_can_be_compared(
 ) -> None:
     path = log(tmp_path, schema=1)
     (tmp_path / "tale.yaml").write_text(GUIDE + "# edited\n", encoding="utf-8")
-    assert shown(path) is None
+    assert opened_feed(path) is None
     assert "its hash was" in capsys.readouterr().err
-    assert title(shown(path, "--changed")) == ("tale", ["Hello", "Go"])
+    assert title(opened_feed(path, "--changed")) == ("tale", ["Hello", "Go"])
 
 
 def test_an_experiment_with_errors_is_not_the_one_of_then(
@@ -120,11 +120,11 @@ def test_an_experiment_with_errors_is_not_the_one_of_then(
 ) -> None:
     path = log(tmp_path)
     (tmp_path / "tale.yaml").write_text("title: [\n", encoding="utf-8")
-    assert shown(path) is None
+    assert opened_feed(path) is None
     said = capsys.readouterr().err
     assert "tale.yaml:" in said
     assert "has errors now" in said
-    assert shown(path, "--changed") is not None
+    assert opened_feed(path, "--changed") is not None
 
 
 def test_the_demo_that_comes_with_woz_counts_only_where_it_is_the_same(tmp_path: Path) -> None:
@@ -137,7 +137,7 @@ def test_the_demo_that_comes_with_woz_counts_only_where_it_is_the_same(tmp_path:
         bundled.parent.mkdir()
         bundled.write_text("title: Another one\n", encoding="utf-8")
         patch.setattr("woz_tui.cli.replay.bundled_file", lambda name: bundled)
-        assert shown(path) is not None
+        assert opened_feed(path) is not None
 
 
 def test_the_experiment_may_be_said_to_be_elsewhere(tmp_path: Path) -> None:
@@ -145,35 +145,37 @@ def test_the_experiment_may_be_said_to_be_elsewhere(tmp_path: Path) -> None:
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     (tmp_path / "tale.yaml").rename(elsewhere / "other.yaml")
-    assert shown(path, "--experiment", str(elsewhere / "other.yaml")) is not None
+    assert opened_feed(path, "--experiment", str(elsewhere / "other.yaml")) is not None
 
 
 def test_a_log_without_its_beginning_is_refused_unless_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = written(tmp_path, story()[3:])
-    assert shown(path) is None
+    path = write_log(tmp_path, story()[3:])
+    assert opened_feed(path) is None
     said = capsys.readouterr().err
     assert "has no beginning" in said
     assert "segment" in said
-    feed = shown(path, "--changed")
+    feed = opened_feed(path, "--changed")
     assert feed is not None
     assert any("beginning is missing" in note for note in feed._player.notes)
 
 
 def test_how_it_begins_can_be_said(tmp_path: Path) -> None:
-    feed = shown(log(tmp_path), "--at", "0:20", "--speed", "4x", "--paused", "--max-idle", "4")
+    feed = opened_feed(
+        log(tmp_path), "--at", "0:20", "--speed", "4x", "--paused", "--max-idle", "4"
+    )
     assert feed is not None
     player = feed._player
     assert (player.t, player.rate, player.paused) == (20 * SECOND, 4.0, True)
-    by_name = shown(log(tmp_path), "--at", "smile")
+    by_name = opened_feed(log(tmp_path), "--at", "smile")
     assert by_name is not None
     assert by_name._player.t == 6 * SECOND
 
 
 def test_a_beginning_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(ReplayError, match="01:00 long"):
-        shown(log(tmp_path), "--at", "9:00")
+        opened_feed(log(tmp_path), "--at", "9:00")
 
 
 @pytest.mark.parametrize(

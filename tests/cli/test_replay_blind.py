@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.replay.again import written
-from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
+from tests.replay.rerun_rig import write_log
+from tests.replay.test_rerun_plan import END, LOG, Timed, command, dispatched, done_message
 from woz_tui.cli import main
 from woz_tui.cli.rerun import RerunLines
 from woz_tui.config.loading import load
@@ -71,20 +71,22 @@ def log(folder: Path, *messages: Timed, plan: bool = True) -> Path:
         seed=3,
         clock={},
     )
-    shown = plan_of(ExperimentView(read, installed(), values=dict(read.variables)))
+    session_plan = plan_of(ExperimentView(read, installed(), values=dict(read.variables)))
     beginning: list[Timed] = [(0, start), (0, experiment_files(read))]
-    return written(folder / LOG, [*beginning, *([(0, shown)] if plan else []), *messages, (9, END)])
+    return write_log(
+        folder / LOG, [*beginning, *([(0, session_plan)] if plan else []), *messages, (9, END)]
+    )
 
 
-def said() -> list[Timed]:
+def said_greeting() -> list[Timed]:
     return [
         (1, command("c1", args={"text": "Good day"}, **TELLING)),
         (1, dispatched("c1")),
-        (2, done("c1")),
+        (2, done_message("c1")),
     ]
 
 
-def told(
+def printed_text(
     words: Sequence[str],
     path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -105,7 +107,7 @@ def test_a_blind_wizard_is_told_where_it_has_changed_and_no_text(
     words: list[str],
     change: str,
 ) -> None:
-    path = log(tmp_path, *said())
+    path = log(tmp_path, *said_greeting())
     text, place = CHANGES[change]
     (tmp_path / "small.yaml").write_text(text, encoding="utf-8")
     _told_where_and_no_text(place, path, monkeypatch, capsys, words)
@@ -118,11 +120,11 @@ def _told_where_and_no_text(
     capsys: pytest.CaptureFixture[str],
     words: Sequence[str] = (),
 ) -> None:
-    printed = told(words, path, monkeypatch, capsys)
+    printed = printed_text(words, path, monkeypatch, capsys)
     assert place in printed
     assert HINT in printed
     assert not [secret for secret in SECRETS if secret in printed]
-    everything = told([*words, "--reveal"], path, monkeypatch, capsys)
+    everything = printed_text([*words, "--reveal"], path, monkeypatch, capsys)
     assert [secret for secret in SECRETS if secret in everything]
     assert HINT not in everything
 
@@ -151,7 +153,7 @@ def test_a_log_whose_plan_is_lost_is_taken_for_blind_by_its_files(
 def test_the_commands_of_then_are_shown_as_the_wizard_saw_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = log(tmp_path, *said())
+    path = log(tmp_path, *said_greeting())
     assert main(["replay", str(path), "--dry-run"]) == 0
     printed = capsys.readouterr().out
     assert "{greeting}" in printed
@@ -165,9 +167,9 @@ def test_so_are_they_while_it_runs_without_a_console(tmp_path: Path) -> None:
     read = load(tmp_path / "small.yaml", installed())
     study = plan_of(ExperimentView(read, installed(), values=dict(read.variables))).settings.study
     long = command("c1", args={"text": "Good day. " * 9}, source="replay", **TELLING)
-    sent = m.RerunSent(command="c1", original_command="c9", due=0, late_us=0)
+    rerun_sent = m.RerunSent(command="c1", original_command="c9", due=0, late_us=0)
     progress = RerunLines(redactor=Redactor(study))
-    lines = [line for message in (long, sent) for line in progress.lines(message)]
+    lines = [line for message in (long, rerun_sent) for line in progress.lines(message)]
     assert "{greeting}" in "".join(lines)
     assert not [secret for secret in SECRETS[:4] if secret in "".join(lines)]
 

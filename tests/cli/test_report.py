@@ -22,25 +22,25 @@ PLACES = {"XDG_STATE_HOME": "/nonexistent", "TMPDIR": "/nonexistent"}
 
 def session() -> ExampleSession:
     """A minute with a bit of everything."""
-    it = ExampleSession().add(0, m.EngagementAdopted(settings={"start": "run"}))
-    it.add(1, m.TrialStarted(trial=1, condition="warm"))
-    it.state(4, "Wait", "PersonDetected").state(8, "PersonDetected", "EngagedWithUnknown")
-    it.speech(10, 12).state(12, "UserSpeaks", "RobotThinks").act(13.5, took=2.0)
-    it.state(16, "RobotThinks", "EngagedWithKnown").act(18, "Nod", "Body", verb="play")
-    it.act(20, "Nod", "Body", verb="play", end="failed").add(21, m.Marker(text="laughs"))
-    it.act(24, latency_ms=12.0).add(26, m.Mistake(run="a00004", action="Hello"))
-    it.add(29, m.TrialEnded(trial=1, outcome="done"))
-    it.add(30, m.StopPressed(source="key"))
-    it.add(30.2, m.StopConfirmed(confirmed=["robot"], missing=[], elapsed_us=700_000))
-    it.add(33, m.StopReleased(source="key"))
-    it.add(34, m.TrialStarted(trial=2, condition="cold")).speech(36, 38, 2).act(41)
-    it.act(45, "Drive", "Body", end="refused").add(50, m.Note(text="hesitates"))
-    it.add(52, m.DriverLost(driver="head", detail="cable pulled"))
-    it.add(55, m.DriverConnected(driver="head"))
-    it.add(57, m.TrialEnded(trial=2, outcome="done"))
-    it.end(60)
-    it.messages = in_time(it)
-    return it
+    example = ExampleSession().add(0, m.EngagementAdopted(settings={"start": "run"}))
+    example.add(1, m.TrialStarted(trial=1, condition="warm"))
+    example.state(4, "Wait", "PersonDetected").state(8, "PersonDetected", "EngagedWithUnknown")
+    example.speech(10, 12).state(12, "UserSpeaks", "RobotThinks").act(13.5, took=2.0)
+    example.state(16, "RobotThinks", "EngagedWithKnown").act(18, "Nod", "Body", verb="play")
+    example.act(20, "Nod", "Body", verb="play", end="failed").add(21, m.Marker(text="laughs"))
+    example.act(24, latency_ms=12.0).add(26, m.Mistake(run="a00004", action="Hello"))
+    example.add(29, m.TrialEnded(trial=1, outcome="done"))
+    example.add(30, m.StopPressed(source="key"))
+    example.add(30.2, m.StopConfirmed(confirmed=["robot"], missing=[], elapsed_us=700_000))
+    example.add(33, m.StopReleased(source="key"))
+    example.add(34, m.TrialStarted(trial=2, condition="cold")).speech(36, 38, 2).act(41)
+    example.act(45, "Drive", "Body", end="refused").add(50, m.Note(text="hesitates"))
+    example.add(52, m.DriverLost(driver="head", detail="cable pulled"))
+    example.add(55, m.DriverConnected(driver="head"))
+    example.add(57, m.TrialEnded(trial=2, outcome="done"))
+    example.end(60)
+    example.messages = in_time(example)
+    return example
 
 
 def woz(*arguments: str | Path, environ: Mapping[str, str] | None = None) -> tuple[int, str, str]:
@@ -78,7 +78,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def told(
+def run_report(
     capsys: pytest.CaptureFixture[str], *arguments: str | Path
 ) -> tuple[int, str, Sequence[str]]:
     code = main([str(argument) for argument in arguments])
@@ -96,13 +96,13 @@ def test_one_session_on_a_page_of_80_columns(here: Path) -> None:
 def test_settings_that_differed_are_on_the_page_and_nothing_of_those_that_did_not(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    it = session().add(2, m.SettingsShown(driver="head", values={"volume": 0.8}))
-    it.messages = in_time(it)
-    _, quiet, _ = told(capsys, "report", it.written(here))
+    example = session().add(2, m.SettingsShown(driver="head", values={"volume": 0.8}))
+    example.messages = in_time(example)
+    _, quiet, _ = run_report(capsys, "report", example.written(here))
     assert "settings" not in quiet
-    it.add(20, m.SettingsShown(driver="head", values={"volume": 0.8}, wanted={"volume": 0.6}))
-    it.messages = in_time(it)
-    _, out, _ = told(capsys, "report", it.written(here))
+    example.add(20, m.SettingsShown(driver="head", values={"volume": 0.8}, wanted={"volume": 0.6}))
+    example.messages = in_time(example)
+    _, out, _ = run_report(capsys, "report", example.written(here))
     assert max(map(len, lines(out))) <= 80
     rows = [" ".join(line.split()) for line in lines(out)]
     assert "Robot's settings differed 37.0 s 9.00 s 20.0 s 8.00 s" in rows
@@ -163,7 +163,7 @@ def test_what_cannot_be_read_is_named_and_the_others_go_on(
     [first, *_] = study(here)
     empty = here / "2026-03-09T10-00-00_P09_S09.jsonl"
     empty.touch()
-    code, out, err = told(capsys, "report", here, "gone.jsonl")
+    code, out, err = run_report(capsys, "report", here, "gone.jsonl")
     assert code == 1
     assert "4 sessions, 2 participants" in out
     assert err == [
@@ -171,14 +171,14 @@ def test_what_cannot_be_read_is_named_and_the_others_go_on(
         f"woz report: {empty}: the file has no line of a session: the file is empty, or is"
         " not a log of woz",
     ]
-    assert told(capsys, "report", "gone.jsonl")[0] == 1
+    assert run_report(capsys, "report", "gone.jsonl")[0] == 1
     assert first.exists()
 
 
 def test_damage_is_told_on_the_page(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = session().written(here)
     path.write_bytes(path.read_bytes()[:-30])
-    code, out, _ = told(capsys, "report", path)
+    code, out, _ = run_report(capsys, "report", path)
     assert code == 0
     assert "▲ 1 incomplete last line(s) removed" in out
     assert "▲ the session has no end: it is still running, or it was interrupted" in out
@@ -187,7 +187,7 @@ def test_damage_is_told_on_the_page(here: Path, capsys: pytest.CaptureFixture[st
 def test_damage_is_told_for_each_of_many(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     [first, *_] = study(here)
     first.write_bytes(first.read_bytes()[:-30])
-    _, out, _ = told(capsys, "report", here)
+    _, out, _ = run_report(capsys, "report", here)
     assert "▲ S01 P01: 1 incomplete last line(s) removed" in out
 
 
@@ -196,7 +196,7 @@ def test_a_copy_of_a_session_counts_once(here: Path, capsys: pytest.CaptureFixtu
     copy = here / "b" / first.name
     copy.parent.mkdir()
     copy.write_bytes(first.read_bytes())
-    code, out, err = told(capsys, "report", "a", "b")
+    code, out, err = run_report(capsys, "report", "a", "b")
     assert code == 1
     assert "4 sessions" in out
     assert len(err) == 1
@@ -208,25 +208,28 @@ def test_without_their_dates_two_sessions_of_one_code_are_two(
 ) -> None:
     """As after a crash: the same code, participant and experiment."""
     for hour in ("10", "11"):
-        it = ExampleSession(wall=f"2026-03-01T{hour}:00:00Z").act(1).act(2).end(60)
-        it.written(here / "logs", f"2026-03-01T{hour}-00-00_P07_S01")
-    assert told(capsys, "export", "logs", "--to", "jsonl", "--redact-text", "--out", "out")[0] == 0
-    code, out, err = told(capsys, "report", "out")
+        example = ExampleSession(wall=f"2026-03-01T{hour}:00:00Z").act(1).act(2).end(60)
+        example.written(here / "logs", f"2026-03-01T{hour}-00-00_P07_S01")
+    assert (
+        run_report(capsys, "export", "logs", "--to", "jsonl", "--redact-text", "--out", "out")[0]
+        == 0
+    )
+    code, out, err = run_report(capsys, "report", "out")
     assert (code, err) == (0, [])
     assert "2 sessions" in out
-    assert "UTC" not in told(capsys, "report", *(here / "out").glob("*S01.jsonl"))[1]
+    assert "UTC" not in run_report(capsys, "report", *(here / "out").glob("*S01.jsonl"))[1]
 
 
 def test_tables_of_no_session_leave_those_that_were_there(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study(here / "logs")
-    told(capsys, "report", "logs", "--csv", "csv")
+    run_report(capsys, "report", "logs", "--csv", "csv")
     before = (here / "csv" / "sessions.csv").read_bytes()
     (here / "torn").mkdir()
     (here / "torn" / "2026-03-01T10-00-00_P07_S01.jsonl").write_text("{")
     for wrong in ("lgos", "torn"):
-        code, _, err = told(capsys, "report", wrong, "--csv", "csv")
+        code, _, err = run_report(capsys, "report", wrong, "--csv", "csv")
         assert code == 1
         assert "woz report: csv was not written: there is nothing to report" in err
         assert not any("wrote" in line for line in err)
@@ -235,7 +238,9 @@ def test_tables_of_no_session_leave_those_that_were_there(
 
 def test_everything_at_once_in_files(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study(here / "logs")
-    code, out, err = told(capsys, "report", "logs", "--csv", "csv", "--html", "page.html", "--json")
+    code, out, err = run_report(
+        capsys, "report", "logs", "--csv", "csv", "--html", "page.html", "--json"
+    )
     assert (code, err) == (0, ["woz report: wrote csv", "woz report: wrote page.html"])
     found = json.loads(out)
     assert len(found["sessions"]) == 4
@@ -250,7 +255,7 @@ def test_everything_at_once_in_files(here: Path, capsys: pytest.CaptureFixture[s
 
 def test_no_page_is_written_of_nothing(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (here / "page.html").write_text("the page of yesterday", encoding="utf-8")
-    code, _, err = told(capsys, "report", "nowhere.jsonl", "--html", "page.html")
+    code, _, err = run_report(capsys, "report", "nowhere.jsonl", "--html", "page.html")
     assert code == 1
     assert not any("wrote" in line for line in err)
     assert "woz report: page.html was not written: there is nothing to report" in err
@@ -262,7 +267,7 @@ def test_a_folder_that_cannot_be_written_is_told(
 ) -> None:
     study(here / "logs")
     (here / "csv").touch()
-    code, _, err = told(capsys, "report", "logs", "--csv", "csv")
+    code, _, err = run_report(capsys, "report", "logs", "--csv", "csv")
     assert code == 1
     assert "csv: file exists" in err[0]
     assert "choose another path" in err[0]
@@ -270,7 +275,7 @@ def test_a_folder_that_cannot_be_written_is_told(
 
 def test_options_change_what_counts(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study(here)
-    narrow = json.loads(told(capsys, "report", here, "--window", "2.5", "--json")[1])
+    narrow = json.loads(run_report(capsys, "report", here, "--window", "2.5", "--json")[1])
     assert [each["whole"]["main"]["cues_answered"] for each in narrow["sessions"]] == [1, 1, 0, 0]
     with pytest.raises(SystemExit):
         main(["report", str(here), "--window", "soon"])
@@ -281,9 +286,11 @@ def test_sessions_without_a_code_are_participants_in_the_heading(
 ) -> None:
     for number in (1, 2):
         name = f"2026-04-0{number}T10-00-00_S0{number}"
-        it = ExampleSession(session=f"S0{number}", participant="", wall=f"{name[:10]}T10:00:00Z")
-        it.act(1).end(9).written(here, name)
-    assert "2 sessions, 2 participants" in told(capsys, "report", here)[1]
+        example = ExampleSession(
+            session=f"S0{number}", participant="", wall=f"{name[:10]}T10:00:00Z"
+        )
+        example.act(1).end(9).written(here, name)
+    assert "2 sessions, 2 participants" in run_report(capsys, "report", here)[1]
 
 
 def test_several_experiments_have_tables_of_their_own(
@@ -296,21 +303,21 @@ def test_several_experiments_have_tables_of_their_own(
         .end(9)
     )
     other.written(here, "2026-04-01T10-00-00_P07_S07")
-    _, out, _ = told(capsys, "report", here)
+    _, out, _ = run_report(capsys, "report", here)
     assert "guide.yaml: 4 sessions, 2 participants" in out
     assert "other.yaml: 1 session, 1 participant" in out
 
 
 def test_sentences(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study(here)
-    code, out, err = told(capsys, "methods", here)
+    code, out, err = run_report(capsys, "methods", here)
     assert code == 0
     assert out.startswith("In all, 2 participants took part in 4 sessions")
     assert out.count("\n") == 1
     assert err[0] == "woz methods: no log contains the following; write it by hand:"
-    _, out, _ = told(capsys, "methods", here, "--markdown")
+    _, out, _ = run_report(capsys, "methods", here, "--markdown")
     assert out.startswith("## Method (guide.yaml)\n\n### Participants and sessions\n")
-    assert told(capsys, "methods", "gone")[0] == 1
+    assert run_report(capsys, "methods", "gone")[0] == 1
 
 
 def _write() -> None:

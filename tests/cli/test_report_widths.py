@@ -24,35 +24,43 @@ CONDITIONS = ("empathic", "neutral", "matter-of-fact")
 @cache
 def session() -> SessionReport:
     """Every table that there is, with long names and every result of a cue."""
-    it = ExampleSession(condition="").add(0, m.EngagementAdopted(settings={"start": "run"}))
+    example = ExampleSession(condition="").add(0, m.EngagementAdopted(settings={"start": "run"}))
     for number, condition in enumerate(CONDITIONS):
         at = 100 * number + 10
-        it.add(at, m.TrialStarted(trial=number + 1, condition=condition))
-        it.state(at + 1, "PersonDetected", "EngagedWithUnknown")
-        it.speech(at + 2, at + 4, 10 * number).act(at + 3.5, "Introduce the exhibition", "Opening")
-        it.speech(at + 10, at + 11, 10 * number + 1).speech(at + 12, at + 13, 10 * number + 2)
-        it.act(at + 14, "Encouragement without any words", "Nonverbal behaviour", verb="emotion")
-        it.act(at + 15, "Encouragement", "Nonverbal behaviour", end="failed")
-        it.act(at + 16, "Encouragement", "Nonverbal behaviour", end="refused")
-        it.state(at + 17, "UserSpeaks", "RobotThinks").speech(at + 20, at + 21, 10 * number + 3)
-        it.add(at + 40, m.Marker(text="laughs, then hesitates", source="wizard"))
-        it.add(
+        example.add(at, m.TrialStarted(trial=number + 1, condition=condition))
+        example.state(at + 1, "PersonDetected", "EngagedWithUnknown")
+        example.speech(at + 2, at + 4, 10 * number).act(
+            at + 3.5, "Introduce the exhibition", "Opening"
+        )
+        example.speech(at + 10, at + 11, 10 * number + 1).speech(at + 12, at + 13, 10 * number + 2)
+        example.act(
+            at + 14, "Encouragement without any words", "Nonverbal behaviour", verb="emotion"
+        )
+        example.act(at + 15, "Encouragement", "Nonverbal behaviour", end="failed")
+        example.act(at + 16, "Encouragement", "Nonverbal behaviour", end="refused")
+        example.state(at + 17, "UserSpeaks", "RobotThinks").speech(
+            at + 20, at + 21, 10 * number + 3
+        )
+        example.add(at + 40, m.Marker(text="laughs, then hesitates", source="wizard"))
+        example.add(
             at + 80, m.TrialEnded(trial=number + 1, outcome="done", text="a remark of some length")
         )
-    it.add(295, m.StopPressed(source="no wizard's console is attached"))
+    example.add(295, m.StopPressed(source="no wizard's console is attached"))
     confirmed = ["microphone", "simulated"]
-    it.add(296, m.StopConfirmed(confirmed=confirmed, missing=["head"], elapsed_us=SECOND))
+    example.add(296, m.StopConfirmed(confirmed=confirmed, missing=["head"], elapsed_us=SECOND))
     question = "The robot understood all that I said to it"
     item: dict[str, m.Json] = {"name": "got", "question": question, "low": 1, "high": 7}
-    it.add(297, m.QuestionnaireStarted(questionnaire="ux", title="Acceptance", items=[item]))
-    it.add(
+    example.add(297, m.QuestionnaireStarted(questionnaire="ux", title="Acceptance", items=[item]))
+    example.add(
         298,
         m.QuestionnaireAnswered(questionnaire="ux", item="got", question=question, value=6.0),
     )
     wanted: dict[str, m.Json] = {"autonomous blinking": False}
-    shown = m.SettingsShown(driver="pepper", values={"autonomous blinking": True}, wanted=wanted)
-    it.add(298, shown)
-    return SessionReport(figures_of(in_time(it.speech(299, 300, 99).end(301))))
+    settings_shown = m.SettingsShown(
+        driver="pepper", values={"autonomous blinking": True}, wanted=wanted
+    )
+    example.add(298, settings_shown)
+    return SessionReport(figures_of(in_time(example.speech(299, 300, 99).end(301))))
 
 
 def words(text: str) -> set[str]:
@@ -71,12 +79,12 @@ def printed(width: int, what: SessionReport | GroupedSessions) -> str:
 
 @cache
 def sessions() -> GroupedSessions:
-    found = GroupedSessions()
+    grouped_sessions = GroupedSessions()
     with tempfile.TemporaryDirectory() as folder:
         for path in study(Path(folder)):
-            found.add(read_report(path, places=[]).figures)
-    found.add(session().figures)
-    return found
+            grouped_sessions.add(read_report(path, places=[]).figures)
+    grouped_sessions.add(session().figures)
+    return grouped_sessions
 
 
 @cache
@@ -101,7 +109,7 @@ def test_nothing_is_left_out_where_it_is_narrow(width: int) -> None:
 
 def test_a_name_that_is_longer_than_a_line_goes_on_in_the_next(tmp_path: Path) -> None:
     name = "x" * 200
-    it = ExampleSession(condition=name).act(1, name, name).end(60)
-    report = read_report(it.written(tmp_path), places=[])
+    example = ExampleSession(condition=name).act(1, name, name).end(60)
+    report = read_report(example.written(tmp_path), places=[])
     assert max(map(len, printed(80, report).splitlines())) <= 80
     assert printed(80, report).replace("\n", "").count("x") >= 400

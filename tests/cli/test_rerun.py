@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.terminal import FakeTerminal
-from tests.replay.again import written
-from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
+from tests.replay.rerun_rig import write_log
+from tests.replay.test_rerun_plan import END, LOG, Timed, command, dispatched, done_message
 from woz_tui.cli import main
 from woz_tui.cli.rerun import RerunLines, clock
 from woz_tui.config.loading import load
@@ -44,14 +44,14 @@ def log(tmp_path: Path, *messages: Timed) -> Path:
         seed=3,
         clock={},
     )
-    return written(tmp_path / LOG, [(0, start), *messages])
+    return write_log(tmp_path / LOG, [(0, start), *messages])
 
 
 def one(at: float, name: str, verb: str = "say") -> list[Timed]:
     return [
         (at, command(name, verb)),
         (at, dispatched(name)),
-        (at + 1, done(name)),
+        (at + 1, done_message(name)),
     ]
 
 

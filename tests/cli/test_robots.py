@@ -61,7 +61,7 @@ class Unkind(Bare):
         raise RuntimeError("a bug in the driver")
 
 
-def shown(*words: str, catalogue: dict[str, type[Driver]] | None = None) -> int:
+def run_robots(*words: str, catalogue: dict[str, type[Driver]] | None = None) -> int:
     parser = argparse.ArgumentParser()
     robots.add(parser)
     return robots.robots(parser.parse_args([*words]), catalogue or {**CATALOGUE, "glass": Whole})
@@ -71,7 +71,7 @@ def test_whole_robots_come_first_with_what_a_lab_must_know(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    assert shown() == 0
+    assert run_robots() == 0
     out = capsys.readouterr().out
     assert max(map(len, out.splitlines())) <= 80
     first, _, parts = out.partition("Parts of robots")
@@ -82,7 +82,7 @@ def test_whole_robots_come_first_with_what_a_lab_must_know(
 
 
 def test_one_is_shown_with_settings_and_arguments(capsys: pytest.CaptureFixture[str]) -> None:
-    assert shown("head") == 0
+    assert run_robots("head") == 0
     out = capsys.readouterr().out
     assert "where it is [required]" in out
     assert "1 to 200 Hz" in out
@@ -91,20 +91,20 @@ def test_one_is_shown_with_settings_and_arguments(capsys: pytest.CaptureFixture[
 
 def test_only_what_cannot_move_has_nothing_to_stop(capsys: pytest.CaptureFixture[str]) -> None:
     for driver, stop in ((Mover, "not said"), (Senses, "nothing to stop"), (Whole, "its bell")):
-        assert shown("it", catalogue={"it": driver}) == 0
+        assert run_robots("it", catalogue={"it": driver}) == 0
         assert re.search(rf"^stop +{stop}", capsys.readouterr().out, re.MULTILINE)
 
 
 def test_it_says_what_tests_have_shown_and_what_not(capsys: pytest.CaptureFixture[str]) -> None:
     catalogue: dict[str, type[Driver]] = {"glass": Whole, "ear": Senses, "arm": Mover}
-    assert shown("glass", catalogue=catalogue) == 0
+    assert run_robots("glass", catalogue=catalogue) == 0
     out = capsys.readouterr().out
     assert re.search("^tested +stop, loss *$", out, re.MULTILINE)
     assert "stop    it stands still" in out
     assert "units   not shown: " in out
-    assert shown(catalogue=catalogue) == 0
+    assert run_robots(catalogue=catalogue) == 0
     assert "a sensor; tested with no device" in capsys.readouterr().out
-    assert shown("--json", catalogue=catalogue) == 0
+    assert run_robots("--json", catalogue=catalogue) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["glass"]["shown"] == ["stop", "loss"]
     assert (told["arm"]["passive"], told["ear"]["passive"]) == (False, True)
@@ -130,7 +130,7 @@ def test_a_robot_that_its_file_declares_is_there_by_the_files_name(
         "drivers: {it: {type: declared, words: [greet]}}"
     )
     monkeypatch.chdir(tmp_path)
-    assert shown("--json", catalogue={"declared": Declared}) == 0
+    assert run_robots("--json", catalogue={"declared": Declared}) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["declared"]["verbs"] == []
     assert told["mine"]["verbs"] == ["greet"]
@@ -139,14 +139,14 @@ def test_a_robot_that_its_file_declares_is_there_by_the_files_name(
 def test_one_that_is_not_there_is_answered_with_its_neighbour(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert shown("glas") == 1
+    assert run_robots("glas") == 1
     assert "did you mean 'glass'?" in capsys.readouterr().err
 
 
 def test_a_driver_with_a_bug_is_named_and_hides_no_other(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert shown("--json", catalogue={"glass": Whole, "odd": Unkind}) == 0
+    assert run_robots("--json", catalogue={"glass": Whole, "odd": Unkind}) == 0
     printed = capsys.readouterr()
     assert [*json.loads(printed.out)] == ["glass"]
     assert "'odd'" in printed.err

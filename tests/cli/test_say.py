@@ -11,8 +11,8 @@ from woz_drivers.speech import driver
 from woz_drivers.speech.synthesis import finish
 
 from tests.config.reading import panel
-from tests.drivers.speech_desk import SCRIPT
-from tests.fakes.sound import told
+from tests.drivers.speech_rig import SCRIPT
+from tests.fakes.sound import journal_entries
 from woz_tui import cli
 
 
@@ -53,8 +53,8 @@ def test_a_text_is_heard_with_the_voice_that_is_tried(
 ) -> None:
     tried = ["say", "Hello there", "--voice", "en-gb", "--speed", "90", *options(settings)]
     assert cli.main(tried) == 0
-    assert [line["voice"] for line in told(journal, "synthesise")] == ["en-gb 90"]
-    assert len(told(journal, "played")) == 1
+    assert [line["voice"] for line in journal_entries(journal, "synthesise")] == ["en-gb 90"]
+    assert len(journal_entries(journal, "played")) == 1
     assert "from: synthesised" in capsys.readouterr().out
     assert cli.main(tried) == 0
     assert "from: cache" in capsys.readouterr().out
@@ -72,7 +72,7 @@ def test_the_voice_of_an_experiment(
         "panels:\n  - title: All\n    actions:\n      - {key: h, label: Hi, say: Hi}\n"
     )
     assert cli.main(["say", "Hello", str(file)]) == 0
-    assert [line["voice"] for line in told(journal, "synthesise")] == ["fr 160"]
+    assert [line["voice"] for line in journal_entries(journal, "synthesise")] == ["fr 160"]
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import Served, served
-from tests.session.test_until_arrived import Slow
+from tests.host.rig import ServedSession, served_session
+from tests.session.test_until_arrived import SlowGazeDriver
 from woz_tui import client as woz_client
 from woz_tui.client import (
     WozClient,
@@ -33,21 +33,21 @@ PATIENCE_S = 40.0
 
 
 @pytest.fixture
-async def host(tmp_path: Path) -> AsyncIterator[Served]:
-    async with served(tmp_path) as made:
-        yield made
+async def host(tmp_path: Path) -> AsyncIterator[ServedSession]:
+    async with served_session(tmp_path) as served_host:
+        yield served_host
 
 
-async def test_saying_returns_when_it_has_been_said(host: Served) -> None:
+async def test_saying_returns_when_it_has_been_said(host: ServedSession) -> None:
     async with connect(host.path, name="stimulus") as woz:
         done = await woz.say("Hello {participant}")
         assert done.sent == {"text": "Hello P07"}
-        assert host.puppet().calls == [("say", {"text": "Hello P07"})]
+        assert host.driver().calls == [("say", {"text": "Hello P07"})]
     [attached] = [line for line in host.lines if isinstance(line, m.ConsoleAttached)]
     assert (attached.role, attached.name) == ("program", "stimulus")
 
 
-async def test_any_verb_is_a_method_with_its_main_argument_first(host: Served) -> None:
+async def test_any_verb_is_a_method_with_its_main_argument_first(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         assert (await woz.play("nod")).sent == {"move": "nod"}
         assert (await woz.play(move="shake", driver="robot")).sent == {"move": "shake"}
@@ -57,7 +57,7 @@ async def test_any_verb_is_a_method_with_its_main_argument_first(host: Served) -
             await woz.play("nod", "shake")
 
 
-async def test_actions_are_pressed_by_name_or_key(host: Served) -> None:
+async def test_actions_are_pressed_by_name_or_key(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         assert (await woz.press("Hello")).action == "Hello"
         assert (await woz.press("w")).action == "Welcome"
@@ -74,7 +74,7 @@ async def test_actions_are_pressed_by_name_or_key(host: Served) -> None:
     ],
 )
 async def test_what_is_refused_raises_why(
-    host: Served, verb: str, args: dict[str, Any], reason: str
+    host: ServedSession, verb: str, args: dict[str, Any], reason: str
 ) -> None:
     async with connect(host.path) as woz:
         with pytest.raises(WozRefusedError, match=reason):
@@ -82,7 +82,7 @@ async def test_what_is_refused_raises_why(
         await woz.say("It goes on")
 
 
-async def test_a_failure_raises_what_failed_and_what_to_do(host: Served) -> None:
+async def test_a_failure_raises_what_failed_and_what_to_do(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         with pytest.raises(WozFailedError) as failed:
             await woz.play("fail")
@@ -92,7 +92,7 @@ async def test_a_failure_raises_what_failed_and_what_to_do(host: Served) -> None
 
 
 async def test_a_drive_stop_that_is_confirmed_meanwhile_is_no_answer_to_a_stop(
-    host: Served,
+    host: ServedSession,
 ) -> None:
     def lost(message: m.AnyMessage) -> None:
         if isinstance(message, m.StopPressed):
@@ -105,7 +105,7 @@ async def test_a_drive_stop_that_is_confirmed_meanwhile_is_no_answer_to_a_stop(
 
 
 async def test_the_stop_raises_in_whoever_waits_and_is_confirmed_to_who_pressed(
-    host: Served,
+    host: ServedSession,
 ) -> None:
     async with connect(host.path) as woz, connect(host.path) as other:
         run = await woz.begin("say", text="a long sentence")
@@ -120,7 +120,7 @@ async def test_the_stop_raises_in_whoever_waits_and_is_confirmed_to_who_pressed(
         await woz.say("Hello")
 
 
-async def test_what_is_replaced_says_so(host: Served) -> None:
+async def test_what_is_replaced_says_so(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         run = await woz.begin("play", move="nod")
         newer = await woz.begin("play", move="shake", when_busy="replace")
@@ -129,7 +129,7 @@ async def test_what_is_replaced_says_so(host: Served) -> None:
         assert isinstance(await newer, m.Done)
 
 
-async def test_giving_up_waiting_cuts_it_short(host: Served) -> None:
+async def test_giving_up_waiting_cuts_it_short(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         waiting = asyncio.create_task(woz.say("a long sentence"))
         await host.published(lambda line: isinstance(line, m.Dispatched))
@@ -140,7 +140,7 @@ async def test_giving_up_waiting_cuts_it_short(host: Served) -> None:
             await waiting
 
 
-async def test_giving_up_in_the_moment_of_the_reply_cuts_it_short_too(host: Served) -> None:
+async def test_giving_up_in_the_moment_of_the_reply_cuts_it_short_too(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         stream = woz.messages(m.Command)
         beginning = asyncio.create_task(woz.begin("say", text="a long sentence"))
@@ -151,7 +151,7 @@ async def test_giving_up_in_the_moment_of_the_reply_cuts_it_short_too(host: Serv
             await beginning
 
 
-async def test_what_was_begun_can_be_cancelled(host: Served) -> None:
+async def test_what_was_begun_can_be_cancelled(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         run = await woz.begin("say", text="a long sentence")
         await run.cancel()
@@ -159,7 +159,7 @@ async def test_what_was_begun_can_be_cancelled(host: Served) -> None:
             await run
 
 
-async def test_messages_come_as_they_are_and_end_with_the_session(host: Served) -> None:
+async def test_messages_come_as_they_are_and_end_with_the_session(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         marks, everything = woz.messages(m.Marker), woz.messages()
         await woz.mark("onset")
@@ -173,13 +173,13 @@ async def test_messages_come_as_they_are_and_end_with_the_session(host: Served) 
         assert kinds[-1] is m.SessionEnd
 
 
-async def test_messages_can_begin_with_what_holds(host: Served) -> None:
+async def test_messages_can_begin_with_what_holds(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         stream = woz.messages(m.DriverConnected, held=True)
         assert (await anext(stream)).driver == "robot"
 
 
-async def test_a_lost_connection_ends_every_wait(host: Served) -> None:
+async def test_a_lost_connection_ends_every_wait(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         run, stream = await woz.begin("say", text="a long sentence"), woz.messages(m.Note)
         await host.host.close()
@@ -191,7 +191,7 @@ async def test_a_lost_connection_ends_every_wait(host: Served) -> None:
             await woz.say("Hello")
 
 
-async def test_who_leaves_reads_that_it_has_left(host: Served) -> None:
+async def test_who_leaves_reads_that_it_has_left(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         run = await woz.begin("say", text="a long sentence")
     with pytest.raises(WozConnectionError, match="connection was closed"):
@@ -204,7 +204,7 @@ async def test_where_no_session_is_it_says_so(tmp_path: Path) -> None:
             pass
 
 
-async def test_a_marker_has_the_moment_of_its_call(host: Served) -> None:
+async def test_a_marker_has_the_moment_of_its_call(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         assert woz.clock_uncertainty == 0.0
         before = round(woz.now() * 1e6)
@@ -215,7 +215,7 @@ async def test_a_marker_has_the_moment_of_its_call(host: Served) -> None:
         assert before <= marker.at <= after <= marker.t
 
 
-async def test_a_marker_of_the_future_is_refused(host: Served) -> None:
+async def test_a_marker_of_the_future_is_refused(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         with pytest.raises(WozRefusedError, match="moment"):
             await woz.request(r.AskMarker(text="x", at=round(woz.now() * 1e6) + 60_000_000))
@@ -223,9 +223,9 @@ async def test_a_marker_of_the_future_is_refused(host: Served) -> None:
 
 async def test_a_gaze_returns_when_the_head_is_there(tmp_path: Path) -> None:
     made: Any = None
-    async with served(tmp_path, catalogue={"puppet": Slow}) as host:
+    async with served_session(tmp_path, catalogue={"puppet": SlowGazeDriver}) as host:
         spec: DriverSpec = host.session.experiment.drivers[0]
-        made = Slow.verbs(None)
+        made = SlowGazeDriver.verbs(None)
         host.session.bus.offer(spec.name, made)
         async with connect(host.path) as woz:
             looking = asyncio.create_task(woz.gaze(yaw=20.0))
@@ -244,17 +244,17 @@ async def test_a_gaze_returns_when_the_head_is_there(tmp_path: Path) -> None:
                 await looking
 
 
-async def test_it_begins_at_its_moment_or_is_refused(host: Served) -> None:
+async def test_it_begins_at_its_moment_or_is_refused(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         at = woz.now() + 3.0
         await woz.say("Now", at=at)
-        [begun] = [line for line in host.lines if isinstance(line, m.Dispatched)]
-        assert begun.t >= at * 1e6
+        [dispatched] = [line for line in host.lines if isinstance(line, m.Dispatched)]
+        assert dispatched.t >= at * 1e6
         with pytest.raises(WozRefusedError, match="too late"):
             await woz.press("Hello", at=at)
 
 
-async def test_what_is_foretold_comes_typed(host: Served) -> None:
+async def test_what_is_foretold_comes_typed(host: ServedSession) -> None:
     async with connect(host.path) as woz:
         foretold = await woz.predict("say", text="Hello")
         assert foretold.duration_us is None
@@ -270,7 +270,7 @@ async def blocked(program: Any) -> None:
     await asyncio.wait_for(asyncio.to_thread(program), PATIENCE_S)
 
 
-async def test_a_marker_that_goes_nowhere_is_no_secret(host: Served) -> None:
+async def test_a_marker_that_goes_nowhere_is_no_secret(host: ServedSession) -> None:
     begun, left = threading.Event(), threading.Event()
 
     def program() -> None:
@@ -294,7 +294,7 @@ async def test_a_marker_that_goes_nowhere_is_no_secret(host: Served) -> None:
     await running
 
 
-async def test_a_program_without_asyncio_has_the_same(host: Served) -> None:
+async def test_a_program_without_asyncio_has_the_same(host: ServedSession) -> None:
     def program() -> None:
         with blocking.connect(host.path) as woz:
             marks = woz.messages(m.Marker)
@@ -316,12 +316,12 @@ async def test_a_program_without_asyncio_has_the_same(host: Served) -> None:
             assert woz.stop().confirmed == ["robot"]
 
     await blocked(program)
-    assert [verb for verb, _ in host.puppet().calls] == [
+    assert [verb for verb, _ in host.driver().calls] == [
         *("say", "play", "say", "say", "say", "stop")
     ]
 
 
-async def test_leaving_ends_its_thread(host: Served) -> None:
+async def test_leaving_ends_its_thread(host: ServedSession) -> None:
     def program() -> None:
         before = set(threading.enumerate())
         with blocking.connect(host.path) as woz:

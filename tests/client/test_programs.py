@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.host.rig import Served, served
+from tests.host.rig import ServedSession, served_session
 from tools import ROOT
 from woz_tui.protocol import messages as m
 
@@ -28,7 +28,7 @@ def test_the_page_has_every_program_word_for_word() -> None:
 
 
 @asynccontextmanager
-async def running(host: Served, name: str) -> AsyncIterator[asyncio.subprocess.Process]:
+async def running(host: ServedSession, name: str) -> AsyncIterator[asyncio.subprocess.Process]:
     """A program that has connected."""
     program = await asyncio.create_subprocess_exec(
         sys.executable,
@@ -55,22 +55,22 @@ async def output(program: asyncio.subprocess.Process) -> str:
     return text.decode()
 
 
-def engaged(was: str, now: str) -> m.EngagementChanged:
+def engagement_changed(was: str, now: str) -> m.EngagementChanged:
     return m.EngagementChanged(was=was, now=now, outcome="x", why="x", verdicts={})
 
 
 async def test_the_greeter_greets_whoever_engages(tmp_path: Path) -> None:
-    async with served(tmp_path) as host, running(host, "greeter.py"):
+    async with served_session(tmp_path) as host, running(host, "greeter.py"):
         # It may be connected and not follow yet: somebody engages until it has seen it.
         times = 0
         while not any(isinstance(line, m.Done) for line in host.lines):
-            host.session.hub.publish(engaged("Wait", "PersonDetected"))
-            host.session.hub.publish(engaged("PersonDetected", "EngagedWithUnknown"))
+            host.session.hub.publish(engagement_changed("Wait", "PersonDetected"))
+            host.session.hub.publish(engagement_changed("PersonDetected", "EngagedWithUnknown"))
             for _ in range(3):  # after its own sentences
-                host.session.hub.publish(engaged("RobotSpeaks", "EngagedWithKnown"))
+                host.session.hub.publish(engagement_changed("RobotSpeaks", "EngagedWithKnown"))
             times += 1
             await asyncio.sleep(0.5)
-        [said, *more] = [args for verb, args in host.puppet().calls if verb == "say"]
+        [said, *more] = [args for verb, args in host.driver().calls if verb == "say"]
         assert len(more) < times
         assert "whale" in str(said["text"])
         [command, *_] = [line for line in host.lines if isinstance(line, m.Command)]
@@ -79,7 +79,7 @@ async def test_the_greeter_greets_whoever_engages(tmp_path: Path) -> None:
 
 
 async def test_the_logger_writes_until_the_session_ends(tmp_path: Path) -> None:
-    async with served(tmp_path) as host, running(host, "logger.py") as program:
+    async with served_session(tmp_path) as host, running(host, "logger.py") as program:
         assert program.stdout is not None
         peer = await host.connect()
         await peer.hello()
@@ -102,7 +102,7 @@ async def test_the_logger_writes_until_the_session_ends(tmp_path: Path) -> None:
 
 @pytest.mark.real_clock
 async def test_the_stimuli_are_marked_and_commented_in_their_time(tmp_path: Path) -> None:
-    async with served(tmp_path) as host, running(host, "stimulus.py") as program:
+    async with served_session(tmp_path) as host, running(host, "stimulus.py") as program:
         text = await output(program)
         words = ("whale", "boat", "lighthouse")
         assert [line for line in text.splitlines() if line in words] == [*words]

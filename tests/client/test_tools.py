@@ -13,9 +13,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.amounts import many
 from tests.client.test_client import PATIENCE_S
-from tests.host.rig import Served, served
+from tests.example_counts import many
+from tests.host.rig import ServedSession, served_session
 from woz_tui.client import WozClient, WozError, WozRefusedError, connect
 from woz_tui.client.tools import LOOK, PLAY, STOP, ToolCaller, tools_of
 from woz_tui.protocol import messages as m
@@ -24,13 +24,13 @@ from woz_tui.protocol.messages import Json
 
 
 @pytest.fixture
-async def host(tmp_path: Path) -> AsyncIterator[Served]:
-    async with served(tmp_path) as made:
-        yield made
+async def host(tmp_path: Path) -> AsyncIterator[ServedSession]:
+    async with served_session(tmp_path) as served_host:
+        yield served_host
 
 
 @pytest.fixture
-async def woz(host: Served) -> AsyncIterator[WozClient]:
+async def woz(host: ServedSession) -> AsyncIterator[WozClient]:
     async with connect(host.path, samples=True) as client:
         yield client
 
@@ -45,13 +45,13 @@ async def test_each_verb_of_the_robot_is_a_tool_and_none_releases_a_stop(woz: Wo
         assert tool.summary
 
 
-async def test_a_call_returns_when_it_is_done(host: Served, woz: WozClient) -> None:
+async def test_a_call_returns_when_it_is_done(host: ServedSession, woz: WozClient) -> None:
     caller = ToolCaller(woz)
     assert (await caller.call("say", {"text": "Hi"}))["sent"] == {"text": "Hi"}
     assert await caller.call(PLAY, {"action": "Hello"}) == {"done": True}
     with pytest.raises(WozRefusedError, match="action"):
         await caller.call(PLAY, {"name": "Hello"})
-    assert [verb for verb, _ in host.puppet().calls].count("say") == 2
+    assert [verb for verb, _ in host.driver().calls].count("say") == 2
     with pytest.raises(WozRefusedError):
         await caller.call("release", {})
 
@@ -69,7 +69,7 @@ async def test_a_call_returns_when_it_is_done(host: Served, woz: WozClient) -> N
     ],
 )
 async def test_what_is_no_tool_cannot_be_called_by_name(
-    host: Served, woz: WozClient, name: str, args: dict[str, Any]
+    host: ServedSession, woz: WozClient, name: str, args: dict[str, Any]
 ) -> None:
     """The session's own verbs are the wizard's."""
     with pytest.raises(WozRefusedError, match="no tool"):
@@ -103,24 +103,26 @@ def test_hostile_calls_are_refused_and_the_session_plays_on(
 ) -> None:
     async def run() -> None:
         with tempfile.TemporaryDirectory() as folder:
-            async with served(Path(folder)) as host, connect(host.path) as woz:
+            async with served_session(Path(folder)) as host, connect(host.path) as woz:
                 caller = ToolCaller(woz)
                 for name, args in calls:
                     if name not in (STOP, LOOK):
                         with pytest.raises(WozError):
                             await caller.call(name, {"nonsense": 1, **args})
-                assert not host.puppet().calls
+                assert not host.driver().calls
                 assert (await caller.call("say", {"text": "Hi"}))["done"]
 
     asyncio.run(run())
 
 
-async def test_a_stop_holds_until_a_person_releases_it(host: Served, woz: WozClient) -> None:
+async def test_a_stop_holds_until_a_person_releases_it(host: ServedSession, woz: WozClient) -> None:
     caller = ToolCaller(woz)
     following = asyncio.create_task(caller.follow())
     host.session.bus.halt_driving("nobody watches")  # it holds nothing
-    moved = m.EngagementChanged(was="x", now="Present", outcome="", why="", verdicts={})
-    host.session.hub.publish(moved)
+    engagement_changed = m.EngagementChanged(
+        was="x", now="Present", outcome="", why="", verdicts={}
+    )
+    host.session.hub.publish(engagement_changed)
     await _until(caller, "engagement", "Present")
     assert not (await caller.call(LOOK, {}))["stopped"]
     assert (await caller.call(STOP, {}))["confirmed"] == ["robot"]
@@ -133,7 +135,7 @@ async def test_a_stop_holds_until_a_person_releases_it(host: Served, woz: WozCli
     await asyncio.gather(following, return_exceptions=True)
 
 
-async def test_readings_are_texts_or_numbers(host: Served, woz: WozClient) -> None:
+async def test_readings_are_texts_or_numbers(host: ServedSession, woz: WozClient) -> None:
     caller = ToolCaller(woz)
     following = asyncio.create_task(caller.follow())
     for sensor, value, text in (

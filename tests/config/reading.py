@@ -20,7 +20,7 @@ robot:
 """
 
 
-def read(folder: Path, text: str) -> Experiment:
+def read_experiment(folder: Path, text: str) -> Experiment:
     """An experiment from the text of its file."""
     path = folder / "experiment.yaml"
     path.write_text(text, encoding="utf-8")
@@ -30,7 +30,7 @@ def read(folder: Path, text: str) -> Experiment:
 def errors(folder: Path, text: str) -> list[str]:
     """What is wrong with the text, without the file's name; empty if it is right."""
     try:
-        read(folder, text)
+        read_experiment(folder, text)
     except ExperimentError as error:
         prefix = f"{folder / 'experiment.yaml'}:"
         return [str(problem).removeprefix(prefix) for problem in error.problems]
@@ -45,11 +45,11 @@ def panel(*actions: str, head: str = HEAD) -> str:
 
 def only(folder: Path, action: str, head: str = HEAD) -> Action:
     """The one action of a file."""
-    return read(folder, panel(action, head=head)).panels[0].actions[0]
+    return read_experiment(folder, panel(action, head=head)).panels[0].actions[0]
 
 
 def warned(folder: Path, text: str, *actions: str, sees: str = "", head: str = "") -> list[str]:
     """Warnings of a file, with a camera that `sees` some signs."""
     start = head or SEEING % sees
     text = panel(*(actions or [HELLO]), head=f"{start}engagement: {text}\n")
-    return [f"{one.path}: {one.message}" for one in read(folder, text).warnings]
+    return [f"{one.path}: {one.message}" for one in read_experiment(folder, text).warnings]

@@ -22,7 +22,7 @@ drivers:
 """
 
 
-def read(folder: Path, text: str, robot: str, **files: str) -> Experiment:
+def read_experiment(folder: Path, text: str, robot: str, **files: str) -> Experiment:
     (folder / "robots").mkdir(exist_ok=True)
     for name, content in files.items():
         (folder / "robots" / f"{name}.yaml").write_text(content)
@@ -33,7 +33,7 @@ def read(folder: Path, text: str, robot: str, **files: str) -> Experiment:
 
 def problems(folder: Path, text: str, robot: str, **files: str) -> str:
     with pytest.raises(ExperimentError) as raised:
-        read(folder, text, robot, **files)
+        read_experiment(folder, text, robot, **files)
     return str(raised.value)
 
 
@@ -44,7 +44,7 @@ def test_its_driver_gets_the_calls_under_its_own_names(tmp_path: Path) -> None:
         "{label: C, poses: [{pan: -5, seconds: 1}]}",
         head=ROBOT,
     )
-    experiment = read(tmp_path, text, "other", other=OTHER)
+    experiment = read_experiment(tmp_path, text, "other", other=OTHER)
     assert [spec.name for spec in experiment.drivers] == ["neck"]
     calls = [(call.driver, call.verb, call.args) for a in experiment.actions for call in a.calls]
     assert calls == [
@@ -59,7 +59,7 @@ def test_its_driver_gets_the_calls_under_its_own_names(tmp_path: Path) -> None:
 def test_a_robot_files_own_names_count_in_its_own_experiments_too(tmp_path: Path) -> None:
     (tmp_path / "other.yaml").write_text(OTHER)
     text = panel("{label: A, play: yes}", head="title: T\nrobot: other.yaml\n")
-    (call,) = read(tmp_path, text, "").panels[0].actions[0].calls
+    (call,) = read_experiment(tmp_path, text, "").panels[0].actions[0].calls
     assert call.args == {"move": "nod"}
 
 
@@ -75,7 +75,7 @@ def test_what_it_cannot_do_is_left_out_with_the_place_and_the_reason(
     tmp_path: Path, action: str, left: list[str], what: str, why: str
 ) -> None:
     text = panel(f"{{label: A, {action}}}", head=ROBOT)
-    experiment = read(tmp_path, text, "other", other=OTHER)
+    experiment = read_experiment(tmp_path, text, "other", other=OTHER)
     (found,) = experiment.panels[0].actions
     assert [call.verb for call in found.calls] == left
     (missing,) = found.left_out
@@ -90,14 +90,14 @@ def test_what_it_cannot_do_is_left_out_with_the_place_and_the_reason(
 def test_an_argument_that_it_does_not_take_is_left_out_alone(tmp_path: Path) -> None:
     robot = "drivers: {robot: {type: simulated}}"
     text = panel("{label: A, say: {text: Hi, volume: 0.5}, speed: 1}", head=ROBOT)
-    (action,) = read(tmp_path, text, "plain", plain=robot).panels[0].actions
+    (action,) = read_experiment(tmp_path, text, "plain", plain=robot).panels[0].actions
     assert [call.args for call in action.calls] == [{"text": "Hi"}]
     assert [each.what for each in action.left_out] == ["say.speed", "say.volume"]
 
 
 def test_other_steps_and_what_the_session_does_stay(tmp_path: Path) -> None:
     text = panel("{label: A, steps: [{say: Hi}, {wait: 1}, {play: nod, mark: x}]}", head=ROBOT)
-    (action,) = read(tmp_path, text, "other", other=OTHER).panels[0].actions
+    (action,) = read_experiment(tmp_path, text, "other", other=OTHER).panels[0].actions
     steps = [
         [call.verb for call in step.calls] if isinstance(step, ParallelCalls) else step.seconds
         for step in action.steps
@@ -120,7 +120,7 @@ def test_what_a_driver_says_of_a_verb_that_it_lacks_is_told(tmp_path: Path) -> N
 
 def test_a_type_that_needs_no_settings_is_a_robot(tmp_path: Path) -> None:
     text = panel("{label: A, say: Hi}", head=ROBOT)
-    experiment = read(tmp_path, text, "voice")
+    experiment = read_experiment(tmp_path, text, "voice")
     assert [(spec.name, spec.type) for spec in experiment.drivers] == [("robot", "voice")]
     assert experiment.robot == "voice"
 
@@ -129,7 +129,7 @@ def test_the_file_beside_the_experiment_comes_first(tmp_path: Path) -> None:
     text = panel("{label: A, say: Hi}", head=ROBOT)
     assert "pepper" in robot_files(tmp_path)
     mine = "drivers: {mine: {type: voice}}"
-    experiment = read(tmp_path, text, "pepper", pepper=mine)
+    experiment = read_experiment(tmp_path, text, "pepper", pepper=mine)
     assert [spec.name for spec in experiment.drivers] == ["mine"]
     path = str(tmp_path / "robots" / "pepper.yaml")
     assert load(tmp_path / "experiment.yaml", CATALOGUE, robot=path).robot == path
@@ -152,7 +152,7 @@ def test_two_drivers_that_could_do_it_are_an_error(tmp_path: Path) -> None:
     text = panel("{label: A, say: Hi}", head=ROBOT)
     assert "a and b of two both offer 'say'" in problems(tmp_path, text, "two", two=two)
     same = two.replace("b:", "voice:")
-    (call,) = read(tmp_path, text, "two", two=same).panels[0].actions[0].calls
+    (call,) = read_experiment(tmp_path, text, "two", two=same).panels[0].actions[0].calls
     assert call.driver == "voice"
 
 
@@ -163,7 +163,7 @@ def test_sensors_that_it_does_not_have_are_no_error(tmp_path: Path) -> None:
         "engagement: {signs: [presence], presence: {sensor: near}}\n"
     )
     text = panel("{label: A, say: Hi}", head=head)
-    experiment = read(tmp_path, text, "other", other=OTHER)
+    experiment = read_experiment(tmp_path, text, "other", other=OTHER)
     assert any("near" in str(warning) for warning in experiment.warnings)
 
 
@@ -171,7 +171,7 @@ def test_a_repair_that_says_more_than_the_other_robot_can_is_said_without_it(
     tmp_path: Path,
 ) -> None:
     repairs = "repairs: {filler: {text: Hm, speed: 1}}\n"
-    experiment = read(
+    experiment = read_experiment(
         tmp_path,
         panel("{label: A, say: Hi}", head=ROBOT) + repairs,
         "plain",

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.config.catalogue import CATALOGUE
-from tests.config.reading import errors, panel, read
+from tests.config.reading import errors, panel, read_experiment
 from woz_tui.bml.behaviour_calls import UnplayableError
 from woz_tui.bml.bml_block import Behaviour
 from woz_tui.config.bml_section import robot_calls
@@ -32,8 +32,8 @@ def calls(folder: Path, kind: str, table: str = TABLE, **attributes: str) -> lis
     path = folder / "experiment.yaml"
     path.write_text(panel("{key: h, label: H, say: Hi}", head=HEAD % table), encoding="utf-8")
 
-    made = load(path, installed())
-    robot = robot_calls(made.drivers, made.bml, installed(), folder)
+    experiment = load(path, installed())
+    robot = robot_calls(experiment.drivers, experiment.bml, installed(), folder)
     return [call.words for call in robot.calls(Behaviour(kind, "x", attributes))]
 
 
@@ -67,8 +67,8 @@ def test_the_table_comes_before_what_is_usual(
 def test_robots_play_the_core_without_a_word_about_it(robot: str) -> None:
 
     file = robot_files(None)[robot]
-    found = load_robot_file(file, installed())
-    own = robot_calls(found.drivers, found.bml, installed(), file.parent)
+    robot_file = load_robot_file(file, installed())
+    own = robot_calls(robot_file.drivers, robot_file.bml, installed(), file.parent)
     for kind, attributes in (
         ("head", {"lexeme": "NOD"}),
         ("head", {"lexeme": "SHAKE"}),
@@ -117,13 +117,13 @@ def with_block(folder: Path, block: str) -> str:
 
 def test_a_block_on_a_key_is_read_with_the_experiment(tmp_path: Path) -> None:
     text = with_block(tmp_path, '<bml id="b"><speech id="s"><text>Hi</text></speech></bml>')
-    made = read(tmp_path, text)
-    assert not made.warnings
-    assert tmp_path / "greet.xml" in made.files
-    assert [*made.blocks] == ["greet.xml"]
+    experiment = read_experiment(tmp_path, text)
+    assert not experiment.warnings
+    assert tmp_path / "greet.xml" in experiment.files
+    assert [*experiment.blocks] == ["greet.xml"]
     with_block(tmp_path, '<bml id="b"><speech id="s"><text>Ho</text></speech></bml>')
-    after = read(tmp_path, text)
-    assert compare(made, after).changes == ("block of BML 'greet.xml' changed",)
+    after = read_experiment(tmp_path, text)
+    assert compare(experiment, after).changes == ("block of BML 'greet.xml' changed",)
 
 
 @pytest.mark.parametrize(
@@ -147,25 +147,27 @@ def test_a_block_that_cannot_be_played_is_an_error(tmp_path: Path, block: str, s
 
 def test_what_of_a_block_is_left_out_is_warned_of(tmp_path: Path) -> None:
     block = '<bml id="b"><gaze id="g" target="moon"/><head id="n" lexeme="JUMP"/></bml>'
-    warnings = read(tmp_path, with_block(tmp_path, block)).warnings
+    warnings = read_experiment(tmp_path, with_block(tmp_path, block)).warnings
     assert len(warnings) == 2
     assert all("greet.xml: " in each.message for each in warnings)
 
 
 def test_a_key_needs_a_file_or_a_block(tmp_path: Path) -> None:
-    [missing] = read(tmp_path, panel(KEY)).warnings
+    [missing] = read_experiment(tmp_path, panel(KEY)).warnings
     assert "greet.xml" in missing.message
     [both] = errors(tmp_path, panel("{key: g, label: G, bml: {file: a.xml, block: b}}"))
     assert "either" in both
-    made = read(tmp_path, panel("{key: g, label: G, bml: {block: '<bml id=\"b\"/>'}}"))
-    assert not made.warnings
+    experiment = read_experiment(
+        tmp_path, panel("{key: g, label: G, bml: {block: '<bml id=\"b\"/>'}}")
+    )
+    assert not experiment.warnings
 
 
 def test_several_robots_are_told_apart_by_the_character(tmp_path: Path) -> None:
     head = "title: T\nrobots: {left: simulated, right: simulated}\n"
     named = '<bml id="b" character="left"><speech id="s"><text>Hi</text></speech></bml>'
     (tmp_path / "greet.xml").write_text(named, encoding="utf-8")
-    assert not read(tmp_path, panel(KEY, head=head)).warnings
+    assert not read_experiment(tmp_path, panel(KEY, head=head)).warnings
     (tmp_path / "greet.xml").write_text(named.replace("left", "middle"), encoding="utf-8")
     [error] = errors(tmp_path, panel(KEY, head=head))
     assert "character" in error

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.config.catalogue import CATALOGUE, Voice, VoiceSettings
-from tests.config.reading import HEAD, HELLO, ROBOT, errors, panel, read, warned
+from tests.config.reading import HEAD, HELLO, ROBOT, errors, panel, read_experiment, warned
 from woz_tui.config import engagement as shapes
 from woz_tui.config.actions import ACTION_FIELDS
 from woz_tui.config.annotated_decoder import settings_from_texts
@@ -27,12 +27,14 @@ GOOD = Path(__file__).parent / "good" / "everything.yaml"
 
 
 def section(folder: Path, text: str, *actions: str, head: str = HEAD) -> Engagement:
-    experiment = read(folder, panel(*(actions or [HELLO]), head=f"{head}engagement: {text}\n"))
+    experiment = read_experiment(
+        folder, panel(*(actions or [HELLO]), head=f"{head}engagement: {text}\n")
+    )
     assert experiment.engagement is not None
     return experiment.engagement
 
 
-def said(action: Action) -> list[list[tuple[str, object]] | float]:
+def steps_of(action: Action) -> list[list[tuple[str, object]] | float]:
     """Steps as verbs with their arguments, and pauses."""
     return [
         step.seconds if isinstance(step, Wait) else [(c.verb, dict(c.args)) for c in step.calls]
@@ -74,7 +76,7 @@ def test_settings_are_those_of_the_file(settled: Engagement) -> None:
 def test_an_empty_section_has_the_papers_defaults_and_none_is_no_model(tmp_path: Path) -> None:
     empty = section(tmp_path, "{}")
     assert empty == Engagement(EngagementSettings())
-    assert read(tmp_path, panel(HELLO)).engagement is None
+    assert read_experiment(tmp_path, panel(HELLO)).engagement is None
 
 
 @given(st.integers(0, 1000), st.integers(1, 1000))
@@ -104,13 +106,13 @@ def test_effects_are_actions_of_their_own(settled: Engagement) -> None:
     assert set(settled.effects) == {"Wait", "PersonDetected", "EngagedWithKnown"}
     entered = settled.effects["PersonDetected"]
     assert (entered.name, entered.key, entered.panel) == ("on PersonDetected", "", "")
-    assert said(entered) == [
+    assert steps_of(entered) == [
         [("say", {"text": "Come nearer"})],
         0.5,
         [("say", {"text": "Hi"}), ("play", {"move": "nod"})],
     ]
-    assert said(settled.effects["Wait"]) == [[("home", {})]]
-    assert said(settled.effects["EngagedWithKnown"]) == [[("say", {"text": "Hello {visitor}"})]]
+    assert steps_of(settled.effects["Wait"]) == [[("home", {})]]
+    assert steps_of(settled.effects["EngagedWithKnown"]) == [[("say", {"text": "Hello {visitor}"})]]
     assert entered.place.line > 1
 
 
@@ -129,7 +131,7 @@ def test_an_effect_can_say_whom_it_is_for(tmp_path: Path) -> None:
 
 def test_effects_are_not_among_the_actions(tmp_path: Path) -> None:
     text = panel(HELLO, head=f"{HEAD}engagement: {{on_enter: {{Wait: {{say: Hi}}}}}}\n")
-    experiment = read(tmp_path, text)
+    experiment = read_experiment(tmp_path, text)
     assert experiment.action("on Wait") is None
     found = errors(tmp_path, f"{text}script: [on Wait]\n")
     assert len(found) == 1
@@ -157,7 +159,7 @@ def test_the_visitor_is_a_variable_where_there_is_a_model(tmp_path: Path) -> Non
     assert not errors(tmp_path, greets + "engagement: {}\n")
     assert "there is no variable {visitor}" in errors(tmp_path, greets)[0]
     own = greets + "variables: {visitor: you}\n"
-    assert read(tmp_path, own).variables == {"visitor": "you"}
+    assert read_experiment(tmp_path, own).variables == {"visitor": "you"}
     (found,) = errors(tmp_path, own + "engagement: {}\n")
     assert found.endswith("'visitor' is reserved for the session; choose another name")
 
@@ -306,7 +308,7 @@ def test_a_confirmation_without_the_name_is_warned_of(tmp_path: Path) -> None:
 def test_a_profile_may_allow_the_models_verbs(tmp_path: Path) -> None:
     profiles = "profiles: {child: {verbs: [toggle, engagement]}}\n"
     text = panel(HELLO, head=f"{HEAD}engagement: {{}}\n{profiles}")
-    assert read(tmp_path, text).profiles["child"].verbs == {"toggle", "engagement"}
+    assert read_experiment(tmp_path, text).profiles["child"].verbs == {"toggle", "engagement"}
     (found,) = errors(tmp_path, panel(HELLO, head=HEAD + "profiles: {child: {verbs: [toggle]}}\n"))
     assert "no driver offers 'toggle'" in found
 
@@ -338,6 +340,6 @@ def test_a_drivers_buttons_may_ask_for_the_models_verbs(tmp_path: Path) -> None:
 
 
 def test_never_is_null(tmp_path: Path) -> None:
-    found = section(tmp_path, "{timeouts: {approach: null, listening: null, talking: null}}")
-    limits = found.settings.timeouts
+    engagement = section(tmp_path, "{timeouts: {approach: null, listening: null, talking: null}}")
+    limits = engagement.settings.timeouts
     assert (limits.approach, limits.listening, limits.talking) == (None, None, None)

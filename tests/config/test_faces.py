@@ -84,12 +84,12 @@ def test_a_handshake_of_the_robot_learns_nobody_where_nobody_can_consent(
 
 
 def test_a_consent_and_its_withdrawal_reach_all_that_learn_faces(tmp_path: Path) -> None:
-    made = read(
+    experiment = read(
         tmp_path,
         "{key: c, label: C, face_consent: V3}",
         "{key: d, label: D, face_consent: {name: V3, given: false}}",
         "{key: e, label: E, face_consent: V3, on: other}",
         head=TWO,
     )
-    reached = [[call.driver for call in one.calls] for one in made.panels[0].actions]
+    reached = [[call.driver for call in one.calls] for one in experiment.panels[0].actions]
     assert reached == [["eye", "other"], ["eye", "other"], ["other"]]

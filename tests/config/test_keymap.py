@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.config.reading import errors, panel, read
-from tests.config.test_keys import bases, layouts, modifiers
+from tests.config.reading import errors, panel, read_experiment
+from tests.config.test_key_names import bases, layouts, modifiers
 from woz_tui.config import keys
 from woz_tui.config.keys import (
     BUILTIN_KEYS,
@@ -175,9 +175,9 @@ def test_an_experiment_with_such_a_key_is_right(tmp_path: Path) -> None:
         f"{{key: {json.dumps(key)}, label: L{n}, say: Hello}}" for n, key in enumerate(wanted)
     ]
     assert errors(tmp_path, panel(*actions)) == []
-    told = read(tmp_path, panel(*actions))
-    assert told.warnings == ()
-    assert list(key_map(told.panels, PLAIN).table) == wanted
+    experiment = read_experiment(tmp_path, panel(*actions))
+    assert experiment.warnings == ()
+    assert list(key_map(experiment.panels, PLAIN).table) == wanted
     assert len(errors(tmp_path, panel("{key: '=', label: L, say: Hello}"))) == 1
 
 

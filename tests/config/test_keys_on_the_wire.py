@@ -41,10 +41,12 @@ def test_what_is_said_to_arrive_is_what_the_scanner_sees(
 ) -> None:
     wrong = []
     for chord in chords(layout):
-        found = keys.deliver(chord, terminal, layout)
-        if found.verdict is keys.KeyOutcome.NEVER:
+        key_delivery = keys.deliver(chord, terminal, layout)
+        if key_delivery.verdict is keys.KeyOutcome.NEVER:
             continue
-        expected = ["stop"] if found.verdict is keys.KeyOutcome.STOP else [found.arrives]
-        if scanned(found.data, terminal) != expected:
-            wrong.append((chord, found.data, expected, scanned(found.data, terminal)))
+        expected = (
+            ["stop"] if key_delivery.verdict is keys.KeyOutcome.STOP else [key_delivery.arrives]
+        )
+        if scanned(key_delivery.data, terminal) != expected:
+            wrong.append((chord, key_delivery.data, expected, scanned(key_delivery.data, terminal)))
     assert wrong == []

@@ -19,7 +19,7 @@ from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 FIELDS = QuestionnaireWords.__struct_fields__
 
 
-def made(folder: Path, language: str) -> Experiment:
+def make_experiment(folder: Path, language: str) -> Experiment:
     text = panel("{label: A, say: a}", head=f"{ROBOT}\n{language}\n")
     (folder / "e.yaml").write_text(text, encoding="utf-8")
     return load(folder / "e.yaml", CATALOGUE)
@@ -51,26 +51,29 @@ def test_the_english_file_says_what_the_code_says() -> None:
 
 
 def test_without_a_language_it_is_english(tmp_path: Path) -> None:
-    assert (made(tmp_path, "").language, made(tmp_path, "").words) == ("en", ENGLISH)
+    assert (make_experiment(tmp_path, "").language, make_experiment(tmp_path, "").words) == (
+        "en",
+        ENGLISH,
+    )
 
 
 def test_a_language_that_comes_along(tmp_path: Path) -> None:
-    assert made(tmp_path, "language: de").words.wait == "Bitte warten."
+    assert make_experiment(tmp_path, "language: de").words.wait == "Bitte warten."
 
 
 def test_a_file_beside_the_experiment_adds_a_language_and_is_part_of_it(tmp_path: Path) -> None:
     own = tmp_path / "gsw.language.yaml"
     own.write_text("questionnaire: {wait: Bitte no chli warte.}\n", encoding="utf-8")
-    found = made(tmp_path, "language: gsw")
-    assert found.words == msgspec.structs.replace(ENGLISH, wait="Bitte no chli warte.")
-    assert own in found.files
+    experiment = make_experiment(tmp_path, "language: gsw")
+    assert experiment.words == msgspec.structs.replace(ENGLISH, wait="Bitte no chli warte.")
+    assert own in experiment.files
     own.write_text("questionnaire: {wait: Bitte warte.}\n", encoding="utf-8")
-    assert made(tmp_path, "language: gsw").sha256 != found.sha256
+    assert make_experiment(tmp_path, "language: gsw").sha256 != experiment.sha256
 
 
 def test_a_file_beside_the_experiment_goes_before_ours(tmp_path: Path) -> None:
     (tmp_path / "de.language.yaml").write_text("questionnaire: {wait: Warte bitte.}\n")
-    words = made(tmp_path, "language: de").words
+    words = make_experiment(tmp_path, "language: de").words
     assert (words.wait, words.thanks) == ("Warte bitte.", "Vielen Dank!")
 
 
@@ -92,5 +95,5 @@ def test_what_is_wrong_is_said_with_its_place(
     if file:
         (tmp_path / "x.language.yaml").write_text(file)
     with pytest.raises(ExperimentError) as error:
-        made(tmp_path, f"language: {language}")
+        make_experiment(tmp_path, f"language: {language}")
     assert said in "\n".join(map(str, error.value.problems))

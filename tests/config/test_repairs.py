@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.config.reading import HEAD, HELLO, errors, panel, read
+from tests.config.reading import HEAD, HELLO, errors, panel, read_experiment
 from woz_tui.config.languages import FOLDER, SPOKEN
 from woz_tui.config.repairs import INTERRUPT, REPEAT, REWORD
 
@@ -19,7 +19,7 @@ def repairs(folder: Path, section: str, *actions: str) -> dict[str, list[object]
     file = panel(*(actions or (HELLO,)), head=f"{HEAD}{section}")
     return {
         action.name: [call.args.get("text") for call in action.calls]
-        for action in read(folder, file).repairs
+        for action in read_experiment(folder, file).repairs
     }
 
 

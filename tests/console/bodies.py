@@ -88,7 +88,7 @@ def face(
     )
 
 
-def changed(driver: str = "body", **values: m.Json) -> m.BodyChanged:
+def body_changed(driver: str = "body", **values: m.Json) -> m.BodyChanged:
     """What a body tells of itself."""
     told: dict[str, m.Json] = {
         "mode": "normal",
@@ -125,7 +125,7 @@ def alive(robot: str = "", **values: m.Json) -> list[m.AnyMessage]:
     return [
         m.DriverConnected(driver=driver, detail="EyePi", t=scenes.SECOND),
         face(driver=driver),
-        changed(driver, **values),
+        body_changed(driver, **values),
         *joints(
             {"pitch": 20.0, "middle": 60.0, "top": 50.0},
             {"pitch": 35.0, "middle": 72.0, "top": 40.0},
@@ -134,7 +134,7 @@ def alive(robot: str = "", **values: m.Json) -> list[m.AnyMessage]:
     ]
 
 
-def moved(
+def controls_moved(
     values: dict[str, int], waiting: dict[str, int] | None = None, lit: tuple[str, ...] = ()
 ) -> m.ControlsMoved:
     """Knobs of the panel."""

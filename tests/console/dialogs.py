@@ -5,7 +5,7 @@ from __future__ import annotations
 from textual.widgets import Input
 
 from tests.console import scenes
-from tests.console.driving import Sitting
+from tests.console.piloting import ConsolePilot
 from woz_tui.protocol import requests as r
 
 NOW = scenes.NOW
@@ -40,10 +40,10 @@ def busy() -> r.Welcome:
     return scenes.welcome(recent=scenes.history())
 
 
-async def opened(seat: Sitting, name: str) -> None:
-    await seat.press(OPENERS[name])
-    await seat.until(lambda: type(seat.console.dialog).__name__ == name, name)
-    await seat.settle()
+async def open_dialog(pilot: ConsolePilot, name: str) -> None:
+    await pilot.press(OPENERS[name])
+    await pilot.until(lambda: type(pilot.console.dialog).__name__ == name, name)
+    await pilot.settle()
 
 
 #: The console's keys that open a dialog.
@@ -79,9 +79,9 @@ CHARACTERS = {
 }
 
 
-def stops(seat: Sitting) -> int:
-    return sum(isinstance(asked, r.AskStop) for asked in seat.feed.asked)
+def stops(pilot: ConsolePilot) -> int:
+    return sum(isinstance(asked, r.AskStop) for asked in pilot.feed.asked)
 
 
-def entry(seat: Sitting) -> Input:
-    return seat.console.screen.query_one("#entry", Input)
+def entry(pilot: ConsolePilot) -> Input:
+    return pilot.console.screen.query_one("#entry", Input)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import msgspec
 
-from tests.console.scripted import raw
+from tests.console.scripted_feed import raw
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -206,7 +206,7 @@ def reading(
     return msgspec.structs.replace(made, t=t)
 
 
-def played(
+def played_action(
     run: str, action: str, t: int, took: float | None, *, how: str = "done", reason: str = ""
 ) -> list[m.AnyMessage]:
     """One run: requested, dispatched, and after `took` seconds its end; None: still running."""
@@ -230,7 +230,7 @@ def played(
     return messages
 
 
-def filled(action: str, text: str) -> m.ActionsFilled:
+def actions_filled(action: str, text: str) -> m.ActionsFilled:
     """What an action would say now."""
     return m.ActionsFilled(actions={action: [[m.FilledCall(verb="say", args={"text": text})]]})
 
@@ -239,9 +239,9 @@ def history() -> list[m.AnyMessage]:
     """The last minutes."""
     return [
         m.ConsoleAttached(console="console1", role="wizard", t=9 * MINUTE),
-        *played("a1", "Hello", NOW - 115 * SECOND, 2.4),
-        *played("a2", "Happy", NOW - 111 * SECOND, 0.1),
-        *played("a3", "Welcome", NOW - 96 * SECOND, 1.9),
+        *played_action("a1", "Hello", NOW - 115 * SECOND, 2.4),
+        *played_action("a2", "Happy", NOW - 111 * SECOND, 0.1),
+        *played_action("a3", "Welcome", NOW - 96 * SECOND, 1.9),
         m.EngagementChanged(
             was="PersonDetected",
             now="EngagedWithKnown",
@@ -250,13 +250,13 @@ def history() -> list[m.AnyMessage]:
             verdicts={"presence": True, "gaze": True, "distance": True, "id": "visitor 12"},
             t=NOW - 90 * SECOND,
         ),
-        *played("a4", "Point left", NOW - 71 * SECOND, 1.2),
-        *played("a5", "Bow", NOW - 52 * SECOND, 0.8, how="failed", reason=OVERLOADED),
+        *played_action("a4", "Point left", NOW - 71 * SECOND, 1.2),
+        *played_action("a5", "Bow", NOW - 52 * SECOND, 0.8, how="failed", reason=OVERLOADED),
         m.Note(text="hesitates before the map", t=NOW - 40 * SECOND),
-        *played("a6", "Question", NOW - 31 * SECOND, 1.7),
+        *played_action("a6", "Question", NOW - 31 * SECOND, 1.7),
         m.Mistake(run="a6", action="Question", t=NOW - 28 * SECOND),
         m.Marker(t=NOW - 20 * SECOND),
-        *played("a7", "Nod", NOW - 9 * SECOND, 1.1),
+        *played_action("a7", "Nod", NOW - 9 * SECOND, 1.1),
     ]
 
 
@@ -264,7 +264,7 @@ def speaking(left: float = 2.1, whole: float = 3.6) -> list[m.AnyMessage]:
     """An utterance in the middle, and one that waits behind it."""
     begun = NOW - round((whole - left) * SECOND)
     return [
-        *played("a8", "Map", begun, None),
+        *played_action("a8", "Map", begun, None),
         m.Progress(command="c-a8", driver="voice", expected_us=round(whole * SECOND), t=begun),
         m.ActionRequested(run="a9", action="Question", source="key", t=NOW - SECOND // 2),
         m.Command(

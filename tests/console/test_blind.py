@@ -7,10 +7,10 @@ from typing import Any
 import msgspec
 import pytest
 
-from tests.console import studied
-from tests.console.dialogs import OPENERS, opened
-from tests.console.driving import Sitting, sitting
-from tests.console.scripted import Answer, seen
+from tests.console import study_scene
+from tests.console.dialogs import OPENERS, open_dialog
+from tests.console.piloting import ConsolePilot, piloted_console
+from tests.console.scripted_feed import Answer, redacted_welcome
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -20,7 +20,7 @@ from woz_tui.session.redactor import Redactor, mark_legacy
 
 pytestmark = pytest.mark.safety
 
-NOW = studied.NOW
+NOW = study_scene.NOW
 #: What must not stand anywhere: the conditions, and what only one of them has the robot say.
 SECRETS = ("warm", "cold", "How lovely", "Good day")
 OVERLOADED = "the voice cannot say 'Good day.' in the cold condition"
@@ -40,7 +40,7 @@ def blind_messages() -> list[m.AnyMessage]:
     """A robot process that tells everything it knows."""
     return [
         m.SessionChanged(condition="cold", trial=3, t=NOW),
-        studied.trial(),
+        study_scene.trial(),
         m.Notice(
             level="info",
             text="the condition is cold now",
@@ -78,15 +78,15 @@ def blind_messages() -> list[m.AnyMessage]:
         m.TrialEnded(
             trial=3, outcome="aborted", text="cold was too cold", t=NOW, tells=("condition",)
         ),
-        studied.trial(4),
+        study_scene.trial(4),
     ]
 
 
 def welcome(**more: Any) -> r.Welcome:
     values: dict[str, m.Json] = {"condition": "cold", "greeting": "Good day.", "participant": "P07"}
-    told = studied.welcome(
+    told = study_scene.welcome(
         *blind_messages(),
-        study=studied.told(blind=studied.LABELS),
+        study=study_scene.study_description(blind=study_scene.LABELS),
         settings={"values": values},
         recent=blind_messages(),
         shown=panels(),
@@ -100,7 +100,7 @@ def answering(reply: r.Reply) -> Answer:
     return lambda asked, ref: msgspec.structs.replace(reply, ref=ref)
 
 
-def robot_that_tells(seat: Sitting) -> None:
+def robot_that_tells(pilot: ConsolePilot) -> None:
     """Every reply has the true conditions in it."""
     proposal: m.Json = {"order": ["cold", "warm"], "why": "row 1", "condition": "cold"}
     finding: m.Json = [
@@ -111,13 +111,13 @@ def robot_that_tells(seat: Sitting) -> None:
         r.AskPreflight: r.Reply(ref=0, ok=True, data=finding),
     }
     for kind, reply in told.items():
-        seat.feed.answers[kind] = answering(reply)
+        pilot.feed.answers[kind] = answering(reply)
 
 
-def assert_blind(seat: Sitting, where: str) -> None:
-    screens = seat.console.screen_stack
-    drawn = seat.drawn() + "".join(
-        seat.text(name)
+def assert_blind(pilot: ConsolePilot, where: str) -> None:
+    screens = pilot.console.screen_stack
+    drawn = pilot.drawn() + "".join(
+        pilot.text(name)
         for name in ("StatusLines", "ActionPanels", "Meters", "EventList", "StopBar", "ScriptPane")
     )
     assert screens
@@ -129,61 +129,63 @@ def assert_blind(seat: Sitting, where: str) -> None:
 async def test_no_screen_and_no_dialog_tells_the_condition(
     role: str, size: tuple[int, int]
 ) -> None:
-    async with sitting(welcome(role=role), size=size) as seat:
-        robot_that_tells(seat)
-        assert "Orange" in seat.text("StatusLines")
-        assert_blind(seat, "main screen")
+    async with piloted_console(welcome(role=role), size=size) as pilot:
+        robot_that_tells(pilot)
+        assert "Orange" in pilot.text("StatusLines")
+        assert_blind(pilot, "main screen")
         for name in OPENERS:
-            await opened(seat, name)
-            await seat.settle()
-            assert_blind(seat, name)
-            await seat.press("ctrl+q")
-        assert "{greeting}" in seat.text("ScriptPane") or size == (80, 24)
-        await seat.press("colon")
-        await seat.type("greet")
-        assert_blind(seat, "find")
+            await open_dialog(pilot, name)
+            await pilot.settle()
+            assert_blind(pilot, name)
+            await pilot.press("ctrl+q")
+        assert "{greeting}" in pilot.text("ScriptPane") or size == (80, 24)
+        await pilot.press("colon")
+        await pilot.type("greet")
+        assert_blind(pilot, "find")
 
 
 async def test_the_wizard_chooses_among_labels() -> None:
-    async with sitting(welcome()) as seat:
-        robot_that_tells(seat)
-        await opened(seat, "StartDialog")
-        assert "1. Orange" in seat.drawn()
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskAssign)
+    async with piloted_console(welcome()) as pilot:
+        robot_that_tells(pilot)
+        await open_dialog(pilot, "StartDialog")
+        assert "1. Orange" in pilot.drawn()
+        await pilot.press("enter")
+        asked = pilot.feed.last(r.AskAssign)
         assert isinstance(asked, r.AskAssign)
         assert asked.order == ["Orange", "Lemon"]
 
 
 async def test_without_a_design_a_label_stands_for_its_condition() -> None:
-    study = studied.told(blind=studied.LABELS, design=None)
-    async with sitting(studied.welcome(study=study)) as seat:
-        await opened(seat, "StartDialog")
-        assert "Lemon" in seat.drawn()
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskSet)
+    study = study_scene.study_description(blind=study_scene.LABELS, design=None)
+    async with piloted_console(study_scene.welcome(study=study)) as pilot:
+        await open_dialog(pilot, "StartDialog")
+        assert "Lemon" in pilot.drawn()
+        await pilot.press("enter")
+        asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert asked.condition == "Lemon"
 
 
 async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
-    async with sitting(studied.welcome()) as seat:
-        changed = r.PanelsChanged(
+    async with piloted_console(study_scene.welcome()) as pilot:
+        panels_changed = r.PanelsChanged(
             title="Museum guide",
             panels=panels(),
             script=[],
             verbs={},
             conditions=["warm", "cold"],
             keyboard="us",
-            study=studied.typed(studied.told(blind=studied.LABELS)),
+            study=study_scene.study_settings(
+                study_scene.study_description(blind=study_scene.LABELS)
+            ),
         )
-        await seat.tell(changed, m.SessionChanged(condition="cold", t=NOW))
-        assert "Orange" in seat.text("StatusLines")
-        assert seat.console.state.conditions == ("Lemon", "Orange")
-        assert seat.console.state.study.order == ("Lemon", "Orange")
+        await pilot.tell(panels_changed, m.SessionChanged(condition="cold", t=NOW))
+        assert "Orange" in pilot.text("StatusLines")
+        assert pilot.console.state.conditions == ("Lemon", "Orange")
+        assert pilot.console.state.study.order == ("Lemon", "Orange")
 
 
-def blind(labels: dict[str, str] = studied.LABELS, **more: Any) -> Redactor:
+def blind(labels: dict[str, str] = study_scene.LABELS, **more: Any) -> Redactor:
     return Redactor(StudySettings(blind=labels, **more))
 
 
@@ -265,18 +267,18 @@ def test_a_log_that_does_not_say_what_it_tells_shows_no_words() -> None:
 
 async def test_a_program_that_sees_all_is_named_as_long_as_it_is_there() -> None:
     attached = m.ConsoleAttached(console="con2", role="program", name="stimulus", sees="all", t=NOW)
-    async with sitting(welcome(), size=(160, 50)) as seat:
-        await seat.tell(attached)
-        assert "stimulus sees all" in seat.text("StatusLines")
-        assert "program stimulus attached" in seat.text("EventList")
-        await seat.tell(m.ConsoleLost(console="con2", role="program", why="closed", t=NOW))
-        assert "sees all" not in seat.text("StatusLines")
-    async with sitting(studied.welcome(), size=(160, 50)) as seat:
-        await seat.tell(attached)
-        assert "sees all" not in seat.text("StatusLines"), "nothing is kept from this wizard"
+    async with piloted_console(welcome(), size=(160, 50)) as pilot:
+        await pilot.tell(attached)
+        assert "stimulus sees all" in pilot.text("StatusLines")
+        assert "program stimulus attached" in pilot.text("EventList")
+        await pilot.tell(m.ConsoleLost(console="con2", role="program", why="closed", t=NOW))
+        assert "sees all" not in pilot.text("StatusLines")
+    async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
+        await pilot.tell(attached)
+        assert "sees all" not in pilot.text("StatusLines"), "nothing is kept from this wizard"
 
 
 def test_an_utterance_shows_the_variable_and_not_its_value() -> None:
     state = ConsoleState()
-    state.apply([seen(welcome())], 0)
+    state.apply([redacted_welcome(welcome())], 0)
     assert state.filled("{greeting} {condition} {participant}") == "{greeting} {condition} P07"

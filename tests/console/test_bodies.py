@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import bodies, scenes
-from tests.console.driving import Sitting, sitting
+from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.bodies.bodies_pane import pane_rows
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
@@ -28,7 +28,7 @@ ROOMY, NARROW = (160, 50), (80, 24)
 LARGE, COMPACT = "▄█████▄", "⢀⣶⣷⣆"
 
 
-def pictured(*messages: m.AnyMessage, robots: tuple[str, ...] = ("",)) -> ConsoleState:
+def console_state(*messages: m.AnyMessage, robots: tuple[str, ...] = ("",)) -> ConsoleState:
     state = ConsoleState()
     state.apply([bodies.welcome(robots=robots), *messages], 0)
     return state
@@ -39,12 +39,12 @@ def text(rows: list[Row]) -> str:
 
 
 def pane(*messages: m.AnyMessage, size: tuple[int, int] = (50, 20), now: int = NOW) -> str:
-    return text(pane_rows(pictured(*messages), PaintFrame(*size, now)))
+    return text(pane_rows(console_state(*messages), PaintFrame(*size, now)))
 
 
-def places(seat: Sitting) -> list[object]:
+def places(pilot: ConsolePilot) -> list[object]:
     parts = ("ActionPanels", "Meters", "BodyPane", "EventList", "ScriptPane")
-    return [seat.console.query_one(name).region for name in parts]
+    return [pilot.console.query_one(name).region for name in parts]
 
 
 @pytest.mark.toolkit("V1", "F1")
@@ -52,28 +52,30 @@ def places(seat: Sitting) -> list[object]:
     ("size", "eyes"), [(ROOMY, LARGE), (NARROW, COMPACT), ((120, 30), COMPACT)]
 )
 async def test_the_face_is_on_the_main_screen(size: tuple[int, int], eyes: str) -> None:
-    async with sitting(bodies.welcome(bodies.alive()), size=size) as seat:
-        shown = seat.text("BodyPane")
+    async with piloted_console(bodies.welcome(bodies.alive()), size=size) as pilot:
+        shown = pilot.text("BodyPane")
         assert eyes in shown
         assert "happy 80 %" in shown
-        assert eyes in seat.drawn()
+        assert eyes in pilot.drawn()
 
 
 @pytest.mark.toolkit("V1")
 @pytest.mark.parametrize("size", [ROOMY, NARROW, (80, 36), (120, 30)])
 async def test_nothing_moves_about_while_the_robot_moves(size: tuple[int, int]) -> None:
-    async with sitting(bodies.welcome([*scenes.sensors(), *bodies.alive()]), size=size) as seat:
-        before = places(seat)
-        await seat.tell(*bodies.joints({"pitch": 9.0, "middle": 80.0, "top": 3.0}, {}))
-        await seat.tell(*bodies.alive(mode="demo", move="dance", emotion="neutral"))
-        await seat.tell(m.DriverLost(driver="body", t=NOW), m.StopPressed(source="key", t=NOW))
-        assert places(seat) == before
+    async with piloted_console(
+        bodies.welcome([*scenes.sensors(), *bodies.alive()]), size=size
+    ) as pilot:
+        before = places(pilot)
+        await pilot.tell(*bodies.joints({"pitch": 9.0, "middle": 80.0, "top": 3.0}, {}))
+        await pilot.tell(*bodies.alive(mode="demo", move="dance", emotion="neutral"))
+        await pilot.tell(m.DriverLost(driver="body", t=NOW), m.StopPressed(source="key", t=NOW))
+        assert places(pilot) == before
 
 
 async def test_a_session_without_a_body_has_no_room_for_one() -> None:
-    async with sitting(size=NARROW) as seat:
-        assert not seat.console.query_one("BodyPane").display
-        meters = seat.console.query_one("Meters").region
+    async with piloted_console(size=NARROW) as pilot:
+        assert not pilot.console.query_one("BodyPane").display
+        meters = pilot.console.query_one("Meters").region
         assert meters.width == 39
 
 
@@ -82,8 +84,8 @@ async def test_a_session_without_a_body_has_no_room_for_one() -> None:
 async def test_two_robots_stand_side_by_side(size: tuple[int, int]) -> None:
     robots = ("left.", "right.")
     state = [*bodies.alive("left.", emotion="angry"), *bodies.alive("right.", emotion="sad")]
-    async with sitting(bodies.welcome(state, robots), size=size) as seat:
-        shown = seat.text("BodyPane")
+    async with piloted_console(bodies.welcome(state, robots), size=size) as pilot:
+        shown = pilot.text("BodyPane")
         title = shown.splitlines()[0]
         assert title.index("left") < title.index("right")
         assert shown.count(LARGE if size == ROOMY else COMPACT) == (4 if size == ROOMY else 2)
@@ -93,10 +95,10 @@ async def test_two_robots_stand_side_by_side(size: tuple[int, int]) -> None:
 
 @pytest.mark.toolkit("V1")
 async def test_the_views_follow_the_setpoints() -> None:
-    async with sitting(bodies.welcome(bodies.alive()), size=ROOMY) as seat:
-        before = seat.text("BodyPane")
-        await seat.tell(*bodies.joints({"pitch": -80.0, "middle": 5.0, "top": 5.0}, {}))
-        assert seat.text("BodyPane") != before
+    async with piloted_console(bodies.welcome(bodies.alive()), size=ROOMY) as pilot:
+        before = pilot.text("BodyPane")
+        await pilot.tell(*bodies.joints({"pitch": -80.0, "middle": 5.0, "top": 5.0}, {}))
+        assert pilot.text("BodyPane") != before
 
 
 @pytest.mark.toolkit("V1")
@@ -116,7 +118,7 @@ def test_what_it_does_is_said_beside_the_face() -> None:
 @pytest.mark.toolkit("G1")
 def test_a_lost_body_is_grey_and_says_since_when() -> None:
     lost = m.DriverLost(driver="body", detail="gone", t=NOW)
-    rows = pane_rows(pictured(*bodies.alive(), lost), PaintFrame(50, 20, NOW + 7_000_000))
+    rows = pane_rows(console_state(*bodies.alive(), lost), PaintFrame(50, 20, NOW + 7_000_000))
     assert "~7 s old" in text(rows)
     looks = {look for row in rows for _, look in row}
     assert "stale" in looks
@@ -132,7 +134,7 @@ def test_joints_that_nobody_speaks_of_any_more_are_old() -> None:
 
 
 def test_a_lost_session_makes_everything_old() -> None:
-    state = pictured(*bodies.alive())
+    state = console_state(*bodies.alive())
     state.lose(Loss("closed"))
     assert "old" in text(pane_rows(state, PaintFrame(50, 20, NOW)))
 
@@ -161,7 +163,7 @@ def test_a_body_without_a_face_shows_its_links() -> None:
 @pytest.mark.toolkit("F5", "F3")
 def test_brightness_is_seen_in_the_lights_colour() -> None:
     def look(brightness: float) -> set[str]:
-        state = pictured(bodies.face(brightness=brightness))
+        state = console_state(bodies.face(brightness=brightness))
         rows = pane_rows(state, PaintFrame(50, 20, NOW))
         return {look for row in rows for piece, look in row if "█" in piece}
 
@@ -179,7 +181,7 @@ def test_the_pane_keeps_to_its_frame(
     width: int, height: int, glyphs: Glyphs, robots: tuple[str, ...]
 ) -> None:
     told = [message for robot in robots for message in bodies.alive(robot)]
-    rows = pane_rows(pictured(*told, robots=robots), PaintFrame(width, height, NOW, glyphs))
+    rows = pane_rows(console_state(*told, robots=robots), PaintFrame(width, height, NOW, glyphs))
     assert len(rows) == height
     assert all(length(row) == width for row in rows)
     assert glyphs is UNICODE or text(rows).isascii()
@@ -191,39 +193,39 @@ def test_the_pane_keeps_to_its_frame(
 @pytest.mark.toolkit("V1", "P5")
 @pytest.mark.parametrize("size", [NARROW, ROOMY])
 async def test_the_body_in_full_size_with_all_its_values(size: tuple[int, int]) -> None:
-    async with sitting(bodies.welcome(bodies.alive()), size=size) as seat:
-        await seat.press("semicolon")
-        await seat.until(lambda: "side, front" in seat.drawn(), "the views")
-        shown = seat.drawn()
+    async with piloted_console(bodies.welcome(bodies.alive()), size=size) as pilot:
+        await pilot.press("semicolon")
+        await pilot.until(lambda: "side, front" in pilot.drawn(), "the views")
+        shown = pilot.drawn()
         assert LARGE in shown
         for words in ("personality", "upbeat", "valence", "+0.60", "compression", "25 %"):
             assert words in shown
-        await seat.tell(bodies.changed(breathing_on=True, breathing_rate=None, tempo=3.2))
-        await seat.until(lambda: "0.80 Hz" in seat.drawn(), "a breath lasts four beats")
-        assert "breathing on" not in seat.drawn()
-        await seat.tell(bodies.changed(compression=0.5, odd_trait=3))
-        await seat.until(lambda: "50 %" in seat.drawn(), "the new value")
-        assert "odd trait" in seat.drawn()
+        await pilot.tell(bodies.body_changed(breathing_on=True, breathing_rate=None, tempo=3.2))
+        await pilot.until(lambda: "0.80 Hz" in pilot.drawn(), "a breath lasts four beats")
+        assert "breathing on" not in pilot.drawn()
+        await pilot.tell(bodies.body_changed(compression=0.5, odd_trait=3))
+        await pilot.until(lambda: "50 %" in pilot.drawn(), "the new value")
+        assert "odd trait" in pilot.drawn()
 
 
 async def test_tab_turns_to_the_other_body_and_escape_stops() -> None:
     robots = ("left.", "right.")
     state = [message for robot in robots for message in bodies.alive(robot)]
-    async with sitting(bodies.welcome(state, robots)) as seat:
-        await seat.press("semicolon")
-        await seat.until(lambda: "left.body" in seat.drawn(), "the first")
-        await seat.press("tab")
-        await seat.until(lambda: "right.body" in seat.drawn(), "the second")
-        await seat.press("shift+tab")
-        await seat.until(lambda: "left.body" in seat.drawn(), "the first again")
-        await seat.press("escape")
-        assert seat.console.dialog is None
+    async with piloted_console(bodies.welcome(state, robots)) as pilot:
+        await pilot.press("semicolon")
+        await pilot.until(lambda: "left.body" in pilot.drawn(), "the first")
+        await pilot.press("tab")
+        await pilot.until(lambda: "right.body" in pilot.drawn(), "the second")
+        await pilot.press("shift+tab")
+        await pilot.until(lambda: "left.body" in pilot.drawn(), "the first again")
+        await pilot.press("escape")
+        assert pilot.console.dialog is None
 
 
 async def test_without_a_body_the_dialog_says_so() -> None:
-    async with sitting() as seat:
-        await seat.press("semicolon")
-        await seat.until(lambda: "No robot of this session" in seat.drawn(), "the sentence")
+    async with piloted_console() as pilot:
+        await pilot.press("semicolon")
+        await pilot.until(lambda: "No robot of this session" in pilot.drawn(), "the sentence")
 
 
 # -- other terminals ------------------------------------------------------------------------------
@@ -234,8 +236,8 @@ async def test_without_colours_and_in_ascii_the_face_is_there(
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     look = Appearance(ASCII, "woz-16")
-    async with sitting(bodies.welcome(bodies.alive()), size=ROOMY, look=look) as seat:
-        shown = seat.text("BodyPane")
+    async with piloted_console(bodies.welcome(bodies.alive()), size=ROOMY, look=look) as pilot:
+        shown = pilot.text("BodyPane")
         assert shown.isascii()
         assert ".#####." in shown
         assert "O" in shown

@@ -6,8 +6,8 @@ import pytest
 from textual.widgets import OptionList
 
 from tests.console import scenes
-from tests.console.dialogs import busy, opened
-from tests.console.driving import Sitting, sitting
+from tests.console.dialogs import busy, open_dialog
+from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.replay import replay_commands as replay
@@ -29,70 +29,75 @@ def test_no_two_commands_have_a_name_in_common(commands: tuple[ConsoleCommand, .
     assert len(ranks) == len(set(ranks))
 
 
-def found(seat: Sitting) -> list[str]:
+def palette_lines(pilot: ConsolePilot) -> list[str]:
     """The lines of the palette."""
-    return [str(it.prompt) for it in seat.console.screen.query_one("#found", OptionList).options]
+    return [
+        str(option.prompt)
+        for option in pilot.console.screen.query_one("#found", OptionList).options
+    ]
 
 
-async def chosen(seat: Sitting, words: str) -> None:
-    await opened(seat, "FindDialog")
-    await seat.type(words)
-    assert words[:30] in found(seat)[0]
-    await seat.press("enter")
+async def chosen(pilot: ConsolePilot, words: str) -> None:
+    await open_dialog(pilot, "FindDialog")
+    await pilot.type(words)
+    assert words[:30] in palette_lines(pilot)[0]
+    await pilot.press("enter")
 
 
-LISTED = [it for it in COMMANDS if it.found and not it.name.startswith("repair_")]
+LISTED = [
+    command for command in COMMANDS if command.found and not command.name.startswith("repair_")
+]
 
 
 @pytest.mark.parametrize("share", range(4))
 async def test_what_the_palette_lists_it_does(share: int) -> None:
     suspended: list[bool] = []
-    async with sitting(busy()) as seat:
-        seat.console.keyboard.on_suspend = lambda: suspended.append(True)
+    async with piloted_console(busy()) as pilot:
+        pilot.console.keyboard.on_suspend = lambda: suspended.append(True)
 
         def state() -> tuple[object, ...]:
-            bar = seat.text("StopBar")
-            panels, events = seat.console._panels.text, seat.text("EventList")
-            return (type(seat.console.dialog), seat.console.theme, bar, panels, events)
+            bar = pilot.text("StopBar")
+            panels, events = pilot.console._panels.text, pilot.text("EventList")
+            return (type(pilot.console.dialog), pilot.console.theme, bar, panels, events)
 
         for command in LISTED[share::4]:
-            seat.console.theme = "woz-light" if command.name == "dark" else "woz-dark"
-            before, asked = state(), len(seat.feed.asked)
-            await chosen(seat, command.words)
-            did = state() != before or len(seat.feed.asked) > asked or bool(suspended)
+            pilot.console.theme = "woz-light" if command.name == "dark" else "woz-dark"
+            before, asked = state(), len(pilot.feed.asked)
+            await chosen(pilot, command.words)
+            did = state() != before or len(pilot.feed.asked) > asked or bool(suspended)
             assert did or command.name == "redraw", command.name
             suspended.clear()
-            while seat.console.dialog is not None:
-                await seat.press("ctrl+q")
+            while pilot.console.dialog is not None:
+                await pilot.press("ctrl+q")
 
 
 async def test_a_marker_is_put_by_the_palette() -> None:
-    async with sitting() as seat:
-        await chosen(seat, "put a marker into the log")
-        assert seat.feed.last(r.AskMarker) is not None
+    async with piloted_console() as pilot:
+        await chosen(pilot, "put a marker into the log")
+        assert pilot.feed.last(r.AskMarker) is not None
 
 
 async def test_a_watcher_is_offered_what_it_may_use() -> None:
-    async with sitting(scenes.welcome(role="watcher"), size=(160, 50)) as seat:
-        line = seat.drawn().splitlines()[-1]
+    async with piloted_console(scenes.welcome(role="watcher"), size=(160, 50)) as pilot:
+        line = pilot.drawn().splitlines()[-1]
         assert "find" in line
         assert "note" in line
         assert "say" not in line
-        await opened(seat, "FindDialog")
-        await seat.type("type something to say")
-        assert not any("something to say" in line for line in found(seat))
-        await seat.press("ctrl+q")
-        await opened(seat, "HelpDialog")
-        (say,) = (line for line in seat.drawn().splitlines() if "type something to say" in line)
-        (note,) = (line for line in seat.drawn().splitlines() if "write a note" in line)
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type("type something to say")
+        assert not any("something to say" in line for line in palette_lines(pilot))
+        await pilot.press("ctrl+q")
+        await open_dialog(pilot, "HelpDialog")
+        (say,) = (line for line in pilot.drawn().splitlines() if "type something to say" in line)
+        (note,) = (line for line in pilot.drawn().splitlines() if "write a note" in line)
         assert "for the wizard" in say
         assert "for the wizard" not in note
 
 
 async def test_what_a_watcher_is_offered_is_what_the_robot_process_takes() -> None:
-    async with sitting(scenes.welcome(role="watcher")) as seat:
+    async with piloted_console(scenes.welcome(role="watcher")) as pilot:
         for name, command in by_key(COMMANDS).items():
             if command.sends is not None and command.serves("watcher"):
-                seat.console.do(name)
-        assert seat.feed.asked
-        assert all(isinstance(asked, WATCHER_MAY) for asked in seat.feed.asked)
+                pilot.console.do(name)
+        assert pilot.feed.asked
+        assert all(isinstance(asked, WATCHER_MAY) for asked in pilot.feed.asked)

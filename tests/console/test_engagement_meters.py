@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.console import engaged, scenes
+from tests.console import engagement_scene, scenes
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_text import LONG_US, SLOW_US, state_row
@@ -23,7 +23,7 @@ NOW, SECOND = scenes.NOW, scenes.SECOND
 LOW, MIDDLE, HIGH = PaintFrame(39, 6, NOW), PaintFrame(50, 11, NOW), PaintFrame(50, 30, NOW)
 
 
-def pictured(*messages: m.AnyMessage) -> ConsoleState:
+def console_state(*messages: m.AnyMessage) -> ConsoleState:
     state = ConsoleState()
     state.apply([scenes.welcome(state=[*scenes.healthy(), *messages])], 0)
     return state
@@ -34,18 +34,18 @@ def text(rows: list[Row]) -> str:
 
 
 def meters(*messages: m.AnyMessage, frame: PaintFrame = HIGH) -> str:
-    return text(meter_rows(pictured(*messages), frame))
+    return text(meter_rows(console_state(*messages), frame))
 
 
 def looks(*messages: m.AnyMessage, frame: PaintFrame = HIGH) -> dict[str, str]:
     """Each piece's look, by its text without blanks."""
-    rows = meter_rows(pictured(*messages), frame)
+    rows = meter_rows(console_state(*messages), frame)
     return {piece.strip(): look for row in rows for piece, look in row}
 
 
 def sign(**other: object) -> m.SignShown:
-    found = engaged.signs()["gaze"]
-    return msgspec.structs.replace(found, **other)
+    sign_shown = engagement_scene.signs()["gaze"]
+    return msgspec.structs.replace(sign_shown, **other)
 
 
 # -- what and where ---------------------------------------------------------------------------
@@ -53,7 +53,7 @@ def sign(**other: object) -> m.SignShown:
 
 @pytest.mark.parametrize("frame", [LOW, MIDDLE, HIGH], ids=["6", "11", "30"])
 def test_the_state_stands_first_and_the_order_is_fixed(frame: PaintFrame) -> None:
-    shown = meters(engaged.waits(), *scenes.sensors(), frame=frame).splitlines()
+    shown = meters(engagement_scene.waits(), *scenes.sensors(), frame=frame).splitlines()
     assert "waits for your answer, 3.2 s" in shown[0]
     wanted = ("waits", "person", "near", "0.84 m personal", "loudness")
     places = [next(y for y, line in enumerate(shown) if word in line) for word in wanted]
@@ -61,18 +61,18 @@ def test_the_state_stands_first_and_the_order_is_fixed(frame: PaintFrame) -> Non
 
 
 def test_nothing_moves_when_the_visitor_goes() -> None:
-    gone = engaged.shown(
+    gone = engagement_scene.engagement_shown(
         "Wait",
         visitor="",
         engaged=False,
         trail=["Wait"],
         signs={
-            name: msgspec.structs.replace(found, verdict=0, count=0, name="")
-            for name, found in engaged.signs().items()
+            name: msgspec.structs.replace(sign_shown, verdict=0, count=0, name="")
+            for name, sign_shown in engagement_scene.signs().items()
         },
     )
     for frame in (LOW, MIDDLE, HIGH):
-        here = meters(engaged.waits(), *scenes.sensors(), frame=frame).splitlines()
+        here = meters(engagement_scene.waits(), *scenes.sensors(), frame=frame).splitlines()
         away = meters(gone, *scenes.sensors(), frame=frame).splitlines()
         assert len(here) == len(away)
         assert away[0].startswith(" ○ nobody there")
@@ -81,7 +81,12 @@ def test_nothing_moves_when_the_visitor_goes() -> None:
 
 
 def test_a_high_screen_has_a_row_for_everything() -> None:
-    rows = [engaged.waits(), *engaged.way(), *engaged.talk(), *scenes.sensors()]
+    rows = [
+        engagement_scene.waits(),
+        *engagement_scene.way(),
+        *engagement_scene.talk(),
+        *scenes.sensors(),
+    ]
     names = [line.split()[0] for line in meters(*rows).splitlines()]
     signs = ["person", "looks", "near", "who?"]
     block = ["▲", "now", "why", *signs, "distance", "loudness", "heard"]
@@ -104,7 +109,7 @@ def test_a_session_without_a_model_shows_what_it_always_did() -> None:
 
 def test_several_robots_keep_a_ruler_each_beside_the_models_own() -> None:
     shown = meters(
-        engaged.shown(),
+        engagement_scene.engagement_shown(),
         scenes.reading(NOW, "left.distance", 0.3),
         scenes.reading(NOW, "right.distance", 2.0),
     )
@@ -125,7 +130,7 @@ def test_several_robots_keep_a_ruler_each_beside_the_models_own() -> None:
 def test_a_wait_grows_louder_with_a_sign(
     seconds: float, glyph: str, look: str, glyphs: Glyphs
 ) -> None:
-    state = pictured(engaged.waits(seconds))
+    state = console_state(engagement_scene.waits(seconds))
     assert state.engaged.shown is not None
     (found,) = state_row(state.engaged, state.engaged.shown, NOW, glyphs, 80)
     assert found[0].startswith(str(getattr(glyphs, glyph)))
@@ -136,7 +141,7 @@ def test_a_wait_grows_louder_with_a_sign(
 
 
 def test_the_wait_goes_on_between_messages() -> None:
-    state = pictured(engaged.waits(1.0))
+    state = console_state(engagement_scene.waits(1.0))
     for later, wanted in (
         (0, "1.0 s"),
         (700_000, "1.7 s"),
@@ -146,43 +151,65 @@ def test_the_wait_goes_on_between_messages() -> None:
         rows = meter_rows(state, PaintFrame(50, 30, NOW + later))
         assert f"visitor v12 waits for your answer, {wanted}" in text(rows)
     assert state.moves(NOW)
-    assert not pictured(engaged.shown()).moves(NOW)
+    assert not console_state(engagement_scene.engagement_shown()).moves(NOW)
 
 
 def test_what_was_heard_stands_beside_the_wait_where_room_is_short() -> None:
-    shown = meters(engaged.waits(), *engaged.talk(), frame=LOW).splitlines()
+    shown = meters(engagement_scene.waits(), *engagement_scene.talk(), frame=LOW).splitlines()
     assert shown[0].startswith(" ▲ waits for your answer, 3.2 s")
     assert "“where is the roman" in shown[1]
 
 
 def test_an_open_segment_is_timed_beside_the_level() -> None:
-    shown = meters(engaged.shown("UserSpeaks"), engaged.speaks(), *scenes.sensors())
+    shown = meters(
+        engagement_scene.engagement_shown("UserSpeaks"),
+        engagement_scene.speaks(),
+        *scenes.sensors(),
+    )
     assert "-31 dB ● 3.1 s" in shown
-    ended = m.SpeechEnded(driver="microphone", segment=9, began=NOW - 9, ended=NOW, t=NOW)
-    assert "● 3.1 s" not in meters(engaged.shown(), engaged.speaks(), ended, *scenes.sensors())
+    speech_ended = m.SpeechEnded(driver="microphone", segment=9, began=NOW - 9, ended=NOW, t=NOW)
+    assert "● 3.1 s" not in meters(
+        engagement_scene.engagement_shown(),
+        engagement_scene.speaks(),
+        speech_ended,
+        *scenes.sensors(),
+    )
 
 
 def test_without_a_level_the_speech_is_told_by_itself() -> None:
-    assert "speech 3.1 s" in meters(engaged.shown("UserSpeaks"), engaged.speaks())
+    assert "speech 3.1 s" in meters(
+        engagement_scene.engagement_shown("UserSpeaks"), engagement_scene.speaks()
+    )
 
 
 def test_what_was_understood_so_far_is_shown_while_it_is_said() -> None:
     before = scenes.reading(NOW - 9 * SECOND, "speech", None, text="of before", driver="microphone")
-    said = scenes.reading(NOW - SECOND, "speech", None, text="where is the", driver="microphone")
-    speaks = (engaged.shown("UserSpeaks"), *engaged.talk(), engaged.speaks())
+    reading = scenes.reading(NOW - SECOND, "speech", None, text="where is the", driver="microphone")
+    speaks = (
+        engagement_scene.engagement_shown("UserSpeaks"),
+        *engagement_scene.talk(),
+        engagement_scene.speaks(),
+    )
     assert "where is the roman glass" in meters(*speaks, before)
-    shown = meters(*speaks, before, said)
+    shown = meters(*speaks, before, reading)
     assert "“where is the …" in shown
     assert "roman glass" not in shown
-    ended = m.SpeechEnded(driver="microphone", segment=9, began=NOW - 9, ended=NOW, t=NOW)
+    speech_ended = m.SpeechEnded(driver="microphone", segment=9, began=NOW - 9, ended=NOW, t=NOW)
     text = m.SpeechText(driver="microphone", segment=9, text="where is the cloakroom", t=NOW)
-    assert "where is the cloakroom" in meters(*speaks, said, ended, text)
+    assert "where is the cloakroom" in meters(*speaks, reading, speech_ended, text)
 
 
 def test_nobody_knows_of_speech_when_the_microphone_is_gone() -> None:
     lost = m.DriverLost(driver="microphone", detail="unplugged", t=NOW)
     state = ConsoleState()
-    state.apply([scenes.welcome(state=[engaged.shown()]), engaged.speaks(), lost], 0)
+    state.apply(
+        [
+            scenes.welcome(state=[engagement_scene.engagement_shown()]),
+            engagement_scene.speaks(),
+            lost,
+        ],
+        0,
+    )
     assert state.engaged.speaking(NOW) is None
     assert not state.moves(NOW)
 
@@ -205,7 +232,10 @@ def test_yes_no_none_stale_and_by_hand_are_told_apart_without_colour(
         sign(forced=True, count=0),
         sign(forced=True, verdict=0, count=0),
     ]
-    seen = [meters(engaged.shown(signs={"gaze": one}), frame=frame) for one in states]
+    seen = [
+        meters(engagement_scene.engagement_shown(signs={"gaze": one}), frame=frame)
+        for one in states
+    ]
     for first, second in itertools.combinations(seen, 2):
         assert first != second
     assert "by hand" in seen[5] or "hand" in seen[5]
@@ -216,59 +246,63 @@ def test_yes_no_none_stale_and_by_hand_are_told_apart_without_colour(
 @pytest.mark.parametrize("name", ["", "Unknown"])
 def test_a_name_that_nobody_gave_is_not_called_stale(name: str) -> None:
     never = sign(stale=True, raw=None, verdict=0, count=0, name=name)
-    seen = meters(engaged.shown(signs=engaged.signs(identity=never)))
+    seen = meters(engagement_scene.engagement_shown(signs=engagement_scene.signs(identity=never)))
     assert "no sensor" in seen
     assert "stale" not in seen
 
 
 def test_nobody_waits_for_a_model_that_is_off() -> None:
-    waits = engaged.waits()
+    waits = engagement_scene.waits()
     assert "waits" in meters(waits)
     assert "waits" not in meters(msgspec.structs.replace(waits, run="off"))
 
 
 def test_who_waits_and_is_not_seen_any_more_is_said_to_be_so() -> None:
-    gone = msgspec.structs.replace(engaged.signs()["presence"], verdict=0, count=0)
-    assert "not seen" not in meters(engaged.waits())
+    gone = msgspec.structs.replace(engagement_scene.signs()["presence"], verdict=0, count=0)
+    assert "not seen" not in meters(engagement_scene.waits())
     for frame in (LOW, MIDDLE, HIGH):
         assert "3.2 s, not seen" in meters(
-            engaged.waits(signs=engaged.signs(presence=gone)), frame=frame
+            engagement_scene.waits(signs=engagement_scene.signs(presence=gone)), frame=frame
         )
 
 
 def test_a_count_is_told_whole_or_not_at_all() -> None:
-    nobody = msgspec.structs.replace(engaged.signs()["identity"], name="Unknown", count=0)
-    found = looks(engaged.shown(signs=engaged.signs(identity=nobody)))
+    nobody = msgspec.structs.replace(engagement_scene.signs()["identity"], name="Unknown", count=0)
+    found = looks(engagement_scene.engagement_shown(signs=engagement_scene.signs(identity=nobody)))
     assert "○ unknown" in found
 
 
 def test_a_distance_of_nobody_is_not_stale() -> None:
-    found = engaged.signs()
+    found = engagement_scene.signs()
     gone = msgspec.structs.replace(found["presence"], raw=0.0, verdict=0, count=0)
     silent = msgspec.structs.replace(found["distance"], stale=True, verdict=0, count=0)
-    signs = engaged.signs(presence=gone, distance=silent)
+    signs = engagement_scene.signs(presence=gone, distance=silent)
     for frame in (LOW, MIDDLE, HIGH):
-        assert "stale" not in meters(engaged.shown("Wait", signs=signs), frame=frame)
-    assert "nobody there" in meters(engaged.shown("Wait", signs=signs))
+        assert "stale" not in meters(
+            engagement_scene.engagement_shown("Wait", signs=signs), frame=frame
+        )
+    assert "nobody there" in meters(engagement_scene.engagement_shown("Wait", signs=signs))
     never = msgspec.structs.replace(silent, raw=None)
-    unseen = engaged.shown("Wait", signs=engaged.signs(presence=gone, distance=never))
+    unseen = engagement_scene.engagement_shown(
+        "Wait", signs=engagement_scene.signs(presence=gone, distance=never)
+    )
     assert "no sensor" in meters(unseen)
     nobody = scenes.reading(NOW, "distance", None, unit="m")
     assert "no sensor" not in meters(nobody, unseen), "it has nobody to measure"
 
 
 def test_a_stale_distance_looks_old() -> None:
-    far = msgspec.structs.replace(engaged.signs()["distance"], stale=True, verdict=0)
-    found = looks(engaged.shown(signs=engaged.signs(distance=far)))
+    far = msgspec.structs.replace(engagement_scene.signs()["distance"], stale=True, verdict=0)
+    found = looks(engagement_scene.engagement_shown(signs=engagement_scene.signs(distance=far)))
     assert found["~ 0.84 m stale"] == "stale"
 
 
 def test_a_sign_outside_the_condition_says_so() -> None:
-    assert "not used" in meters(engaged.shown(uses=["presence", "distance"]))
+    assert "not used" in meters(engagement_scene.engagement_shown(uses=["presence", "distance"]))
 
 
 def test_a_lost_robot_process_leaves_no_verdict_and_no_clock() -> None:
-    state = pictured(engaged.waits())
+    state = console_state(engagement_scene.waits())
     state.lose(Loss("gone"))
     shown = text(meter_rows(state, HIGH))
     assert shown.startswith(" ~ visitor v12")
@@ -278,30 +312,37 @@ def test_a_lost_robot_process_leaves_no_verdict_and_no_clock() -> None:
 
 
 def test_held_tells_where_it_would_go_and_off_that_it_is() -> None:
-    held = engaged.shown("EngagedWithUnknown", run="hold", next="Handshake")
-    assert "■ held: would go to Handshake" in meters(held)
-    assert "■ held → Handshake" in meters(held, frame=LOW)
-    assert "■ held" in meters(engaged.shown(run="hold"), frame=LOW)
-    assert "■ off" in meters(engaged.shown(run="off"))
-    assert "held" not in meters(engaged.shown())
+    engagement_shown = engagement_scene.engagement_shown(
+        "EngagedWithUnknown", run="hold", next="Handshake"
+    )
+    assert "■ held: would go to Handshake" in meters(engagement_shown)
+    assert "■ held → Handshake" in meters(engagement_shown, frame=LOW)
+    assert "■ held" in meters(engagement_scene.engagement_shown(run="hold"), frame=LOW)
+    assert "■ off" in meters(engagement_scene.engagement_shown(run="off"))
+    assert "held" not in meters(engagement_scene.engagement_shown())
 
 
 def test_a_forced_change_is_marked_beside_its_reason() -> None:
-    change = engaged.changed("Wait", "Handshake", "forced", "by the wizard", 1.0, forced=True)
-    assert "✎ by the wizard" in meters(engaged.shown(), change)
+    change = engagement_scene.engagement_changed(
+        "Wait", "Handshake", "forced", "by the wizard", 1.0, forced=True
+    )
+    assert "✎ by the wizard" in meters(engagement_scene.engagement_shown(), change)
     assert "= by the wizard" in text(
-        meter_rows(pictured(engaged.shown(), change), PaintFrame(50, 30, NOW, ASCII))
+        meter_rows(
+            console_state(engagement_scene.engagement_shown(), change),
+            PaintFrame(50, 30, NOW, ASCII),
+        )
     )
 
 
 def test_only_an_unusual_attention_is_told() -> None:
-    assert "SemiEngaged" not in meters(engaged.shown())
-    assert "FullyEngaged" in meters(engaged.shown(attention="FullyEngaged"))
+    assert "SemiEngaged" not in meters(engagement_scene.engagement_shown())
+    assert "FullyEngaged" in meters(engagement_scene.engagement_shown(attention="FullyEngaged"))
 
 
 def test_the_attempts_of_a_handshake_are_counted() -> None:
     assert "visitor is asked for a name 00:12 attempt 2" in meters(
-        engaged.shown("Handshake", attempt=2)
+        engagement_scene.engagement_shown("Handshake", attempt=2)
     )
 
 
@@ -318,8 +359,8 @@ def test_the_attempts_of_a_handshake_are_counted() -> None:
 def test_a_queues_bar_keeps_its_width_and_reaches_its_tick_only_when_enough(
     count: int, needed: int, places: int, width: int, glyphs: Glyphs
 ) -> None:
-    shown = m.SignShown(count=count, needed=needed, places=places)
-    row = queue_bar(shown, width, glyphs)
+    sign_shown = m.SignShown(count=count, needed=needed, places=places)
+    row = queue_bar(sign_shown, width, glyphs)
     assert length(row) == width
     told = "".join(piece for piece, _ in row)
     if width < 3 or places <= 0:
@@ -380,15 +421,17 @@ NASTY = [
 @pytest.mark.parametrize("width", [30, 39, 50, 60, 80, 100, 160])
 @pytest.mark.parametrize("height", [3, 6, 11, 30])
 def test_hostile_texts_are_clean_and_keep_to_the_frame(nasty: str, width: int, height: int) -> None:
-    found = engaged.signs()
+    found = engagement_scene.signs()
     identity = msgspec.structs.replace(found["identity"], name=nasty, raw_name=nasty)
     messages = [
-        engaged.waits(visitor=nasty, signs={**found, "identity": identity}, trail=[nasty] * 9),
-        engaged.changed(nasty, nasty, nasty, nasty, 1.0, forced=True),
+        engagement_scene.waits(
+            visitor=nasty, signs={**found, "identity": identity}, trail=[nasty] * 9
+        ),
+        engagement_scene.engagement_changed(nasty, nasty, nasty, nasty, 1.0, forced=True),
         m.SpeechText(driver=nasty, segment=1, text=nasty, t=NOW),
         *scenes.sensors(),
     ]
-    rows = meter_rows(pictured(*messages), PaintFrame(width, height, NOW))
+    rows = meter_rows(console_state(*messages), PaintFrame(width, height, NOW))
     assert len(rows) <= height
     for row in rows:
         assert length(row) == width

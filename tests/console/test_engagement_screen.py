@@ -6,8 +6,8 @@ import msgspec
 import pytest
 from textual.events import Key
 
-from tests.console import engaged, scenes
-from tests.console.driving import Sitting, sitting
+from tests.console import engagement_scene, scenes
+from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.config.engagement import STATES
 from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
 from woz_tui.console.cells import Row, length
@@ -33,10 +33,10 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def drawn(*state: m.AnyMessage, frame: PaintFrame = WHOLE, **more: object) -> str:
+def screen_text(*state: m.AnyMessage, frame: PaintFrame = WHOLE, **more: object) -> str:
     picture = ConsoleState()
-    settings = engaged.told(**more)
-    picture.apply([engaged.welcome(*state, settings=settings)], 0)
+    settings = engagement_scene.model_description(**more)
+    picture.apply([engagement_scene.welcome(*state, settings=settings)], 0)
     assert picture.engaged.shown is not None
     rows = full_rows(picture, picture.engaged.shown, frame)
     assert len(rows) <= frame.height
@@ -44,21 +44,21 @@ def drawn(*state: m.AnyMessage, frame: PaintFrame = WHOLE, **more: object) -> st
     return text(rows)
 
 
-def verbs(seat: Sitting) -> list[tuple[str, dict[str, m.Json]]]:
+def verbs(pilot: ConsolePilot) -> list[tuple[str, dict[str, m.Json]]]:
     """What was asked of the model: verbs that it has, with arguments that they take."""
-    found = [asked for asked in seat.feed.asked if isinstance(asked, r.AskVerb)]
-    for asked in found:
-        assert asked.on == ENGAGEMENT
-        taken = {argument.name: argument for argument in ENGAGEMENT_VERBS[asked.verb].arguments}
-        assert set(asked.args) <= set(taken)
-        for name, value in asked.args.items():
+    found = [asked for asked in pilot.feed.asked if isinstance(asked, r.AskVerb)]
+    for ask_verb in found:
+        assert ask_verb.on == ENGAGEMENT
+        taken = {argument.name: argument for argument in ENGAGEMENT_VERBS[ask_verb.verb].arguments}
+        assert set(ask_verb.args) <= set(taken)
+        for name, value in ask_verb.args.items():
             choices = taken[name].choices
             assert not choices or value in choices
-    return [(asked.verb, asked.args) for asked in found]
+    return [(ask_verb.verb, ask_verb.args) for ask_verb in found]
 
 
-def played(seat: Sitting) -> list[str]:
-    return [asked.action for asked in seat.feed.asked if isinstance(asked, r.AskAction)]
+def requested_actions(pilot: ConsolePilot) -> list[str]:
+    return [asked.action for asked in pilot.feed.asked if isinstance(asked, r.AskAction)]
 
 
 # -- the picture ----------------------------------------------------------------------------------
@@ -110,8 +110,8 @@ def test_a_state_that_nobody_knows_is_drawn_without_a_place() -> None:
 def test_everything_is_in_the_picture() -> None:
     """E4: raw values are shown beside the filtered ones; E5: changes with time, outcome, reason."""
     gaze = m.SignShown(raw=0.0, verdict=0, count=2, needed=4, places=8, filter="fifo")
-    shown = drawn(
-        engaged.waits(signs=engaged.signs(gaze=gaze), engaged=False),
+    shown = screen_text(
+        engagement_scene.waits(signs=engagement_scene.signs(gaze=gaze), engaged=False),
         m.VisitorChanged(visitor="v12", what="learnt", about={"age_group": "adult"}, t=NOW),
         thinking=10.0,
     )
@@ -138,56 +138,66 @@ def test_everything_is_in_the_picture() -> None:
 def test_every_room_has_the_state_the_signs_and_the_condition(
     width: int, height: int, glyphs: Glyphs
 ) -> None:
-    shown = drawn(frame=PaintFrame(width, height, NOW, glyphs))
+    shown = screen_text(frame=PaintFrame(width, height, NOW, glyphs))
     for part in ("RobotThinks", "presence", "gaze"):
         assert part in shown
     assert "engaged: presence yes" in shown or height < 10
 
 
 def test_limits_are_told_where_the_host_tells_them() -> None:
-    assert "12 of 60 s to speak" in drawn(engaged.shown("UserSpeaks"))
-    assert "12 of 60 s for the handshake" in drawn(engaged.shown("Handshake"))
-    assert " s to answer" not in drawn(thinking=None)
+    assert "12 of 60 s to speak" in screen_text(engagement_scene.engagement_shown("UserSpeaks"))
+    assert "12 of 60 s for the handshake" in screen_text(
+        engagement_scene.engagement_shown("Handshake")
+    )
+    assert " s to answer" not in screen_text(thinking=None)
     picture = ConsoleState()
-    picture.apply([engaged.welcome(settings={"engagement": {}})], 0)
+    picture.apply([engagement_scene.welcome(settings={"engagement": {}})], 0)
     assert picture.engaged.shown is not None
     assert " of " in text(full_rows(picture, picture.engaged.shown, PaintFrame(96, 28, NOW)))
 
 
 def test_a_state_that_its_visitor_has_left_says_when_it_ends() -> None:
-    gone = msgspec.structs.replace(engaged.signs()["presence"], verdict=0)
-    shown = engaged.shown("RobotThinks", signs=engaged.signs(presence=gone))
-    assert "ends 10 s after the visitor left" in drawn(shown, absent=10.0)
-    assert "after the visitor left" not in drawn(shown)
-    assert "after the visitor left" not in drawn(engaged.shown("RobotThinks"), absent=10.0)
+    gone = msgspec.structs.replace(engagement_scene.signs()["presence"], verdict=0)
+    engagement_shown = engagement_scene.engagement_shown(
+        "RobotThinks", signs=engagement_scene.signs(presence=gone)
+    )
+    assert "ends 10 s after the visitor left" in screen_text(engagement_shown, absent=10.0)
+    assert "after the visitor left" not in screen_text(engagement_shown)
+    assert "after the visitor left" not in screen_text(
+        engagement_scene.engagement_shown("RobotThinks"), absent=10.0
+    )
 
 
 def test_by_hand_and_stale_are_said_in_words() -> None:
-    found = engaged.signs()
+    found = engagement_scene.signs()
     hand = msgspec.structs.replace(found["presence"], raw=None, forced=True)
     old = msgspec.structs.replace(found["distance"], stale=True, verdict=0)
-    shown = drawn(engaged.shown(signs={**found, "presence": hand, "distance": old}))
+    shown = screen_text(
+        engagement_scene.engagement_shown(signs={**found, "presence": hand, "distance": old})
+    )
     assert "✎ by hand" in shown
     assert "~ stale" in shown
     assert "near stale" in shown
 
 
 def test_a_sign_that_nobody_senses_says_so_in_full() -> None:
-    never = msgspec.structs.replace(engaged.signs()["gaze"], stale=True, raw=None, verdict=0)
-    shown = drawn(engaged.shown(signs=engaged.signs(gaze=never)))
+    never = msgspec.structs.replace(
+        engagement_scene.signs()["gaze"], stale=True, raw=None, verdict=0
+    )
+    shown = screen_text(engagement_scene.engagement_shown(signs=engagement_scene.signs(gaze=never)))
     assert "~ no sensor" in shown
 
 
 def test_a_model_that_the_file_gives_up_is_gone_from_the_screen() -> None:
     picture = ConsoleState()
-    picture.apply([engaged.welcome(settings=engaged.told())], 0)
-    kept = r.PanelsChanged(
+    picture.apply([engagement_scene.welcome(settings=engagement_scene.model_description())], 0)
+    panels_changed = r.PanelsChanged(
         title="t", panels=[], script=[], verbs={}, conditions=[], keyboard="us",
         engagement=ModelLimits(attempts=3),
     )  # fmt: skip
-    picture.apply([kept], 0)
+    picture.apply([panels_changed], 0)
     assert picture.engaged.shown is not None
-    picture.apply([msgspec.structs.replace(kept, engagement=ModelLimits())], 0)
+    picture.apply([msgspec.structs.replace(panels_changed, engagement=ModelLimits())], 0)
     assert picture.engaged.shown is None
 
 
@@ -195,28 +205,28 @@ def test_a_model_that_the_file_gives_up_is_gone_from_the_screen() -> None:
 
 
 async def test_keys_play_until_tab_takes_the_model_into_the_hand() -> None:
-    async with sitting(engaged.welcome()) as seat:
-        await seat.press("equals_sign")
-        assert isinstance(seat.console.dialog, EngagementDialog)
-        assert "Keys play the robot." in seat.drawn()
-        await seat.press("g", "1")
-        assert played(seat) == ["Coin hoard", "Nod"]
-        assert verbs(seat) == []
-        await seat.press("tab", "g", "1", "space")
-        assert verbs(seat) == [("toggle", {"sign": "gaze"})]
-        assert played(seat) == ["Coin hoard", "Nod", "Nod"], "other keys play on"
-        assert any(isinstance(asked, r.AskScript) for asked in seat.feed.asked)
-        assert "YOUR HAND" in seat.drawn()
-        assert "not played meanwhile: p Pause, g Coin hoard" in seat.drawn()
-        await seat.press("tab", "g")
-        assert played(seat)[-1] == "Coin hoard"
-        assert len(verbs(seat)) == 1
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        await pilot.press("equals_sign")
+        assert isinstance(pilot.console.dialog, EngagementDialog)
+        assert "Keys play the robot." in pilot.drawn()
+        await pilot.press("g", "1")
+        assert requested_actions(pilot) == ["Coin hoard", "Nod"]
+        assert verbs(pilot) == []
+        await pilot.press("tab", "g", "1", "space")
+        assert verbs(pilot) == [("toggle", {"sign": "gaze"})]
+        assert requested_actions(pilot) == ["Coin hoard", "Nod", "Nod"], "other keys play on"
+        assert any(isinstance(asked, r.AskScript) for asked in pilot.feed.asked)
+        assert "YOUR HAND" in pilot.drawn()
+        assert "not played meanwhile: p Pause, g Coin hoard" in pilot.drawn()
+        await pilot.press("tab", "g")
+        assert requested_actions(pilot)[-1] == "Coin hoard"
+        assert len(verbs(pilot)) == 1
 
 
 async def test_the_reading_thread_leaves_the_hands_keys_to_the_screen() -> None:
-    async with sitting(engaged.welcome()) as seat:
-        keyboard = seat.console.keyboard
-        await seat.press(*HAND)
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        keyboard = pilot.console.keyboard
+        await pilot.press(*HAND)
         assert not keyboard.arrive("g")
         assert keyboard.arrive("1")
         assert not keyboard.arrive("f")
@@ -224,26 +234,26 @@ async def test_the_reading_thread_leaves_the_hands_keys_to_the_screen() -> None:
         assert not keyboard.arrive("1"), "it may belong into the dialog that f opens"
         handled()
         assert keyboard.arrive("1")
-        await seat.press("tab")
+        await pilot.press("tab")
         assert keyboard.arrive("g")
-        assert verbs(seat) == []
+        assert verbs(pilot) == []
 
 
 async def test_a_key_right_behind_tab_is_the_hands() -> None:
-    async with sitting(engaged.welcome()) as seat:
-        await seat.press("equals_sign")
-        handled = seat.console.keyboard.leave_to_screen("tab")
-        assert not seat.console.keyboard.arrive("g"), "the screen has not seen tab yet"
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        await pilot.press("equals_sign")
+        handled = pilot.console.keyboard.leave_to_screen("tab")
+        assert not pilot.console.keyboard.arrive("g"), "the screen has not seen tab yet"
         handled()
 
 
 async def test_a_stale_key_of_the_hand_does_nothing() -> None:
-    async with sitting(engaged.welcome()) as seat:
-        await seat.press(*HAND)
-        assert seat.console.keyboard.arrive("p", stale=True)
-        await seat.settle()
-        assert verbs(seat) == []
-        assert "Not played: p" in seat.text("StopBar")
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        await pilot.press(*HAND)
+        assert pilot.console.keyboard.arrive("p", stale=True)
+        await pilot.settle()
+        assert verbs(pilot) == []
+        assert "Not played: p" in pilot.text("StopBar")
 
 
 ASKED: dict[str, tuple[str, dict[str, m.Json]]] = {
@@ -261,10 +271,10 @@ ASKED: dict[str, tuple[str, dict[str, m.Json]]] = {
 
 async def test_each_key_of_the_hand_asks_the_model() -> None:
     """E7: the wizard can force every sign."""
-    async with sitting(engaged.welcome()) as seat:
-        await seat.press(*HAND, *ASKED)
-        assert verbs(seat) == list(ASKED.values())
-        asked = seat.feed.last(r.AskVerb)
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        await pilot.press(*HAND, *ASKED)
+        assert verbs(pilot) == list(ASKED.values())
+        asked = pilot.feed.last(r.AskVerb)
         assert isinstance(asked, r.AskVerb)
         assert (asked.source, asked.key) == ("key", "x")
         assert {order.key for order in OVERRIDES} == KEYS == {*ASKED, "i", "f", "v"}
@@ -272,39 +282,41 @@ async def test_each_key_of_the_hand_asks_the_model() -> None:
 
 async def test_hold_and_off_are_their_own_way_back() -> None:
     for run, key in (("hold", "h"), ("off", "o")):
-        async with sitting(engaged.welcome(engaged.shown(run=run))) as seat:
-            await seat.press(*HAND, key)
-            assert verbs(seat) == [("engagement", {"run": "run"})]
+        async with piloted_console(
+            engagement_scene.welcome(engagement_scene.engagement_shown(run=run))
+        ) as pilot:
+            await pilot.press(*HAND, key)
+            assert verbs(pilot) == [("engagement", {"run": "run"})]
 
 
 async def test_a_state_is_forced_from_the_list() -> None:
     """E7: the wizard can force every transition."""
-    async with sitting(engaged.welcome()) as seat:
-        await seat.press(*HAND, "f")
-        assert isinstance(seat.console.dialog, ForceDialog)
-        assert "done             → RobotReplies" in seat.drawn()
-        await seat.press("down", "enter", "f", "down", "down", "enter")
-        assert verbs(seat) == [("force", {"to": "error"}), ("force", {"to": "Wait"})]
-        assert isinstance(seat.console.dialog, EngagementDialog)
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        await pilot.press(*HAND, "f")
+        assert isinstance(pilot.console.dialog, ForceDialog)
+        assert "done             → RobotReplies" in pilot.drawn()
+        await pilot.press("down", "enter", "f", "down", "down", "enter")
+        assert verbs(pilot) == [("force", {"to": "error"}), ("force", {"to": "Wait"})]
+        assert isinstance(pilot.console.dialog, EngagementDialog)
 
 
 async def test_an_outcome_becomes_its_state_if_the_model_has_moved_on() -> None:
-    async with sitting(engaged.welcome()) as seat:
-        await seat.press(*HAND, "f")
-        await seat.tell(engaged.shown("EngagedWithKnown"))
-        await seat.press("enter")
-        assert verbs(seat) == [("force", {"to": "RobotReplies"})]
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        await pilot.press(*HAND, "f")
+        await pilot.tell(engagement_scene.engagement_shown("EngagedWithKnown"))
+        await pilot.press("enter")
+        assert verbs(pilot) == [("force", {"to": "RobotReplies"})]
 
 
 async def test_an_identity_is_typed() -> None:
-    async with sitting(engaged.welcome()) as seat:
-        await seat.tell(m.VisitorChanged(visitor="v7", what="learnt", t=NOW))
-        await seat.press(*HAND, "i")
-        assert isinstance(seat.console.dialog, IdentityDialog)
-        assert "known: v7" in seat.drawn()
-        await seat.type("v9")
-        await seat.press("enter", "i", "enter")
-        assert verbs(seat) == [
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        await pilot.tell(m.VisitorChanged(visitor="v7", what="learnt", t=NOW))
+        await pilot.press(*HAND, "i")
+        assert isinstance(pilot.console.dialog, IdentityDialog)
+        assert "known: v7" in pilot.drawn()
+        await pilot.type("v9")
+        await pilot.press("enter", "i", "enter")
+        assert verbs(pilot) == [
             ("sense", {"sign": "identity", "value": "v9"}),
             ("sense", {"sign": "identity", "value": "Unknown"}),
         ]
@@ -312,75 +324,81 @@ async def test_an_identity_is_typed() -> None:
 
 @pytest.mark.parametrize("size", [(60, 20), (80, 24)])
 async def test_a_visitor_is_named(size: tuple[int, int]) -> None:
-    async with sitting(engaged.welcome(engaged.shown(visitor="")), size=size) as seat:
-        await seat.press(*HAND, "v")
-        dialog = seat.console.dialog
+    async with piloted_console(
+        engagement_scene.welcome(engagement_scene.engagement_shown(visitor="")), size=size
+    ) as pilot:
+        await pilot.press(*HAND, "v")
+        dialog = pilot.console.dialog
         assert isinstance(dialog, VisitorDialog)
         assert dialog.query_one(".dialog").region.bottom <= size[1]
-        await seat.press("enter")
-        assert "A visitor needs a code." in seat.drawn() or size == (60, 20)
-        await seat.type("v31")
-        await seat.press("tab")
-        await seat.type("child")
-        await seat.press("enter")
-        assert verbs(seat) == [("visitor", {"code": "v31", "age_group": "child"})]
-        assert isinstance(seat.console.dialog, EngagementDialog)
+        await pilot.press("enter")
+        assert "A visitor needs a code." in pilot.drawn() or size == (60, 20)
+        await pilot.type("v31")
+        await pilot.press("tab")
+        await pilot.type("child")
+        await pilot.press("enter")
+        assert verbs(pilot) == [("visitor", {"code": "v31", "age_group": "child"})]
+        assert isinstance(pilot.console.dialog, EngagementDialog)
 
 
 async def test_a_name_that_is_taken_keeps_the_dialog_open_with_the_reason() -> None:
-    async with sitting(engaged.welcome()) as seat:
-        seat.feed.answers[r.AskVerb] = lambda asked, ref: r.Reply(
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        pilot.feed.answers[r.AskVerb] = lambda asked, ref: r.Reply(
             ref=ref, ok=False, reason="v12 is somebody else", hint="take another code"
         )
-        await seat.press(*HAND, "v", "enter")
-        assert isinstance(seat.console.dialog, VisitorDialog)
-        assert "v12 is somebody else: take another code" in seat.drawn()
+        await pilot.press(*HAND, "v", "enter")
+        assert isinstance(pilot.console.dialog, VisitorDialog)
+        assert "v12 is somebody else: take another code" in pilot.drawn()
 
 
 async def test_a_handshake_without_a_name_asks_for_one() -> None:
     nobody = m.SignShown(raw_name="Unknown", name="Unknown", places=10)
-    state = engaged.shown("Handshake", visitor="", signs=engaged.signs(identity=nobody))
-    async with sitting(engaged.welcome(state)) as seat:
-        await seat.press(*HAND, "k")
-        assert isinstance(seat.console.dialog, VisitorDialog)
-        assert verbs(seat) == []
+    state = engagement_scene.engagement_shown(
+        "Handshake", visitor="", signs=engagement_scene.signs(identity=nobody)
+    )
+    async with piloted_console(engagement_scene.welcome(state)) as pilot:
+        await pilot.press(*HAND, "k")
+        assert isinstance(pilot.console.dialog, VisitorDialog)
+        assert verbs(pilot) == []
 
 
 @pytest.mark.parametrize("keys", [(), ("tab",), ("tab", "f"), ("tab", "v"), ("tab", "i")])
 async def test_the_stop_reaches_the_robot_and_closes_everything(keys: tuple[str, ...]) -> None:
-    async with sitting(engaged.welcome()) as seat:
-        await seat.press("equals_sign", *keys, "escape")
-        await seat.until(lambda: seat.console.dialog is None)
-        assert seat.feed.last(r.AskStop) is not None
-        assert seat.console.keyboard.kept == frozenset()
-        await seat.press("g")
-        assert played(seat) == ["Coin hoard"]
+    async with piloted_console(engagement_scene.welcome()) as pilot:
+        await pilot.press("equals_sign", *keys, "escape")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        assert pilot.feed.last(r.AskStop) is not None
+        assert pilot.console.keyboard.kept == frozenset()
+        await pilot.press("g")
+        assert requested_actions(pilot) == ["Coin hoard"]
 
 
 async def test_the_hand_lets_go_when_the_screen_is_closed() -> None:
-    async with sitting(engaged.welcome()) as seat:
+    async with piloted_console(engagement_scene.welcome()) as pilot:
         for closing in ("ctrl+q", "equals_sign", "semicolon"):
-            await seat.press(*HAND, closing)
-            assert seat.console.keyboard.kept <= {"tab", "shift+tab"}
-            assert not isinstance(seat.console.dialog, EngagementDialog)
-        await seat.press("ctrl+q", "equals_sign", "p")
-        assert played(seat) == ["Pause"], "opened again it plays"
+            await pilot.press(*HAND, closing)
+            assert pilot.console.keyboard.kept <= {"tab", "shift+tab"}
+            assert not isinstance(pilot.console.dialog, EngagementDialog)
+        await pilot.press("ctrl+q", "equals_sign", "p")
+        assert requested_actions(pilot) == ["Pause"], "opened again it plays"
 
 
 async def test_without_a_model_it_says_how_a_session_gets_one() -> None:
-    async with sitting() as seat:
-        await seat.press(*HAND, "g")
-        assert "no engagement model" in seat.drawn()
-        assert "engagement: {}" in seat.drawn()
-        assert played(seat) == ["Coin hoard"], "there is nothing to take into the hand"
+    async with piloted_console() as pilot:
+        await pilot.press(*HAND, "g")
+        assert "no engagement model" in pilot.drawn()
+        assert "engagement: {}" in pilot.drawn()
+        assert requested_actions(pilot) == ["Coin hoard"], "there is nothing to take into the hand"
 
 
 async def test_the_time_in_the_state_goes_on_while_it_is_open() -> None:
-    async with sitting(engaged.welcome(engaged.shown())) as seat:
-        await seat.press("equals_sign")
-        assert "RobotThinks  00:12" in seat.drawn()
-        await seat.pass_time(5)
-        assert "RobotThinks  00:17" in seat.drawn()
+    async with piloted_console(
+        engagement_scene.welcome(engagement_scene.engagement_shown())
+    ) as pilot:
+        await pilot.press("equals_sign")
+        assert "RobotThinks  00:12" in pilot.drawn()
+        await pilot.pass_time(5)
+        assert "RobotThinks  00:17" in pilot.drawn()
 
 
 @pytest.mark.parametrize(
@@ -392,23 +410,31 @@ async def test_it_fits_every_screen_with_hostile_names(
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     nasty = "\x1b[2J日本\u202e" + "x" * 200
-    found = msgspec.structs.replace(engaged.signs()["identity"], name=nasty, raw_name=nasty)
-    state = engaged.waits(visitor=nasty, signs=engaged.signs(identity=found), attention=nasty)
-    first = engaged.welcome(state, engaged.changed("Wait", nasty, nasty, nasty, 1.0))
-    async with sitting(first, size=size, look=Appearance(glyphs, "woz-16")) as seat:
-        await seat.press(*HAND)
-        shown = seat.drawn()
+    sign_shown = msgspec.structs.replace(
+        engagement_scene.signs()["identity"], name=nasty, raw_name=nasty
+    )
+    state = engagement_scene.waits(
+        visitor=nasty, signs=engagement_scene.signs(identity=sign_shown), attention=nasty
+    )
+    first = engagement_scene.welcome(
+        state, engagement_scene.engagement_changed("Wait", nasty, nasty, nasty, 1.0)
+    )
+    async with piloted_console(first, size=size, look=Appearance(glyphs, "woz-16")) as pilot:
+        await pilot.press(*HAND)
+        shown = pilot.drawn()
         assert "\x1b" not in shown
         assert "\u202e" not in shown
         assert "RobotThinks" in shown
         assert "presence" in shown
-        seat.console.post_message(Key("escape", "\x1b"))
-        await seat.until(lambda: seat.console.dialog is None)
+        pilot.console.post_message(Key("escape", "\x1b"))
+        await pilot.until(lambda: pilot.console.dialog is None)
 
 
 @pytest.mark.parametrize(("raw", "said"), [(2.0, "yes"), (0.3, "yes"), (0.0, "no")])
 def test_any_number_of_people_is_shown_as_somebody(raw: float, said: str) -> None:
     sign = m.SignShown(raw=raw, verdict=0, count=0, needed=4, places=8, filter="fifo")
-    page = drawn(engaged.shown(signs=engaged.signs(presence=sign)))
+    page = screen_text(
+        engagement_scene.engagement_shown(signs=engagement_scene.signs(presence=sign))
+    )
     (row,) = (line.split() for line in page.splitlines() if line.startswith("presence"))
     assert row[1] == said

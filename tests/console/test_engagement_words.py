@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.console import engaged, scenes
-from tests.console.dialogs import opened
-from tests.console.driving import sitting
+from tests.console import engagement_scene, scenes
+from tests.console.dialogs import open_dialog
+from tests.console.piloting import piloted_console
 from woz_tui.config.engagement import STATES
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.console.cells import length
@@ -32,7 +32,7 @@ from woz_tui.protocol import requests as r
 NOW = scenes.NOW
 
 
-def told(*messages: m.AnyMessage) -> list[EventLine]:
+def event_lines(*messages: m.AnyMessage) -> list[EventLine]:
     """The lines that messages get."""
     state = ConsoleState()
     state.apply([scenes.welcome()], 0)
@@ -42,7 +42,7 @@ def told(*messages: m.AnyMessage) -> list[EventLine]:
 
 
 def line(message: m.AnyMessage) -> tuple[str, str, str]:
-    (event,) = told(message)
+    (event,) = event_lines(message)
     return event.mark, event.text, event.detail
 
 
@@ -51,14 +51,16 @@ def line(message: m.AnyMessage) -> tuple[str, str, str]:
 
 def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
     """E7: what the wizard forced is marked."""
-    change = engaged.changed("Wait", "PersonDetected", "human_presence", "present", 0)
+    change = engagement_scene.engagement_changed(
+        "Wait", "PersonDetected", "human_presence", "present", 0
+    )
     assert line(change) == ("info", "somebody there, not engaged", "present")
     forced = msgspec.structs.replace(change, forced=True)
     assert line(forced) == ("forced", "somebody there, not engaged", "by hand: present")
     for hand in ("forced", "stepped"):
         by_name = msgspec.structs.replace(forced, why=f"{hand} by the wizard: present")
         assert line(by_name)[2] == "by hand: present"
-    (event,) = told(forced)
+    (event,) = event_lines(forced)
     for glyphs in (UNICODE, ASCII):
         row = event_row(event, ConsoleState(), PaintFrame(60, 1, NOW, glyphs))
         assert glyphs.forced in "".join(piece for piece, _ in row)
@@ -66,16 +68,18 @@ def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
 
 def test_what_a_state_brings_with_it_is_no_line_unless_it_fails() -> None:
     name = "on RobotThinks"
-    assert told(*scenes.played("r1", name, NOW, 0.1)) == []
-    assert told(*scenes.played("r2", name, NOW, 0.1, how="stopped")) == []
-    (failed,) = told(*scenes.played("r3", name, NOW, 0.1, how="failed", reason="no eyes"))
+    assert event_lines(*scenes.played_action("r1", name, NOW, 0.1)) == []
+    assert event_lines(*scenes.played_action("r2", name, NOW, 0.1, how="stopped")) == []
+    (failed,) = event_lines(
+        *scenes.played_action("r3", name, NOW, 0.1, how="failed", reason="no eyes")
+    )
     assert (failed.mark, failed.text, failed.detail) == ("failed", name, "no eyes")
-    assert len(told(*scenes.played("r4", "Hello", NOW, 0.1))) == 1
+    assert len(event_lines(*scenes.played_action("r4", "Hello", NOW, 0.1))) == 1
 
 
 def test_what_was_heard_is_a_line_and_so_is_what_was_not_understood() -> None:
-    heard = m.SpeechText(driver="mic", segment=1, text="hello robot", t=NOW)
-    assert line(heard) == ("heard", "“hello robot”", "heard")
+    speech_text = m.SpeechText(driver="mic", segment=1, text="hello robot", t=NOW)
+    assert line(speech_text) == ("heard", "“hello robot”", "heard")
     nothing = m.SpeechText(driver="mic", segment=1, text="", t=NOW)
     assert line(nothing) == ("info", "Speech not understood", "")
     failed = m.SpeechText(driver="mic", segment=1, text="", detail="whisper: no model", t=NOW)
@@ -83,9 +87,9 @@ def test_what_was_heard_is_a_line_and_so_is_what_was_not_understood() -> None:
 
 
 def test_a_segment_is_a_line_only_where_it_could_not_be_kept() -> None:
-    ended = m.SpeechEnded(driver="mic", segment=1, began=1, ended=2, file="a.wav", t=NOW)
-    assert told(ended, m.SpeechStarted(driver="mic", segment=2, began=3, t=NOW)) == []
-    lost = msgspec.structs.replace(ended, file="", detail="the disk is full")
+    speech_ended = m.SpeechEnded(driver="mic", segment=1, began=1, ended=2, file="a.wav", t=NOW)
+    assert event_lines(speech_ended, m.SpeechStarted(driver="mic", segment=2, began=3, t=NOW)) == []
+    lost = msgspec.structs.replace(speech_ended, file="", detail="the disk is full")
     assert line(lost) == ("warning", "Speech not saved", "the disk is full")
 
 
@@ -140,7 +144,7 @@ def test_an_order_is_told_in_words(verb: str, args: dict[str, m.Json], words: st
     command = m.Command(
         command="c1", verb=verb, args=args, driver="engagement", source="key", t=NOW
     )
-    assert told(command)[0].text == words
+    assert event_lines(command)[0].text == words
 
 
 def test_a_verb_of_another_driver_keeps_its_own_words() -> None:
@@ -149,11 +153,11 @@ def test_a_verb_of_another_driver_keeps_its_own_words() -> None:
         assert is_override(ours)
         assert not is_override(msgspec.structs.replace(ours, driver="gripper"))
     force = m.Command(command="c1", verb="force", args={"n": 2}, driver="gripper", source="key")
-    assert told(force)[0].text == "force n 2"
+    assert event_lines(force)[0].text == "force n 2"
 
 
 def test_a_toggled_sign_is_told_as_it_is_then() -> None:
-    asked = m.Command(
+    command = m.Command(
         command="c1", verb="toggle", args={"sign": "gaze"}, driver="engagement", source="key", t=NOW
     )
     done = m.Done(
@@ -164,7 +168,7 @@ def test_a_toggled_sign_is_told_as_it_is_then() -> None:
         duration_us=2,
         t=NOW,
     )
-    (event,) = told(asked, done)
+    (event,) = event_lines(command, done)
     assert (event.text, event.mark) == ("gaze no, by hand", "done")
 
 
@@ -197,7 +201,7 @@ def test_every_state_has_a_sentence_and_none_says_its_name() -> None:
     st.lists(st.sampled_from([*STATES, "stop", "odd" * 9, "日本"]), max_size=12), st.integers(1, 80)
 )
 def test_the_path_keeps_to_its_room_and_ends_with_the_present(trail: list[str], width: int) -> None:
-    row = path_row(engaged.shown("Wait", trail=trail), width, UNICODE)
+    row = path_row(engagement_scene.engagement_shown("Wait", trail=trail), width, UNICODE)
     last = short_state(trail[-1] if trail else "Wait")
     assert row[-1] == (last, "strong")
     assert length(row) <= max(width, length((row[-1],)) + 4)
@@ -212,36 +216,36 @@ def test_every_state_is_told_from_the_others_by_its_short_name() -> None:
 
 
 async def test_the_palette_finds_what_the_hand_does() -> None:
-    async with sitting(engaged.welcome(), size=(100, 36)) as seat:
-        await opened(seat, "FindDialog")
-        await seat.type("hold the machine")
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskVerb)
+    async with piloted_console(engagement_scene.welcome(), size=(100, 36)) as pilot:
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type("hold the machine")
+        await pilot.press("enter")
+        asked = pilot.feed.last(r.AskVerb)
         assert isinstance(asked, r.AskVerb)
         assert (asked.verb, asked.args, asked.on) == ("engagement", {"run": "hold"}, "engagement")
         assert asked.source == "palette"
-        await opened(seat, "FindDialog")
-        await seat.type("force a state")
-        await seat.press("enter")
-        assert type(seat.console.dialog).__name__ == "ForceDialog"
-        await seat.press("enter")
-        assert seat.console.keyboard.free
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type("force a state")
+        await pilot.press("enter")
+        assert type(pilot.console.dialog).__name__ == "ForceDialog"
+        await pilot.press("enter")
+        assert pilot.console.keyboard.free
 
 
 async def test_without_a_model_nothing_of_it_is_offered() -> None:
-    async with sitting(size=(100, 120)) as seat:
-        await opened(seat, "FindDialog")
-        await seat.type("hold the machine")
-        assert "hold the machine" not in seat.drawn().replace("hold the machine", "", 1)
-        await seat.press("ctrl+q")
-        await opened(seat, "HelpDialog")
-        assert "Engagement by hand" not in seat.drawn()
+    async with piloted_console(size=(100, 120)) as pilot:
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type("hold the machine")
+        assert "hold the machine" not in pilot.drawn().replace("hold the machine", "", 1)
+        await pilot.press("ctrl+q")
+        await open_dialog(pilot, "HelpDialog")
+        assert "Engagement by hand" not in pilot.drawn()
 
 
 async def test_the_list_of_keys_tells_the_hands() -> None:
-    async with sitting(engaged.welcome(), size=(120, 140)) as seat:
-        await opened(seat, "HelpDialog")
-        shown = seat.drawn()
+    async with piloted_console(engagement_scene.welcome(), size=(120, 140)) as pilot:
+        await open_dialog(pilot, "HelpDialog")
+        shown = pilot.drawn()
         assert "Engagement by hand  after = and Tab" in shown
         assert "force a state or an outcome" in shown
 
@@ -249,19 +253,19 @@ async def test_the_list_of_keys_tells_the_hands() -> None:
 def test_the_preflight_names_signs_that_nobody_gives() -> None:
     state = ConsoleState()
     assert sign_findings(state) == []
-    state.apply([engaged.welcome()], 0)
+    state.apply([engagement_scene.welcome()], 0)
     (well,) = sign_findings(state)
     assert (well.level, well.text) == ("ok", "presence, gaze, distance are sensed")
     never = m.SignShown(stale=True, verdict=0, places=8)
-    state.apply([engaged.shown(signs=engaged.signs(gaze=never))], 0)
+    state.apply([engagement_scene.engagement_shown(signs=engagement_scene.signs(gaze=never))], 0)
     (missing,) = sign_findings(state)
     assert (missing.level, missing.text) == ("warning", "no sensor gives gaze yet")
     hand = m.SignShown(verdict=1, places=8, forced=True)
-    state.apply([engaged.shown(signs=engaged.signs(gaze=hand))], 0)
+    state.apply([engagement_scene.engagement_shown(signs=engagement_scene.signs(gaze=hand))], 0)
     (some,) = sign_findings(state)
     assert some.level == "ok"
     assert some.text == "presence, distance are sensed, gaze is given by hand"
     all_by_hand = dict.fromkeys(("presence", "gaze", "distance"), hand)
-    state.apply([engaged.shown(signs=engaged.signs(**all_by_hand))], 0)
-    (given,) = sign_findings(state)
-    assert (given.level, given.text) == ("ok", "presence, gaze, distance are given by hand")
+    state.apply([engagement_scene.engagement_shown(signs=engagement_scene.signs(**all_by_hand))], 0)
+    (finding,) = sign_findings(state)
+    assert (finding.level, finding.text) == ("ok", "presence, gaze, distance are given by hand")

@@ -38,16 +38,16 @@ def scan(data: bytes, terminal: Terminal) -> list[Token]:
 def test_what_reaches_the_console_is_what_the_key_map_says(terminal: Terminal, held: str) -> None:
     for key in [*CHARACTERS, *NAMED]:
         chord = normal_key(f"{held}{key}")
-        found = deliver(chord, terminal)
-        if not found.data or found.verdict is KeyOutcome.NEVER:
+        key_delivery = deliver(chord, terminal)
+        if not key_delivery.data or key_delivery.verdict is KeyOutcome.NEVER:
             continue
-        (token, *rest) = scan(found.data, terminal)
-        if found.verdict is KeyOutcome.STOP or isinstance(token, StopToken):
+        (token, *rest) = scan(key_delivery.data, terminal)
+        if key_delivery.verdict is KeyOutcome.STOP or isinstance(token, StopToken):
             assert isinstance(token, StopToken), chord
             assert is_stop(chord), chord
         else:
             assert isinstance(token, Key), chord
-            assert token.chord == found.arrives, chord
+            assert token.chord == key_delivery.arrives, chord
         assert rest == [], chord
 
 
@@ -55,14 +55,14 @@ def test_what_reaches_the_console_is_what_the_key_map_says(terminal: Terminal, h
 @pytest.mark.parametrize("held", HELD)
 def test_textual_reads_the_same_key(terminal: Terminal, held: str) -> None:
     for key in [*CHARACTERS, *NAMED]:
-        found = deliver(normal_key(f"{held}{key}"), terminal)
-        if not found.data or found.verdict in (KeyOutcome.NEVER, KeyOutcome.STOP):
+        key_delivery = deliver(normal_key(f"{held}{key}"), terminal)
+        if not key_delivery.data or key_delivery.verdict in (KeyOutcome.NEVER, KeyOutcome.STOP):
             continue
-        (token,) = scan(found.data, terminal)
+        (token,) = scan(key_delivery.data, terminal)
         if isinstance(token, StopToken):
             continue
         assert isinstance(token, Key)
         events = [e for e in XTermParser().feed(token.screen.decode()) if isinstance(e, KeyEvent)]
         named = [from_textual(event.key, event.character) for event in events]
 
-        assert named == [token.chord], found.data
+        assert named == [token.chord], key_delivery.data

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from textual.geometry import Size
 
 from tests.console import scenes
-from tests.console.driving import sitting
+from tests.console.piloting import piloted_console
 from woz_tui.console.bottom_rows import script_rows
 from woz_tui.console.cells import length
 from woz_tui.console.console_state import ConsoleState
@@ -41,52 +41,56 @@ def test_the_upper_row_leaves_room_below(width: int, height: int, panels: int, m
 
 
 async def test_at_80_by_24_panels_have_ten_lines_and_the_next_sentence_two() -> None:
-    async with sitting(scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()])) as seat:
+    async with piloted_console(
+        scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()])
+    ) as pilot:
         regions = {
-            name: seat.console.query_one(name).region
+            name: pilot.console.query_one(name).region
             for name in ("ActionPanels", "Meters", "EventList", "RepairRow", "StopBar")
         }
         assert regions["ActionPanels"].height == 10
         assert regions["Meters"].height == regions["EventList"].height == 7
         assert regions["RepairRow"].height == 1
         assert regions["StopBar"].height == 4
-        await seat.tell(scenes.filled("Map", "All day long I " + "wait and " * 10 + "greet you."))
-        script, first, second, hints = seat.text("StopBar").splitlines()
+        await pilot.tell(
+            scenes.actions_filled("Map", "All day long I " + "wait and " * 10 + "greet you.")
+        )
+        script, first, second, hints = pilot.text("StopBar").splitlines()
         assert script.startswith(" Space  ▸ Map")
         assert f"{first.strip()} {second.strip()}" == (
             "“All day long I " + "wait and " * 10 + "greet you.”"
         )
         assert hints.startswith(" Esc stop")
-        await seat.tell(m.StopPressed(source="key", t=NOW))
-        script, first, alarm, _ = seat.text("StopBar").splitlines()
+        await pilot.tell(m.StopPressed(source="key", t=NOW))
+        script, first, alarm, _ = pilot.text("StopBar").splitlines()
         assert "All day long" in first
         assert "STOPPED by key" in alarm
 
 
 async def test_the_page_stands_behind_the_hints() -> None:
     first = msgspec.structs.replace(scenes.welcome(), panels=scenes.many_panels(90))
-    async with sitting(first) as seat:
-        assert seat.text("StopBar").rstrip().endswith("page 1/3")
-        await seat.press("shift+tab")
-        assert seat.text("StopBar").rstrip().endswith("page 3/3")
+    async with piloted_console(first) as pilot:
+        assert pilot.text("StopBar").rstrip().endswith("page 1/3")
+        await pilot.press("shift+tab")
+        assert pilot.text("StopBar").rstrip().endswith("page 3/3")
 
 
 async def test_on_a_roomy_screen_events_have_their_width_and_the_script_its_words() -> None:
     first = scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()], recent=scenes.history())
-    async with sitting(first, size=(160, 50)) as seat:
-        assert "head: servo 2 (pitch) overloaded" in seat.text("EventList")
-        assert "Hello P07, nice to see you." in seat.text("ScriptPane")
+    async with piloted_console(first, size=(160, 50)) as pilot:
+        assert "head: servo 2 (pitch) overloaded" in pilot.text("EventList")
+        assert "Hello P07, nice to see you." in pilot.text("ScriptPane")
         places = [
-            seat.console.query_one(name).region for name in ("ActionPanels", "Meters", "EventList")
+            pilot.console.query_one(name).region for name in ("ActionPanels", "Meters", "EventList")
         ]
-        await seat.tell(scenes.reading(NOW, "temperature", 40.0))
-        await seat.tell(m.StopPressed(source="key", t=NOW))
+        await pilot.tell(scenes.reading(NOW, "temperature", 40.0))
+        await pilot.tell(m.StopPressed(source="key", t=NOW))
         assert places == [
-            seat.console.query_one(name).region for name in ("ActionPanels", "Meters", "EventList")
+            pilot.console.query_one(name).region for name in ("ActionPanels", "Meters", "EventList")
         ]
-        await seat.pilot.resize_terminal(100, 30)
-        await seat.settle()
-        assert not seat.console.query_one("ScriptPane").display
+        await pilot.pilot.resize_terminal(100, 30)
+        await pilot.settle()
+        assert not pilot.console.query_one("ScriptPane").display
 
 
 def scripted(position: int, height: int) -> list[str]:

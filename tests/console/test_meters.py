@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.console import engaged, scenes
+from tests.console import engagement_scene, scenes
 from woz_tui.console.bottom_rows import BarInfo, News, bar_rows, script_row
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
@@ -26,7 +26,7 @@ NOW = scenes.NOW
 FRAME = PaintFrame(50, 30, NOW)
 
 
-def pictured(*messages: m.AnyMessage, first: list[m.AnyMessage] | None = None) -> ConsoleState:
+def console_state(*messages: m.AnyMessage, first: list[m.AnyMessage] | None = None) -> ConsoleState:
     picture = ConsoleState()
     picture.apply([scenes.welcome(state=first), *messages], 0)
     return picture
@@ -37,7 +37,7 @@ def text(rows: list[Row]) -> str:
 
 
 def meters(*messages: m.AnyMessage, frame: PaintFrame = FRAME) -> str:
-    return text(meter_rows(pictured(*messages), frame))
+    return text(meter_rows(console_state(*messages), frame))
 
 
 @pytest.mark.parametrize(
@@ -58,13 +58,13 @@ def test_the_spot_moves_with_the_distance() -> None:
 
 def test_what_was_understood_of_speech_is_shown_where_there_is_no_model() -> None:
     assert "speech" not in meters(m.SensorChanged(sensor="speech", state="ready", t=NOW))
-    said = scenes.reading(NOW, "speech", None, text="where is the", driver="furhat")
-    assert "where is the" in meters(said)
+    reading = scenes.reading(NOW, "speech", None, text="where is the", driver="furhat")
+    assert "where is the" in meters(reading)
 
 
 def test_old_values_look_old() -> None:
     reading = scenes.reading(NOW - 4_000_000, "distance", 1.0)
-    (row,) = meter_rows(pictured(reading), FRAME)
+    (row,) = meter_rows(console_state(reading), FRAME)
     assert "~4 s old" in text([row])
     assert "stale" in {look for _, look in row}
 
@@ -73,9 +73,9 @@ def test_old_values_look_old() -> None:
 def test_a_sensor_that_is_seldom_by_nature_looks_old_after_three_of_its_periods(
     age_s: int, old: bool
 ) -> None:
-    told = m.SensorChanged(sensor="battery", state="ok", every_s=10.0, t=NOW - 60_000_000)
+    sensor_changed = m.SensorChanged(sensor="battery", state="ok", every_s=10.0, t=NOW - 60_000_000)
     reading = scenes.reading(NOW - age_s * 1_000_000, "battery", 80.0, unit="%")
-    (row,) = meter_rows(pictured(told, reading), FRAME)
+    (row,) = meter_rows(console_state(sensor_changed, reading), FRAME)
     assert ("old" in text([row])) is old
 
 
@@ -239,11 +239,12 @@ def test_joints_keep_the_files_order_and_go_from_limit_to_limit() -> None:
 
 def test_quiet_is_quiet_and_a_clipping_microphone_warns() -> None:
     looks = {
-        look for _, look in meter_rows(pictured(scenes.reading(NOW, "loudness", 0.1)), FRAME)[0]
+        look
+        for _, look in meter_rows(console_state(scenes.reading(NOW, "loudness", 0.1)), FRAME)[0]
     }
     assert not looks & {"good", "run"}
     (row,) = meter_rows(
-        pictured(
+        console_state(
             scenes.reading(NOW, "loudness", 0.9),
             m.SensorChanged(sensor="loudness", state="clipping", t=NOW),
         ),
@@ -261,7 +262,7 @@ def test_quiet_is_quiet_and_a_clipping_microphone_warns() -> None:
 def test_meters_keep_to_their_frame(
     name: str, value: float | None, width: int, height: int
 ) -> None:
-    picture = pictured(scenes.reading(NOW, name, value))
+    picture = console_state(scenes.reading(NOW, name, value))
     rows = meter_rows(picture, PaintFrame(width, height, NOW))
     assert len(rows) <= height
     assert all(length(row) == width for row in rows)
@@ -277,7 +278,7 @@ def status(picture: ConsoleState, width: int = 80, line: StatusInfo | None = Non
 
 
 def test_the_status_line_says_who_what_and_how_it_is() -> None:
-    shown = status(pictured(), 120, StatusInfo(True, 23_000))
+    shown = status(console_state(), 120, StatusInfo(True, 23_000))
     for part in ("Museum guide", "12:31", "P07", "warm", "trial 3", "session S01", "● Recording"):
         assert part in shown
     assert "connection 23 ms" in shown
@@ -298,7 +299,7 @@ def test_of_many_robots_each_is_named_and_who_is_lost_stands_first() -> None:
 
 
 def test_a_narrow_status_line_leaves_whole_parts_out() -> None:
-    shown = status(pictured(), 60)
+    shown = status(console_state(), 60)
     assert "P07" in shown
     assert "…" not in shown.splitlines()[0]
 
@@ -313,26 +314,26 @@ def test_a_narrow_status_line_leaves_whole_parts_out() -> None:
     ],
 )
 def test_the_recorders_levels(level: str, lag: int, shown: str) -> None:
-    assert shown in status(pictured(m.RecorderState(level=level, lag_us=lag, path="x", t=NOW)))
+    assert shown in status(console_state(m.RecorderState(level=level, lag_us=lag, path="x", t=NOW)))
 
 
 def test_going_on_without_a_record_stands_in_the_place_of_recording() -> None:
     state = m.RecorderState(level="failed", lag_us=0, path="x", waived=True, t=NOW)
     for width in (60, 80, 120):
-        shown = status(pictured(state), width).splitlines()[0]
+        shown = status(console_state(state), width).splitlines()[0]
         assert "WITHOUT A RECORD" in shown
         assert "NOT RECORDED" not in shown
 
 
 def test_a_slow_and_a_stalled_line_are_told() -> None:
-    assert "▲ connection 200 ms" in status(pictured(), line=StatusInfo(True, 200_000))
-    assert "CONNECTION STALLED" in status(pictured(), line=StatusInfo(False, None))
+    assert "▲ connection 200 ms" in status(console_state(), line=StatusInfo(True, 200_000))
+    assert "CONNECTION STALLED" in status(console_state(), line=StatusInfo(False, None))
 
 
 def test_lost_drivers_failures_and_missing_participants_are_told() -> None:
-    picture = pictured(
+    picture = console_state(
         m.DriverLost(driver="face", t=NOW),
-        *scenes.played("a1", "Bow", NOW, 0, how="failed"),
+        *scenes.played_action("a1", "Bow", NOW, 0, how="failed"),
         first=[scenes.start("", "")],
     )
     shown = status(picture, 100)
@@ -343,9 +344,9 @@ def test_lost_drivers_failures_and_missing_participants_are_told() -> None:
 
 
 def test_unseen_failures_stay_on_the_list() -> None:
-    picture = pictured(*scenes.played("bad", "Bow", NOW - 60_000_000, 1, how="failed"))
+    picture = console_state(*scenes.played_action("bad", "Bow", NOW - 60_000_000, 1, how="failed"))
     for number in range(30):
-        picture.apply(scenes.played(f"r{number}", "Nod", NOW - 30_000_000, 1), 0)
+        picture.apply(scenes.played_action(f"r{number}", "Nod", NOW - 30_000_000, 1), 0)
     shown = listed_events(picture, 6)
     assert len(shown) == 6
     assert shown[0].run == "r29"
@@ -356,7 +357,7 @@ def test_unseen_failures_stay_on_the_list() -> None:
 
 def test_events_say_when_what_and_how_it_ended() -> None:
     frame = PaintFrame(60, 14, NOW)
-    rows = event_rows(pictured(*scenes.history(), *scenes.speaking()), frame)
+    rows = event_rows(console_state(*scenes.history(), *scenes.speaking()), frame)
     shown = text(rows)
     assert all(length(row) == 60 for row in rows)
     assert "12:22 ✓ Nod" in shown
@@ -370,22 +371,24 @@ def test_a_robot_that_is_back_is_told_as_its_loss_was() -> None:
     lost = m.DriverLost(driver="nao", detail="it does not answer", t=NOW - 5_000_000, seq=1)
     back = m.DriverConnected(driver="nao", detail="simulated", t=NOW - 2_900_000, seq=2)
     many = [m.Note(text=f"note {number}", t=NOW - 2_000_000, seq=3 + number) for number in range(6)]
-    lines = text(event_rows(pictured(lost, back, *many), PaintFrame(60, 8, NOW))).splitlines()
+    lines = text(event_rows(console_state(lost, back, *many), PaintFrame(60, 8, NOW))).splitlines()
     assert any("nao lost" in line for line in lines)
     assert any("✓ nao connected  after 2.1 s" in line for line in lines)
 
 
 def test_the_scripts_line() -> None:
-    shown = text([script_row(pictured(), PaintFrame(60, 1, NOW), "Space")])
+    shown = text([script_row(console_state(), PaintFrame(60, 1, NOW), "Space")])
     assert "▸ Map" in shown
     assert "→ Roman glass" in shown
     assert shown.rstrip().endswith("2/6")
-    ended = text([script_row(pictured(m.ScriptMoved(position=6)), PaintFrame(60, 1, NOW), "Space")])
+    ended = text(
+        [script_row(console_state(m.ScriptMoved(position=6)), PaintFrame(60, 1, NOW), "Space")]
+    )
     assert "Script has ended" in ended
 
 
 def test_the_scripts_line_leaves_out_what_was_played_by_its_key() -> None:
-    picture = pictured(m.ScriptMoved(position=0, played=[1, 2, 4], t=NOW))
+    picture = console_state(m.ScriptMoved(position=0, played=[1, 2, 4], t=NOW))
     shown = text([script_row(picture, PaintFrame(80, 1, NOW), "Space")])
     assert "▸ Hello  → Roman glass  → Goodbye" in shown
     assert shown.rstrip().endswith("3/6")
@@ -407,7 +410,7 @@ FRAME_BAR = PaintFrame(80, 2, NOW)
 
 
 def test_the_stop_bar_names_who_confirmed_and_who_did_not() -> None:
-    picture = pictured(m.StopPressed(source="key", t=NOW))
+    picture = console_state(m.StopPressed(source="key", t=NOW))
     assert "STOPPED by key" in bar(picture)
     assert "waiting for the drivers" in bar(picture)
     picture.apply(
@@ -420,7 +423,7 @@ def test_the_stop_bar_names_who_confirmed_and_who_did_not() -> None:
 
 
 def test_a_stop_that_is_not_answered_or_not_delivered_says_so() -> None:
-    picture = pictured()
+    picture = console_state()
     assert "STOP SENT" in bar(picture, asked_us=NOW - 400_000)
     assert "400 ms" in bar(picture, asked_us=NOW - 400_000)
     picture.lose(Loss("the robot process closed the connection"))
@@ -432,13 +435,13 @@ def test_a_stop_that_is_not_answered_or_not_delivered_says_so() -> None:
 def test_a_stop_that_was_confirmed_before_the_line_was_lost_stays_confirmed(
     missing: tuple[str, ...],
 ) -> None:
-    picture = pictured(m.StopPressed(source="key", t=NOW))
+    picture = console_state(m.StopPressed(source="key", t=NOW))
     lost = Loss("cut", LostPart.LINE)
     picture.lose(lost)
     assert "STOP NOT CONFIRMED" in bar(picture)
     assert "own switch" in bar(picture)
-    told = m.StopConfirmed(confirmed=["head"], missing=[*missing], elapsed_us=9)
-    picture.apply([told], 0)
+    stop_confirmed = m.StopConfirmed(confirmed=["head"], missing=[*missing], elapsed_us=9)
+    picture.apply([stop_confirmed], 0)
     shown = bar(picture)
     assert "STOPPED by key" in shown
     assert "the line to the robot is lost" in shown
@@ -451,7 +454,7 @@ def test_a_stop_that_was_confirmed_before_the_line_was_lost_stays_confirmed(
 
 
 def test_a_narrow_bar_of_a_stop_still_says_that_the_robot_is_away() -> None:
-    picture = pictured(m.StopPressed(source="key", t=NOW))
+    picture = console_state(m.StopPressed(source="key", t=NOW))
     missing = ["a driver of a long name", "another one", "the third"]
     picture.apply([m.StopConfirmed(confirmed=["head"], missing=missing, elapsed_us=9)], 0)
     picture.lose(Loss("cut", LostPart.LINE))
@@ -462,7 +465,7 @@ def test_a_narrow_bar_of_a_stop_still_says_that_the_robot_is_away() -> None:
 
 
 def test_the_bar_in_ascii_and_very_narrow() -> None:
-    picture = pictured(m.StopPressed(source="key", t=NOW))
+    picture = console_state(m.StopPressed(source="key", t=NOW))
     assert bar(picture, frame=PaintFrame(80, 2, NOW, ASCII)).isascii()
     rows = bar_rows(picture, PaintFrame(12, 2, NOW, UNICODE), BarInfo(release="^R"))
     assert all(length(row) == 12 for row in rows)
@@ -553,7 +556,7 @@ def test_the_sensors_of_the_file_stand_first_and_the_others_follow() -> None:
 
 
 def test_the_engagement_model_stands_where_the_file_says() -> None:
-    state = [engaged.waits(), *scenes.sensors()]
+    state = [engagement_scene.waits(), *scenes.sensors()]
     assert first_words(["loudness", "distance", "engagement"], *state)[:3] == [
         "loudness",
         "distance",
@@ -615,18 +618,18 @@ def _block(*more: m.AnyMessage) -> tuple[m.AnyMessage, ...]:
 
 @pytest.mark.parametrize("width", [80, 120, 200])
 def test_a_planners_block_says_who_what_now_how_long_and_what_cuts_it(width: int) -> None:
-    shown = status(pictured(*_block()), width, StatusInfo(cut="^X")).splitlines()[1]
+    shown = status(console_state(*_block()), width, StatusInfo(cut="^X")).splitlines()[1]
     for part in ("greeting", "asap", "“Welcome", "7.5 s left", "^X  cuts"):
         assert part in shown
 
 
 def test_the_key_stands_there_only_while_it_would_cut_the_block() -> None:
     later = m.Command(command="c50", verb="play", args={"move": "bow"}, source="key", t=NOW)
-    shown = status(pictured(*_block(later)), 80, StatusInfo(cut="^X")).splitlines()[1]
+    shown = status(console_state(*_block(later)), 80, StatusInfo(cut="^X")).splitlines()[1]
     assert "greeting" in shown
     assert "cuts" not in shown
 
 
 def test_a_block_that_is_over_is_gone() -> None:
     over = m.Done(command="c40", driver="bml", sent={}, latency_us=0, duration_us=0, t=NOW)
-    assert "greeting" not in status(pictured(*_block(over)), 80)
+    assert "greeting" not in status(console_state(*_block(over)), 80)

@@ -9,8 +9,8 @@ import pytest
 from msgspec.structs import replace
 
 from tests.console import scenes
-from tests.console.dialogs import opened
-from tests.console.driving import Sitting, sitting
+from tests.console.dialogs import open_dialog
+from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.keyboard import HELD_US, Keyboard
@@ -38,34 +38,34 @@ def begins(phase: str, source: str = "key", **more: Any) -> m.PhaseChanged:
     return m.PhaseChanged(phase=phase, source=source, **more)
 
 
-async def at(seat: Sitting, message: Any, seq: int = 5000) -> None:
+async def at(pilot: ConsolePilot, message: Any, seq: int = 5000) -> None:
     """A message of this moment."""
-    now = seat.console.state.now(seat.console.clock.now_us())
-    await seat.tell(replace(message, seq=seq, t=now))
+    now = pilot.console.state.now(pilot.console.clock.now_us())
+    await pilot.tell(replace(message, seq=seq, t=now))
 
 
 @SIZES
 async def test_the_phase_stands_in_the_status_line_with_its_time(size: tuple[int, int]) -> None:
-    async with sitting(guide(), size=size) as seat:
-        assert "no phase  )  Opening" in seat.text("StatusLines")
-        await at(seat, begins("opening"))
-        assert "Opening 00:00" in seat.text("StatusLines")
-        assert ") phase" in seat.text("StopBar")
-        await at(seat, begins("ride", planned_us=120_000_000), 5001)
-        await seat.pass_time(130)
-        assert "The ride 02:10/02:00" in seat.text("StatusLines")
-        assert (" )  end" in seat.text("StatusLines")) == (size[0] >= 100)
-        assert "Phase The ride" in seat.text("EventList")
+    async with piloted_console(guide(), size=size) as pilot:
+        assert "no phase  )  Opening" in pilot.text("StatusLines")
+        await at(pilot, begins("opening"))
+        assert "Opening 00:00" in pilot.text("StatusLines")
+        assert ") phase" in pilot.text("StopBar")
+        await at(pilot, begins("ride", planned_us=120_000_000), 5001)
+        await pilot.pass_time(130)
+        assert "The ride 02:10/02:00" in pilot.text("StatusLines")
+        assert (" )  end" in pilot.text("StatusLines")) == (size[0] >= 100)
+        assert "Phase The ride" in pilot.text("EventList")
 
 
 async def test_a_phase_begins_with_the_first_page_of_its_panels() -> None:
-    async with sitting(guide()) as seat:
-        panels = seat.console._main_screen.panels
-        await at(seat, begins("opening"))
+    async with piloted_console(guide()) as pilot:
+        panels = pilot.console._main_screen.panels
+        await at(pilot, begins("opening"))
         panels.board = dataclasses.replace(panels.board, chosen=1, further=1)
-        await at(seat, begins("opening"), 5001)
+        await at(pilot, begins("opening"), 5001)
         assert (panels.board.chosen, panels.board.further) == (1, 1)
-        await at(seat, begins("ride"), 5002)
+        await at(pilot, begins("ride"), 5002)
         assert (panels.board.chosen, panels.board.further) == (0, 0)
 
 
@@ -77,83 +77,83 @@ async def test_beside_a_phase_a_driver_that_is_lost_stays_in_sight() -> None:
     first = replace(
         scenes.welcome([scenes.start(), *state, lost], settings=settings), drivers=names
     )
-    async with sitting(first) as seat:
-        await at(seat, begins("opening", planned_us=120_000_000))
-        assert "distance lost" in seat.text("StatusLines")
-        assert "Opening 00:00/02:00" in seat.text("StatusLines")
+    async with piloted_console(first) as pilot:
+        await at(pilot, begins("opening", planned_us=120_000_000))
+        assert "distance lost" in pilot.text("StatusLines")
+        assert "Opening 00:00/02:00" in pilot.text("StatusLines")
 
 
 @SIZES
 async def test_panels_of_other_phases_fold_away(size: tuple[int, int]) -> None:
-    async with sitting(guide(), size=size) as seat:
-        before = seat.text("ActionPanels")
+    async with piloted_console(guide(), size=size) as pilot:
+        before = pilot.text("ActionPanels")
         assert "Speech" in before
-        await at(seat, begins("ride"))
-        shown = seat.text("ActionPanels")
+        await at(pilot, begins("ride"))
+        shown = pilot.text("ActionPanels")
         assert "Gestures" in shown
         assert "Speech" not in shown
-        await seat.press("h")  # its keys play all the same
-        assert [each.action for each in seat.feed.asked if isinstance(each, r.AskAction)]
-        await at(seat, begins("end"), 5001)
-        assert "Speech" in seat.text("ActionPanels")
+        await pilot.press("h")  # its keys play all the same
+        assert [each.action for each in pilot.feed.asked if isinstance(each, r.AskAction)]
+        await at(pilot, begins("end"), 5001)
+        assert "Speech" in pilot.text("ActionPanels")
 
 
 @SIZES
 async def test_space_plays_the_script_of_the_phase(size: tuple[int, int]) -> None:
-    async with sitting(guide(), size=size) as seat:
-        await at(seat, begins("opening"))
-        await at(seat, m.ScriptMoved(position=1, phase="opening", played=[0]), 5001)
-        assert "1/2" in seat.text("StopBar")
-        assert "Nod" in seat.text("StopBar")
+    async with piloted_console(guide(), size=size) as pilot:
+        await at(pilot, begins("opening"))
+        await at(pilot, m.ScriptMoved(position=1, phase="opening", played=[0]), 5001)
+        assert "1/2" in pilot.text("StopBar")
+        assert "Nod" in pilot.text("StopBar")
         halted = m.ScriptMoved(position=0, phase="opening", played=[], halted="failed")
-        await at(seat, halted, 5002)
-        assert "Hello" in seat.text("StopBar")
-        assert "failed" in seat.text("StopBar")
-        assert "again" not in seat.text("StopBar")  # of one that was refused nothing was said
+        await at(pilot, halted, 5002)
+        assert "Hello" in pilot.text("StopBar")
+        assert "failed" in pilot.text("StopBar")
+        assert "again" not in pilot.text("StopBar")  # of one that was refused nothing was said
 
 
 @SIZES
 async def test_the_list_of_phases(size: tuple[int, int]) -> None:
-    async with sitting(guide(), size=size) as seat:
-        await at(seat, begins("opening"))
-        await opened(seat, "PhasesDialog")
-        drawn = seat.drawn()
+    async with piloted_console(guide(), size=size) as pilot:
+        await at(pilot, begins("opening"))
+        await open_dialog(pilot, "PhasesDialog")
+        drawn = pilot.drawn()
         assert "present" in drawn
         assert "after The ride" in drawn
         assert "planned 02:00" in drawn
-        await seat.press("enter")
-        asked = [each for each in seat.feed.asked if isinstance(each, r.AskPhase)]
+        await pilot.press("enter")
+        asked = [each for each in pilot.feed.asked if isinstance(each, r.AskPhase)]
         assert [(each.phase, each.source) for each in asked] == [("ride", "key")]
 
 
 async def test_between_trials_the_screen_offers_a_trial_and_no_phase() -> None:
     study = {"design": {"order": "fixed", "within": True, "trials": 2}}
-    async with sitting(guide(study=study), size=(160, 50)) as seat:
-        assert "* trial" in seat.text("StopBar")
-        assert ") phase" not in seat.text("StopBar")
-        await opened(seat, "PhasesDialog")
-        assert "begin with a trial" in seat.drawn()
-        assert "after ;" not in seat.drawn()
-        await seat.press("ctrl+q")
-        await at(seat, m.TrialStarted(trial=1))
-        assert "* trial" not in seat.text("StopBar")
-        assert ") phase" in seat.text("StopBar")
+    async with piloted_console(guide(study=study), size=(160, 50)) as pilot:
+        assert "* trial" in pilot.text("StopBar")
+        assert ") phase" not in pilot.text("StopBar")
+        await open_dialog(pilot, "PhasesDialog")
+        assert "begin with a trial" in pilot.drawn()
+        assert "after ;" not in pilot.drawn()
+        await pilot.press("ctrl+q")
+        await at(pilot, m.TrialStarted(trial=1))
+        assert "* trial" not in pilot.text("StopBar")
+        assert ") phase" in pilot.text("StopBar")
 
 
 async def test_a_file_without_phases_shows_none() -> None:
-    async with sitting(scenes.welcome()) as seat:
-        assert "phase" not in seat.drawn()
-        await opened(seat, "PhasesDialog")
-        assert "has no phases" in seat.drawn()
-        await seat.press("enter")
+    async with piloted_console(scenes.welcome()) as pilot:
+        assert "phase" not in pilot.drawn()
+        await open_dialog(pilot, "PhasesDialog")
+        assert "has no phases" in pilot.drawn()
+        await pilot.press("enter")
 
 
 async def test_a_late_console_knows_the_phase() -> None:
     state = [*scenes.healthy(), begins("ride")]
     welcome = scenes.welcome(state=state, settings={"phases": PHASES})
-    async with sitting(welcome) as seat:
-        assert "The ride" in seat.text("StatusLines")
-        assert "Speech" not in seat.text("ActionPanels")
+    async with piloted_console(welcome) as pilot:
+        assert "The ride" in pilot.text("StatusLines")
+        assert "Speech" not in pilot.text("ActionPanels")
 
 
 @pytest.mark.parametrize(("key", "kind"), [("space", r.AskScript), (")", r.AskPhase)])
@@ -184,32 +184,34 @@ def test_a_held_key_counts_once(key: str, kind: type[r.Request]) -> None:
 @pytest.mark.parametrize("trial", [False, True])
 async def test_a_line_outside_of_a_trial_is_named_once(trial: bool) -> None:
     study = {"design": {"order": "fixed", "within": True, "trials": 2}}
-    async with sitting(scenes.welcome(settings={"study": study})) as seat:
+    async with piloted_console(scenes.welcome(settings={"study": study})) as pilot:
         if trial:
-            await at(seat, m.TrialStarted(trial=1))
-        asked = m.ActionRequested(run="a1", action="Hello", panel="Speech", source="key")
-        await at(seat, asked, 5001)
-        assert ("outside of a trial; press * to begin one" in seat.text("StopBar")) is not trial
-        await seat.pass_time(30)
-        await at(seat, m.ActionRequested(run="a2", action="Nod", panel="x", source="key"), 5002)
-        assert "outside of a trial" not in seat.text("StopBar")
+            await at(pilot, m.TrialStarted(trial=1))
+        action_requested = m.ActionRequested(run="a1", action="Hello", panel="Speech", source="key")
+        await at(pilot, action_requested, 5001)
+        assert ("outside of a trial; press * to begin one" in pilot.text("StopBar")) is not trial
+        await pilot.pass_time(30)
+        await at(pilot, m.ActionRequested(run="a2", action="Nod", panel="x", source="key"), 5002)
+        assert "outside of a trial" not in pilot.text("StopBar")
 
 
 async def test_what_is_refused_outside_of_a_trial_says_why_and_is_no_act_outside() -> None:
     study = {"design": {"order": "fixed", "within": True, "trials": 2}}
-    async with sitting(scenes.welcome(settings={"study": study})) as seat:
-        refused = m.ActionRefused(run="a1", action="Hello", reason="no condition is set", seq=5002)
-        await seat.press("h")
-        await seat.tell(
-            m.ActionRequested(run="a1", action="Hello", panel="Speech", source="key", seq=5001),
-            refused,
-            r.Reply(ref=len(seat.feed.asked), ok=False, reason=refused.reason),
+    async with piloted_console(scenes.welcome(settings={"study": study})) as pilot:
+        action_refused = m.ActionRefused(
+            run="a1", action="Hello", reason="no condition is set", seq=5002
         )
-        assert refused.reason in seat.text("StopBar")
-        assert "outside of a trial" not in seat.text("StopBar")
-        asked = m.ActionRequested(run="a2", action="Nod", panel="x", source="key")
-        await at(seat, asked, 5003)
-        assert "outside of a trial" in seat.text("StopBar")
+        await pilot.press("h")
+        await pilot.tell(
+            m.ActionRequested(run="a1", action="Hello", panel="Speech", source="key", seq=5001),
+            action_refused,
+            r.Reply(ref=len(pilot.feed.asked), ok=False, reason=action_refused.reason),
+        )
+        assert action_refused.reason in pilot.text("StopBar")
+        assert "outside of a trial" not in pilot.text("StopBar")
+        action_requested = m.ActionRequested(run="a2", action="Nod", panel="x", source="key")
+        await at(pilot, action_requested, 5003)
+        assert "outside of a trial" in pilot.text("StopBar")
 
 
 def follows(**more: Any) -> r.Welcome:
@@ -228,39 +230,41 @@ def follows(**more: Any) -> r.Welcome:
 
 @SIZES
 async def test_what_follows_is_within_reach_until_the_next_act(size: tuple[int, int]) -> None:
-    async with sitting(follows(), size=size) as seat:
+    async with piloted_console(follows(), size=size) as pilot:
 
         def row() -> str:
-            return next((x for x in seat.text("StopBar").splitlines() if x.startswith(" then")), "")
+            return next(
+                (x for x in pilot.text("StopBar").splitlines() if x.startswith(" then")), ""
+            )
 
-        await at(seat, m.ActionRequested(run="a1", action="Hello", source="key"))
+        await at(pilot, m.ActionRequested(run="a1", action="Hello", source="key"))
         assert not row()
-        await at(seat, m.ActionDone(run="a1", action="Hello"), 5001)
+        await at(pilot, m.ActionDone(run="a1", action="Hello"), 5001)
         assert row().index("Nod") < row().index("Bow")
-        caps = {name: seat.console.caps[name].chord for name in ("Nod", "Bow")}
+        caps = {name: pilot.console.caps[name].chord for name in ("Nod", "Bow")}
         assert all(f" {cap} " in row() for cap in caps.values())
-        await opened(seat, "FindDialog")
-        listed = seat.drawn().partition("Find")[2]
+        await open_dialog(pilot, "FindDialog")
+        listed = pilot.drawn().partition("Find")[2]
         assert listed.index("Nod") < listed.index("Hello")
-        await seat.press("ctrl+q")
-        await at(seat, m.ActionRequested(run="a2", action="Yes", source="script"), 5002)
+        await pilot.press("ctrl+q")
+        await at(pilot, m.ActionRequested(run="a2", action="Yes", source="script"), 5002)
         assert not row()
-        await at(seat, m.ActionDone(run="a1", action="Hello"), 5003)  # late
-        await at(seat, m.ActionFailed(run="a2", action="Yes", reason="hot"), 5004)
+        await at(pilot, m.ActionDone(run="a1", action="Hello"), 5003)  # late
+        await at(pilot, m.ActionFailed(run="a2", action="Yes", reason="hot"), 5004)
         assert not row()
 
 
 async def test_what_cannot_be_played_any_more_does_not_follow() -> None:
-    async with sitting(follows()) as seat:
-        await at(seat, m.ActionRequested(run="a1", action="Hello", source="key"))
-        await at(seat, m.ActionDone(run="a1", action="Hello"), 5001)
-        assert " then" in seat.text("StopBar")
+    async with piloted_console(follows()) as pilot:
+        await at(pilot, m.ActionRequested(run="a1", action="Hello", source="key"))
+        await at(pilot, m.ActionDone(run="a1", action="Hello"), 5001)
+        assert " then" in pilot.text("StopBar")
         left = [
             replace(panel, actions=[each for each in panel.actions if each.name != "Nod"])
             for panel in follows().panels
         ]
         plan = follows()
-        await seat.tell(
+        await pilot.tell(
             r.PanelsChanged(
                 title=plan.title,
                 panels=left,
@@ -270,7 +274,7 @@ async def test_what_cannot_be_played_any_more_does_not_follow() -> None:
                 keyboard=plan.keyboard,
             )
         )
-        row = next(x for x in seat.text("StopBar").splitlines() if x.startswith(" then"))
+        row = next(x for x in pilot.text("StopBar").splitlines() if x.startswith(" then"))
         assert "Bow" in row
         assert "Nod" not in row
 

@@ -4,92 +4,92 @@ from __future__ import annotations
 
 import pytest
 
-from tests.console import scenes, studied
-from tests.console.dialogs import opened
-from tests.console.driving import sitting
+from tests.console import scenes, study_scene
+from tests.console.dialogs import open_dialog
+from tests.console.piloting import piloted_console
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 
-NOW, SECOND = studied.NOW, studied.SECOND
+NOW, SECOND = study_scene.NOW, study_scene.SECOND
 
 
-def ticked(check: str = studied.CHECKS[0], level: str = "ok") -> m.PreflightChecked:
+def ticked(check: str = study_scene.CHECKS[0], level: str = "ok") -> m.PreflightChecked:
     return m.PreflightChecked(check=check, level=level, source="wizard", t=NOW)
 
 
 @pytest.mark.parametrize("key", ["space", "enter"])
 async def test_a_line_is_ticked_and_the_tick_taken_away(key: str) -> None:
-    async with sitting(studied.welcome()) as seat:
-        await opened(seat, "PreflightDialog")
-        assert f"○ {studied.CHECKS[0]}" in seat.drawn()
-        await seat.press("down", key)
-        asked = seat.feed.last(r.AskCheck)
+    async with piloted_console(study_scene.welcome()) as pilot:
+        await open_dialog(pilot, "PreflightDialog")
+        assert f"○ {study_scene.CHECKS[0]}" in pilot.drawn()
+        await pilot.press("down", key)
+        asked = pilot.feed.last(r.AskCheck)
         assert isinstance(asked, r.AskCheck)
-        assert (asked.check, asked.ok) == (studied.CHECKS[1], True)
-        await seat.tell(ticked(studied.CHECKS[1]))
-        assert f"✓ {studied.CHECKS[1]}" in seat.drawn()
-        await seat.press(key)
-        asked = seat.feed.last(r.AskCheck)
+        assert (asked.check, asked.ok) == (study_scene.CHECKS[1], True)
+        await pilot.tell(ticked(study_scene.CHECKS[1]))
+        assert f"✓ {study_scene.CHECKS[1]}" in pilot.drawn()
+        await pilot.press(key)
+        asked = pilot.feed.last(r.AskCheck)
         assert isinstance(asked, r.AskCheck)
         assert asked.ok is False
 
 
 async def test_a_newcomer_sees_what_is_ticked() -> None:
-    async with sitting(studied.welcome(*map(ticked, studied.CHECKS))) as seat:
-        await opened(seat, "PreflightDialog")
-        assert seat.drawn().count("✓ the") == 2
+    async with piloted_console(study_scene.welcome(*map(ticked, study_scene.CHECKS))) as pilot:
+        await open_dialog(pilot, "PreflightDialog")
+        assert pilot.drawn().count("✓ the") == 2
 
 
 async def test_the_verdict_counts_what_is_left_to_do() -> None:
-    async with sitting(studied.welcome(), size=(160, 50)) as seat:
-        await opened(seat, "PreflightDialog")
-        await seat.until(lambda: "2 of your own checks" in seat.drawn())
-        await seat.tell(*map(ticked, studied.CHECKS))
-        assert "your own checks" not in seat.drawn()
+    async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
+        await open_dialog(pilot, "PreflightDialog")
+        await pilot.until(lambda: "2 of your own checks" in pilot.drawn())
+        await pilot.tell(*map(ticked, study_scene.CHECKS))
+        assert "your own checks" not in pilot.drawn()
 
 
 async def test_checks_run_again_by_letter_and_nothing_is_ticked() -> None:
-    async with sitting(studied.welcome()) as seat:
-        await opened(seat, "PreflightDialog")
-        await seat.press("c")
-        asked = [one for one in seat.feed.asked if isinstance(one, r.AskPreflight)]
+    async with piloted_console(study_scene.welcome()) as pilot:
+        await open_dialog(pilot, "PreflightDialog")
+        await pilot.press("c")
+        asked = [one for one in pilot.feed.asked if isinstance(one, r.AskPreflight)]
         assert len(asked) == 2
-        assert seat.feed.last(r.AskCheck) is None
+        assert pilot.feed.last(r.AskCheck) is None
 
 
 async def test_without_a_list_enter_checks_again() -> None:
-    async with sitting(scenes.welcome()) as seat:
-        await opened(seat, "PreflightDialog")
-        await seat.press("enter")
-        asked = [one for one in seat.feed.asked if isinstance(one, r.AskPreflight)]
+    async with piloted_console(scenes.welcome()) as pilot:
+        await open_dialog(pilot, "PreflightDialog")
+        await pilot.press("enter")
+        asked = [one for one in pilot.feed.asked if isinstance(one, r.AskPreflight)]
         assert len(asked) == 2
 
 
 async def test_a_refusal_is_said() -> None:
-    async with sitting(studied.welcome()) as seat:
-        await opened(seat, "PreflightDialog")
-        await seat.until(lambda: "your own checks" in seat.drawn())
-        seat.feed.answers[r.AskCheck] = lambda asked, ref: r.Reply(
+    async with piloted_console(study_scene.welcome()) as pilot:
+        await open_dialog(pilot, "PreflightDialog")
+        await pilot.until(lambda: "your own checks" in pilot.drawn())
+        pilot.feed.answers[r.AskCheck] = lambda asked, ref: r.Reply(
             ref=ref, ok=False, reason="you are watching"
         )
-        await seat.press("space")
-        assert "you are watching" in seat.drawn()
+        await pilot.press("space")
+        assert "you are watching" in pilot.drawn()
 
 
 async def test_signs_of_a_plain_terminal() -> None:
-    async with sitting(studied.welcome(), look=Appearance(ASCII, "woz-16")) as seat:
-        await seat.tell(ticked())
-        await opened(seat, "PreflightDialog")
-        assert f"+ {studied.CHECKS[0]}" in seat.drawn()
-        assert f"o {studied.CHECKS[1]}" in seat.drawn()
+    async with piloted_console(study_scene.welcome(), look=Appearance(ASCII, "woz-16")) as pilot:
+        await pilot.tell(ticked())
+        await open_dialog(pilot, "PreflightDialog")
+        assert f"+ {study_scene.CHECKS[0]}" in pilot.drawn()
+        assert f"o {study_scene.CHECKS[1]}" in pilot.drawn()
 
 
 # -- held actions ---------------------------------------------------------------------------------
 
 
-def held(seconds: float = 1.2) -> list[m.AnyMessage]:
+def held_action(seconds: float = 1.2) -> list[m.AnyMessage]:
     """Hello was pressed, and waits until it may answer."""
     return [
         m.ActionRequested(run="a20", action="Hello", source="key", t=NOW),
@@ -105,15 +105,15 @@ def held(seconds: float = 1.2) -> list[m.AnyMessage]:
 
 
 async def test_a_held_action_shows_that_it_waits_and_how_long() -> None:
-    async with sitting(studied.welcome(), size=(160, 50)) as seat:
-        await seat.tell(*held())
-        row = next(row for row in seat.text("ActionPanels").splitlines() if "Hello" in row)
+    async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
+        await pilot.tell(*held_action())
+        row = next(row for row in pilot.text("ActionPanels").splitlines() if "Hello" in row)
         assert "waits 1.2" in row
-        assert "waits 1.2 s" in seat.text("EventList")
-        await seat.pass_time(0.5)
-        row = next(row for row in seat.text("ActionPanels").splitlines() if "Hello" in row)
+        assert "waits 1.2 s" in pilot.text("EventList")
+        await pilot.pass_time(0.5)
+        row = next(row for row in pilot.text("ActionPanels").splitlines() if "Hello" in row)
         assert "waits 0.7" in row
-        await seat.tell(
+        await pilot.tell(
             m.Command(
                 command="c20",
                 run="a20",
@@ -124,17 +124,17 @@ async def test_a_held_action_shows_that_it_waits_and_how_long() -> None:
                 t=NOW + 2 * SECOND,
             )
         )
-        await seat.tell(
+        await pilot.tell(
             m.Dispatched(command="c20", driver="voice", latency_us=1, t=NOW + 2 * SECOND)
         )
-        row = next(row for row in seat.text("ActionPanels").splitlines() if "Hello" in row)
+        row = next(row for row in pilot.text("ActionPanels").splitlines() if "Hello" in row)
         assert "waits" not in row
 
 
 async def test_a_hold_of_a_run_that_is_unknown_shows_nothing() -> None:
-    async with sitting(studied.welcome()) as seat:
-        await seat.tell(held()[1])
-        assert "waits" not in seat.text("ActionPanels")
+    async with piloted_console(study_scene.welcome()) as pilot:
+        await pilot.tell(held_action()[1])
+        assert "waits" not in pilot.text("ActionPanels")
 
 
 # -- cues of a training ---------------------------------------------------------------------------
@@ -152,29 +152,29 @@ async def test_a_hold_of_a_run_that_is_unknown_shows_nothing() -> None:
 async def test_a_trainee_is_told_how_it_was(
     judged: str, reaction_us: int, told: str, listed: str
 ) -> None:
-    async with sitting(studied.welcome(), size=(160, 50)) as seat:
-        given = m.CueGiven(
+    async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
+        cue_given = m.CueGiven(
             cue="q1", sort="question", text="where is it?", expects=["Map"], window_us=1, t=NOW
         )
-        await seat.tell(given)
-        assert "Cue: question" in seat.text("EventList")
-        assert "Map" not in seat.text("EventList")
-        await seat.tell(m.CueAnswered(cue="q1", judged=judged, reaction_us=reaction_us, t=NOW))
-        assert told in seat.text("StopBar")
-        assert listed in seat.text("EventList")
+        await pilot.tell(cue_given)
+        assert "Cue: question" in pilot.text("EventList")
+        assert "Map" not in pilot.text("EventList")
+        await pilot.tell(m.CueAnswered(cue="q1", judged=judged, reaction_us=reaction_us, t=NOW))
+        assert told in pilot.text("StopBar")
+        assert listed in pilot.text("EventList")
 
 
 async def test_the_label_and_the_key_of_each_right_answer_is_told() -> None:
-    async with sitting(studied.welcome(), size=(160, 50)) as seat:
+    async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
         expects = ["Map", "gone from the file"]
-        await seat.tell(m.CueGiven(cue="q2", sort="leave", expects=expects, window_us=1, t=NOW))
-        await seat.tell(m.CueAnswered(cue="q2", judged="missed", t=NOW))
-        assert "missed; right: Map (m) or gone from the file" in seat.text("StopBar")
+        await pilot.tell(m.CueGiven(cue="q2", sort="leave", expects=expects, window_us=1, t=NOW))
+        await pilot.tell(m.CueAnswered(cue="q2", judged="missed", t=NOW))
+        assert "missed; right: Map (m) or gone from the file" in pilot.text("StopBar")
 
 
 async def test_a_verdict_on_another_cue_names_nothing() -> None:
-    async with sitting(studied.welcome()) as seat:
-        await seat.tell(m.CueGiven(cue="q2", sort="leave", expects=["Map"], window_us=1, t=NOW))
-        await seat.tell(m.CueAnswered(cue="q1", judged="missed", t=NOW))
-        assert "missed" in seat.text("StopBar")
-        assert "right" not in seat.text("StopBar")
+    async with piloted_console(study_scene.welcome()) as pilot:
+        await pilot.tell(m.CueGiven(cue="q2", sort="leave", expects=["Map"], window_us=1, t=NOW))
+        await pilot.tell(m.CueAnswered(cue="q1", judged="missed", t=NOW))
+        assert "missed" in pilot.text("StopBar")
+        assert "right" not in pilot.text("StopBar")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from tests.console import scenes
-from tests.console.driving import sitting
+from tests.console.piloting import piloted_console
 from woz_tui.config.repairs import LABELS
 from woz_tui.console.bottom_rows import repair_row
 from woz_tui.console.console_state import ConsoleState
@@ -28,49 +28,49 @@ def welcome(repairs: list[ActionView], shown: list[PanelView] | None = None) -> 
 
 
 async def test_all_of_them_stand_in_one_row_of_eighty_columns() -> None:
-    async with sitting(welcome(ALL)) as seat:
-        row = seat.text("RepairRow")
+    async with piloted_console(welcome(ALL)) as pilot:
+        row = pilot.text("RepairRow")
         assert len(row) <= 80
         for label in LABELS.values():
             assert label in row
 
 
 async def test_a_key_asks_for_the_repair_from_every_page() -> None:
-    async with sitting(welcome(ALL, scenes.many_panels(60))) as seat:
+    async with piloted_console(welcome(ALL, scenes.many_panels(60))) as pilot:
         for key, name in (("$", "repair repeat"), ("(", "repair yes"), ("[", "repair dont_know")):
-            await seat.press("tab")
-            assert LABELS[name] in seat.text("RepairRow")
-            await seat.press(key)
-            asked = seat.feed.asked[-1]
+            await pilot.press("tab")
+            assert LABELS[name] in pilot.text("RepairRow")
+            await pilot.press(key)
+            asked = pilot.feed.asked[-1]
             assert isinstance(asked, r.AskAction)
             assert (asked.action, asked.source, asked.key) == (name, "key", key)
 
 
 async def test_a_held_key_says_yes_once() -> None:
-    async with sitting(welcome(ALL)) as seat:
-        await seat.press(*"(((((")
-        asked = [each for each in seat.feed.asked if isinstance(each, r.AskAction)]
+    async with piloted_console(welcome(ALL)) as pilot:
+        await pilot.press(*"(((((")
+        asked = [each for each in pilot.feed.asked if isinstance(each, r.AskAction)]
         assert len(asked) == 1
 
 
 async def test_an_interruption_opens_the_field_for_what_is_said_instead() -> None:
-    async with sitting(welcome(FEW)) as seat:
-        await seat.press("!")
-        asked = seat.feed.last(r.AskAction)
+    async with piloted_console(welcome(FEW)) as pilot:
+        await pilot.press("!")
+        asked = pilot.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
         assert asked.action == "repair interrupt"
-        await seat.type("Wait, please")
-        await seat.press("enter")
-        said = seat.feed.last(r.AskVerb)
+        await pilot.type("Wait, please")
+        await pilot.press("enter")
+        said = pilot.feed.last(r.AskVerb)
         assert isinstance(said, r.AskVerb)
         assert said.args == {"text": "Wait, please"}
 
 
 async def test_repairs_that_the_file_does_not_have_have_no_key() -> None:
-    async with sitting(welcome(FEW)) as seat:
-        assert "yes" not in seat.text("RepairRow")
-        await seat.press("(")
-        assert not [each for each in seat.feed.asked if isinstance(each, r.AskAction)]
+    async with piloted_console(welcome(FEW)) as pilot:
+        assert "yes" not in pilot.text("RepairRow")
+        await pilot.press("(")
+        assert not [each for each in pilot.feed.asked if isinstance(each, r.AskAction)]
 
 
 async def test_a_repair_gives_its_key_to_the_experiment_and_says_where_none_is_left() -> None:
@@ -79,30 +79,30 @@ async def test_a_repair_gives_its_key_to_the_experiment_and_says_where_none_is_l
     spare = ("home", "end", "insert")
     actions += [ActionView(name=key, label=key, key=key) for key in spare[:2]]
     shown = [PanelView(title="Signs", actions=actions)]
-    async with sitting(welcome(FEW, shown)) as seat:
-        row = seat.text("RepairRow")
+    async with piloted_console(welcome(FEW, shown)) as pilot:
+        row = pilot.text("RepairRow")
         assert "no key" in row
-        await seat.press('"')
-        asked = seat.feed.last(r.AskAction)
+        await pilot.press('"')
+        asked = pilot.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
         assert asked.action == "A0"
 
 
 async def test_its_line_in_the_list_of_events_has_its_label() -> None:
-    async with sitting(welcome(ALL)) as seat:
-        await seat.tell(
+    async with piloted_console(welcome(ALL)) as pilot:
+        await pilot.tell(
             m.ActionRequested(
                 run="r9", action="repair dont_know", source="key", panel="Repairs", t=scenes.NOW
             )
         )
-        assert "don't know" in seat.text("EventList")
+        assert "don't know" in pilot.text("EventList")
 
 
 async def test_an_interruption_from_the_reading_thread_reaches_the_screen() -> None:
-    async with sitting(welcome(FEW)) as seat:
-        assert not seat.console.keyboard.arrive("!")  # left to the screen, which offers it again
-        await seat.press("!")
-        assert seat.feed.last(r.AskAction) is not None
+    async with piloted_console(welcome(FEW)) as pilot:
+        assert not pilot.console.keyboard.arrive("!")  # left to the screen, which offers it again
+        await pilot.press("!")
+        assert pilot.feed.last(r.AskAction) is not None
 
 
 def test_in_a_replay_there_are_labels_alone() -> None:

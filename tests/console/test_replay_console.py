@@ -16,8 +16,8 @@ from textual.keys import _character_to_key, key_to_character
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
-from tests.console.driving import screen_text
-from tests.console.scripted import ScriptedFeed
+from tests.console.piloting import screen_text
+from tests.console.scripted_feed import ScriptedFeed
 from tests.replay.logs import PLAN, SECOND, START, KeptSamples, recording_of, stamped, story
 from woz_tui.console.cells import Cells
 from woz_tui.console.glyphs import ASCII, UNICODE
@@ -59,7 +59,7 @@ class StillReplay(ScriptedFeed):
 
 
 @dataclass
-class Seat:
+class ReplayPilot:
     console: ReplayConsole
     feed: StillReplay
     pilot: Pilot[str]
@@ -105,7 +105,7 @@ async def watching(
     notes: tuple[str, ...] = (),
     coding: Coding | None = None,
     **options: Any,
-) -> AsyncIterator[Seat]:
+) -> AsyncIterator[ReplayPilot]:
     clock = ManualClock()
     player = ReplayPlayer(
         recording or recording_of(story()), start, "recordings/x_S01.jsonl", notes, coding
@@ -113,40 +113,40 @@ async def watching(
     feed = StillReplay(player, clock)
     console = ReplayConsole(feed, ReplayKeyboard(feed, clock), clock=clock, **options)
     async with console.run_test(size=size) as pilot:
-        seat = Seat(console, feed, pilot, clock)
-        await seat.settle()
+        replay_pilot = ReplayPilot(console, feed, pilot, clock)
+        await replay_pilot.settle()
         console.paint()
-        await seat.settle()
-        yield seat
+        await replay_pilot.settle()
+        yield replay_pilot
 
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 50), (60, 20)])
 async def test_it_says_what_it_is_and_of_which_session(size: tuple[int, int]) -> None:
-    async with watching(ReplayStart(at_us=9 * SECOND), size=size) as seat:
-        status = seat.text("StatusLines")
+    async with watching(ReplayStart(at_us=9 * SECOND), size=size) as pilot:
+        status = pilot.text("StatusLines")
         for part in (" REPLAY ", "Museum", "00:09", "2026-03-01", "log complete"):
             assert part in status
         assert "Recording" not in status
-        line = seat.text("StopBar").splitlines()[-1]
+        line = pilot.text("StopBar").splitlines()[-1]
         for part in ("▶", "00:09 / 01:00", "●", "10:00:09 UTC", "1x", "? keys"):
             assert part in line
         assert len(line) == size[0]
 
 
 async def test_the_line_has_a_sign_for_each_place_and_never_moves() -> None:
-    async with watching(ReplayStart(paused=True)) as seat:
-        first = seat.text("StopBar").splitlines()[-1]
+    async with watching(ReplayStart(paused=True)) as pilot:
+        first = pilot.text("StopBar").splitlines()[-1]
         assert [sign for sign in first if sign in "◆▲■✎│"] == ["◆", "▲", "■", "✎", "│"]
-        await seat.press("end")
-        last = seat.text("StopBar").splitlines()[-1]
+        await pilot.press("end")
+        last = pilot.text("StopBar").splitlines()[-1]
         assert [last.index(sign) for sign in "◆▲✎"] == [first.index(sign) for sign in "◆▲✎"]
         assert last.index("UTC") == first.index("UTC")
 
 
 @pytest.mark.parametrize("look", [Appearance(ASCII, "woz-16"), Appearance(UNICODE, "woz-16")])
 async def test_the_line_can_be_read_without_colours_and_in_ascii(look: Appearance) -> None:
-    async with watching(ReplayStart(at_us=20 * SECOND, paused=True), look=look) as seat:
-        line = seat.text("StopBar").splitlines()[-1]
+    async with watching(ReplayStart(at_us=20 * SECOND, paused=True), look=look) as pilot:
+        line = pilot.text("StopBar").splitlines()[-1]
         if look.glyphs.ascii:
             assert line.isascii()
             assert line.startswith(" || 00:20 / 01:00 ")
@@ -156,17 +156,21 @@ async def test_the_line_can_be_read_without_colours_and_in_ascii(look: Appearanc
 
 
 async def test_space_stands_still_and_goes_on_and_nothing_ages_meanwhile() -> None:
-    async with watching(ReplayStart(at_us=9 * SECOND)) as seat:
-        assert "▶ Go" in seat.text("ActionPanels")
-        await seat.press("space")
-        before = seat.text("ActionPanels"), seat.text("Meters"), seat.text("StatusLines")
-        await seat.pass_time(60)
-        assert (seat.text("ActionPanels"), seat.text("Meters"), seat.text("StatusLines")) == before
-        assert "┃┃ 00:09" in seat.text("StopBar")
-        await seat.press("space")
-        await seat.pass_time(5)
-        assert "▶  00:14" in seat.text("StopBar")
-        assert "✓ Go" in seat.text("EventList")
+    async with watching(ReplayStart(at_us=9 * SECOND)) as pilot:
+        assert "▶ Go" in pilot.text("ActionPanels")
+        await pilot.press("space")
+        before = pilot.text("ActionPanels"), pilot.text("Meters"), pilot.text("StatusLines")
+        await pilot.pass_time(60)
+        assert (
+            pilot.text("ActionPanels"),
+            pilot.text("Meters"),
+            pilot.text("StatusLines"),
+        ) == before
+        assert "┃┃ 00:09" in pilot.text("StopBar")
+        await pilot.press("space")
+        await pilot.pass_time(5)
+        assert "▶  00:14" in pilot.text("StopBar")
+        assert "✓ Go" in pilot.text("EventList")
 
 
 @pytest.mark.parametrize(
@@ -185,62 +189,62 @@ async def test_space_stands_still_and_goes_on_and_nothing_ages_meanwhile() -> No
     ],
 )
 async def test_keys_move_through_the_log(keys: list[str], seconds: float) -> None:
-    async with watching(ReplayStart(at_us=30 * SECOND, paused=True)) as seat:
-        await seat.press(*keys)
-        assert seat.t == seconds * SECOND
+    async with watching(ReplayStart(at_us=30 * SECOND, paused=True)) as pilot:
+        await pilot.press(*keys)
+        assert pilot.t == seconds * SECOND
 
 
 @pytest.mark.parametrize(("keys", "rate"), [("]]", 4.0), ("[", 0.5), (">><", 2.0), ("[[[", 0.25)])
 async def test_brackets_change_the_speed(keys: str, rate: float) -> None:
-    async with watching() as seat:
-        await seat.press(*keys)
-        assert seat.console.state.rate == rate
-        assert f"{rate:g}x" in seat.text("StopBar")
+    async with watching() as pilot:
+        await pilot.press(*keys)
+        assert pilot.console.state.rate == rate
+        assert f"{rate:g}x" in pilot.text("StopBar")
 
 
 async def test_what_hurries_is_painted_less_often() -> None:
     """At 16x nearly all of the screen changes each time, which a slow line could not carry."""
-    async with watching() as seat:
-        await seat.press(*"]]]]")
+    async with watching() as pilot:
+        await pilot.press(*"]]]]")
         seen: list[str] = []
         for _ in range(16):
-            seat.clock.advance(0.1)
-            await asyncio.to_thread(seat.feed.tick)
-            await seat.settle()
-            seat.console.beat()  # the app's own timer keeps another time than the clock
-            await seat.settle()
-            seen.append(seat.text("StopBar"))
+            pilot.clock.advance(0.1)
+            await asyncio.to_thread(pilot.feed.tick)
+            await pilot.settle()
+            pilot.console.beat()  # the app's own timer keeps another time than the clock
+            await pilot.settle()
+            seen.append(pilot.text("StopBar"))
         changes = sum(before != after for before, after in itertools.pairwise(seen))
         assert 3 <= changes <= 4
-        assert seat.t == 16 * 1.6 * SECOND
+        assert pilot.t == 16 * 1.6 * SECOND
 
 
 async def test_a_dot_steps_and_says_to_which_line() -> None:
-    async with watching(ReplayStart(at_us=5_900_000)) as seat:
-        await seat.press(".")
-        assert seat.t == 6 * SECOND
-        assert "00:06.000 marker" in seat.text("StopBar")
-        assert "┃┃" in seat.text("StopBar")
-        assert "Marker  smile" in seat.text("EventList")
+    async with watching(ReplayStart(at_us=5_900_000)) as pilot:
+        await pilot.press(".")
+        assert pilot.t == 6 * SECOND
+        assert "00:06.000 marker" in pilot.text("StopBar")
+        assert "┃┃" in pilot.text("StopBar")
+        assert "Marker  smile" in pilot.text("EventList")
 
 
 async def test_the_list_follows_many_steps_while_time_stands_still() -> None:
-    async with watching(ReplayStart(paused=True)) as seat:
+    async with watching(ReplayStart(paused=True)) as pilot:
         for _ in range(80):
-            await seat.press("left", "end")
-        assert "Session ended" in seat.text("EventList")
-        await seat.press("home")
-        assert "Session ended" not in seat.text("EventList")
+            await pilot.press("left", "end")
+        assert "Session ended" in pilot.text("EventList")
+        await pilot.press("home")
+        assert "Session ended" not in pilot.text("EventList")
 
 
 async def test_an_action_of_then_lights_its_cap_up() -> None:
-    async with watching(ReplayStart(at_us=2_500_000)) as seat:
-        await seat.pass_time(0.6)
-        panels = seat.console._panels
+    async with watching(ReplayStart(at_us=2_500_000)) as pilot:
+        await pilot.pass_time(0.6)
+        panels = pilot.console._panels
         assert [text.strip() for row in panels.rows for text, look in row if look == "flash"] == [
             "h"
         ]
-        await seat.pass_time(1)
+        await pilot.pass_time(1)
         assert not [look for row in panels.rows for _, look in row if look == "flash"]
 
 
@@ -248,116 +252,116 @@ async def test_the_page_of_an_action_of_then_is_shown() -> None:
     names = [f"Action {number}" for number in range(60)]
     panel = PanelView(title="All", actions=[ActionView(name=each, label=each) for each in names])
     plan = msgspec.structs.replace(PLAN, panels=[panel], script=[])
-    asked = m.ActionRequested(run="a1", action="Action 59", source="key")
-    told = stamped([(0, START), (0.2, plan), (3, asked), (60, m.Note(text="over"))])
+    action_requested = m.ActionRequested(run="a1", action="Action 59", source="key")
+    told = stamped([(0, START), (0.2, plan), (3, action_requested), (60, m.Note(text="over"))])
     start = ReplayStart(at_us=2 * SECOND)
-    async with watching(start, recording=recording_of(told)) as seat:
-        assert "Action 59" not in seat.text("ActionPanels")
-        await seat.pass_time(2)
-        assert "Action 59" in seat.text("ActionPanels")
+    async with watching(start, recording=recording_of(told)) as pilot:
+        assert "Action 59" not in pilot.text("ActionPanels")
+        await pilot.pass_time(2)
+        assert "Action 59" in pilot.text("ActionPanels")
 
 
 async def test_the_keys_of_the_session_are_shown_but_play_nothing() -> None:
-    async with watching() as seat:
-        assert "h" in seat.text("ActionPanels")
-        await seat.press("h")
-        assert "h is not assigned" in seat.text("StopBar")
-        assert seat.feed.asked == []
+    async with watching() as pilot:
+        assert "h" in pilot.text("ActionPanels")
+        await pilot.press("h")
+        assert "h is not assigned" in pilot.text("StopBar")
+        assert pilot.feed.asked == []
 
 
 async def test_the_stop_of_then_is_seen_and_what_is_said_too() -> None:
-    async with watching(ReplayStart(at_us=14_900_000, paused=True)) as seat:
-        await seat.press(".")
-        assert "stop.pressed" in seat.text("StopBar")
-        await seat.pass_time(20)
-        assert "STOPPED by key at 00:15" in seat.text("StopBar")
-        await seat.press("escape")
-        assert "the robot does not move" in seat.text("StopBar")
-        await seat.press(".")
-        await seat.pass_time(20)
-        assert "confirmed: robot" in seat.text("StopBar")
+    async with watching(ReplayStart(at_us=14_900_000, paused=True)) as pilot:
+        await pilot.press(".")
+        assert "stop.pressed" in pilot.text("StopBar")
+        await pilot.pass_time(20)
+        assert "STOPPED by key at 00:15" in pilot.text("StopBar")
+        await pilot.press("escape")
+        assert "the robot does not move" in pilot.text("StopBar")
+        await pilot.press(".")
+        await pilot.pass_time(20)
+        assert "confirmed: robot" in pilot.text("StopBar")
 
 
 @pytest.mark.parametrize("key", ["escape", "ctrl+c"])
 async def test_escape_moves_nothing_says_so_and_closes_dialogs(key: str) -> None:
-    async with watching() as seat:
-        await seat.press("g")
-        assert len(seat.console.screen_stack) == 2
-        await seat.press(key)
-        assert len(seat.console.screen_stack) == 1
-        assert "the robot does not move" in seat.text("StopBar")
-        assert not seat.console.state.stop
+    async with watching() as pilot:
+        await pilot.press("g")
+        assert len(pilot.console.screen_stack) == 2
+        await pilot.press(key)
+        assert len(pilot.console.screen_stack) == 1
+        assert "the robot does not move" in pilot.text("StopBar")
+        assert not pilot.console.state.stop
 
 
 async def test_ctrl_q_leaves_at_once() -> None:
-    async with watching() as seat:
-        await seat.press("ctrl+q")
-        assert seat.console.return_value == "left"
+    async with watching() as pilot:
+        await pilot.press("ctrl+q")
+        assert pilot.console.return_value == "left"
 
 
 async def test_going_to_a_typed_time() -> None:
-    async with watching(ReplayStart(paused=True)) as seat:
-        await seat.press("g", *"0:42", "enter")
-        assert seat.t == 42 * SECOND
-        assert seat.console.dialog is None
+    async with watching(ReplayStart(paused=True)) as pilot:
+        await pilot.press("g", *"0:42", "enter")
+        assert pilot.t == 42 * SECOND
+        assert pilot.console.dialog is None
 
 
 async def test_going_to_a_place_that_is_found_by_its_letters() -> None:
-    async with watching(ReplayStart(paused=True)) as seat:
-        await seat.press("g")
+    async with watching(ReplayStart(paused=True)) as pilot:
+        await pilot.press("g")
         assert all(
-            word in seat.drawn for word in ("smile", "Go too late", "stop by key", "trial 2")
+            word in pilot.drawn for word in ("smile", "Go too late", "stop by key", "trial 2")
         )
-        await seat.press(*"back")
-        found = seat.console.screen.query_one("#found", OptionList)
+        await pilot.press(*"back")
+        found = pilot.console.screen.query_one("#found", OptionList)
         assert found.option_count == 1
-        await seat.press("enter")
-        assert seat.t == 50 * SECOND
+        await pilot.press("enter")
+        assert pilot.t == 50 * SECOND
 
 
 async def test_the_list_of_places_begins_with_the_next_one() -> None:
-    async with watching(ReplayStart(at_us=14 * SECOND, paused=True)) as seat:
-        await seat.press("g", "down", "enter")
-        assert seat.t == 50 * SECOND
+    async with watching(ReplayStart(at_us=14 * SECOND, paused=True)) as pilot:
+        await pilot.press("g", "down", "enter")
+        assert pilot.t == 50 * SECOND
 
 
 async def test_a_place_that_is_not_there() -> None:
-    async with watching(ReplayStart(paused=True)) as seat:
-        await seat.press("g", *"zzz", "enter")
-        assert "there is no 'zzz' in this log" in seat.text("StopBar")
-        await seat.press("g", *"9:99", "enter")
-        assert "the session is 01:00 long" in seat.text("StopBar")
+    async with watching(ReplayStart(paused=True)) as pilot:
+        await pilot.press("g", *"zzz", "enter")
+        assert "there is no 'zzz' in this log" in pilot.text("StopBar")
+        await pilot.press("g", *"9:99", "enter")
+        assert "the session is 01:00 long" in pilot.text("StopBar")
 
 
 async def test_help_shows_the_keys_of_the_replay() -> None:
-    async with watching(size=(100, 60)) as seat:
-        await seat.press("?")
+    async with watching(size=(100, 60)) as pilot:
+        await pilot.press("?")
         for part in ("stand still, go on", "5 s back", "twice the speed", "Hello"):
-            assert part in seat.drawn
-        assert "drive forward" not in seat.drawn
-        assert "would do" not in seat.drawn
+            assert part in pilot.drawn
+        assert "drive forward" not in pilot.drawn
+        assert "would do" not in pilot.drawn
 
 
 async def test_what_is_missing_is_in_the_header_and_can_be_read() -> None:
-    async with watching(notes=("3 damaged line(s) left out",)) as seat:
-        assert "▲ log incomplete" in seat.text("StatusLines")
-        assert "This log: 3 damaged line(s)" in seat.text("EventList")
-        await seat.press("i")
+    async with watching(notes=("3 damaged line(s) left out",)) as pilot:
+        assert "▲ log incomplete" in pilot.text("StatusLines")
+        assert "This log: 3 damaged line(s)" in pilot.text("EventList")
+        await pilot.press("i")
         for part in ("3 damaged line(s) left out", "guide.yaml", "W2", "x_S01.jsonl"):
-            assert part in seat.drawn
+            assert part in pilot.drawn
 
 
 async def test_idle_time_that_was_cut_is_shown() -> None:
-    async with watching(ReplayStart(at_us=18 * SECOND, max_idle_us=4 * SECOND)) as seat:
-        await seat.pass_time(4)
-        assert "00:28 cut" in seat.text("StopBar")
+    async with watching(ReplayStart(at_us=18 * SECOND, max_idle_us=4 * SECOND)) as pilot:
+        await pilot.pass_time(4)
+        assert "00:28 cut" in pilot.text("StopBar")
 
 
 async def test_an_old_burst_of_keys_is_not_refused() -> None:
-    async with watching(ReplayStart(paused=True)) as seat:
-        assert seat.console.keyboard.arrive("right", stale=True)
-        await seat.settle()
-        assert seat.t == 5 * SECOND
+    async with watching(ReplayStart(paused=True)) as pilot:
+        assert pilot.console.keyboard.arrive("right", stale=True)
+        await pilot.settle()
+        assert pilot.t == 5 * SECOND
 
 
 async def test_a_code_is_typed_while_the_replay_stands_still_and_chosen_the_next_time(
@@ -365,28 +369,28 @@ async def test_a_code_is_typed_while_the_replay_stands_still_and_chosen_the_next
 ) -> None:
     coding = Coding(tmp_path / "x.coding.jsonl", "K1", START)
     recording = Recording(story(), KeptSamples(()), coded=True)
-    async with watching(ReplayStart(at_us=4 * SECOND), recording=recording, coding=coding) as it:
-        assert "CODER K1" in it.drawn
-        assert "hidden" in it.drawn
-        assert "warm" not in it.drawn
-        await it.press("m")
-        await it.pass_time(3)
-        assert it.t == 4 * SECOND
-        await it.press(*"smiles", "enter")
+    async with watching(ReplayStart(at_us=4 * SECOND), recording=recording, coding=coding) as pilot:
+        assert "CODER K1" in pilot.drawn
+        assert "hidden" in pilot.drawn
+        assert "warm" not in pilot.drawn
+        await pilot.press("m")
+        await pilot.pass_time(3)
+        assert pilot.t == 4 * SECOND
+        await pilot.press(*"smiles", "enter")
         assert [(code.t, code.text) for code in coding.codes] == [(4 * SECOND, "smiles")]
-        assert "Code of K1" in it.drawn
-        await it.pass_time(2)
-        await it.press("m", "enter")
+        assert "Code of K1" in pilot.drawn
+        await pilot.pass_time(2)
+        await pilot.press("m", "enter")
         assert [code.text for code in coding.codes] == ["smiles", "smiles"]
-        await it.press("n", *"odd", "enter")
+        await pilot.press("n", *"odd", "enter")
         assert coding.codes[-1].note
-        await it.press("x")
+        await pilot.press("x")
         assert len(coding.codes) == 2
-        await it.press("m", *"never", "ctrl+q")
+        await pilot.press("m", *"never", "ctrl+q")
         assert len(coding.codes) == 2
-        before = it.t
-        await it.pass_time(1)
-        assert it.t > before, "it goes on"
+        before = pilot.t
+        await pilot.pass_time(1)
+        assert pilot.t > before, "it goes on"
 
 
 @pytest.mark.parametrize("keys", [("space", "m"), ("space", "space", "m"), ("m",)])
@@ -394,23 +398,23 @@ async def test_the_replay_stands_still_while_a_code_is_typed_and_then_is_as_it_w
     keys: tuple[str, ...],
 ) -> None:
     """However soon behind the pause: what the screen shows is older than the keys."""
-    async with watching(ReplayStart(at_us=4 * SECOND)) as it:
-        await it.pass_time(10)  # the greeting is gone: no key is a reason to paint any more
-        await it.press(*keys)
-        await it.pass_time(3)
-        assert it.t == 14 * SECOND
-        await it.press("ctrl+q")
-        await it.pass_time(3)
-        assert it.t == (14 if keys == ("space", "m") else 17) * SECOND
+    async with watching(ReplayStart(at_us=4 * SECOND)) as pilot:
+        await pilot.pass_time(10)  # the greeting is gone: no key is a reason to paint any more
+        await pilot.press(*keys)
+        await pilot.pass_time(3)
+        assert pilot.t == 14 * SECOND
+        await pilot.press("ctrl+q")
+        await pilot.pass_time(3)
+        assert pilot.t == (14 if keys == ("space", "m") else 17) * SECOND
 
 
 async def test_a_dialog_that_closes_at_once_lets_the_replay_go_on() -> None:
-    async with watching(ReplayStart(at_us=4 * SECOND)) as it:
+    async with watching(ReplayStart(at_us=4 * SECOND)) as pilot:
         for key in ("m", "escape"):
-            it.console.post_message(Key(key, key_to_character(key)))
-        await it.press()
-        await it.pass_time(3)
-        assert it.t == 7 * SECOND
+            pilot.console.post_message(Key(key, key_to_character(key)))
+        await pilot.press()
+        await pilot.pass_time(3)
+        assert pilot.t == 7 * SECOND
 
 
 async def test_what_is_typed_is_the_code_also_where_a_longer_one_was_set_before(
@@ -420,10 +424,10 @@ async def test_what_is_typed_is_the_code_also_where_a_longer_one_was_set_before(
     for at, text in ((1, "gaze: robot"), (2, "gaze:"), (3, "gaze: robot")):
         coding.add(at * SECOND, text)
     recording = Recording(story(), KeptSamples(()), coded=True)
-    async with watching(ReplayStart(at_us=4 * SECOND), recording=recording, coding=coding) as it:
-        await it.press("m", *"gaze:", "enter")
+    async with watching(ReplayStart(at_us=4 * SECOND), recording=recording, coding=coding) as pilot:
+        await pilot.press("m", *"gaze:", "enter")
         assert max(coding.codes, key=lambda code: code.number).text == "gaze:"
-        await it.press("m", *"gaze:", "down", "enter")
+        await pilot.press("m", *"gaze:", "down", "enter")
         assert max(coding.codes, key=lambda code: code.number).text == "gaze: robot"
 
 
@@ -433,14 +437,14 @@ async def test_a_note_that_a_full_disk_did_not_take_is_there_again(tmp_path: Pat
     os.dup2(full, coding._file)
     os.close(full)
     recording = Recording(story(), KeptSamples(()), coded=True)
-    async with watching(recording=recording, coding=coding) as it:
-        await it.press("n", *"odd", "enter")
-        assert "No space left" in it.text("StopBar")
-        await it.press("n")
-        assert "odd" in it.drawn
+    async with watching(recording=recording, coding=coding) as pilot:
+        await pilot.press("n", *"odd", "enter")
+        assert "No space left" in pilot.text("StopBar")
+        await pilot.press("n")
+        assert "odd" in pilot.drawn
 
 
 async def test_without_a_coder_the_keys_say_how_to_begin() -> None:
-    async with watching() as it:
-        await it.press("x")
-        assert "--coder" in it.drawn
+    async with watching() as pilot:
+        await pilot.press("x")
+        assert "--coder" in pilot.drawn

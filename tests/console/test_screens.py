@@ -15,10 +15,10 @@ from tests.console.dialogs import (
     OPENING,
     SIZES,
     busy,
-    opened,
+    open_dialog,
     stops,
 )
-from tests.console.driving import sitting
+from tests.console.piloting import piloted_console
 from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.message_feed import LostPart
@@ -35,139 +35,141 @@ from woz_tui.protocol import requests as r
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_every_dialog_opens_fits_and_closes(size: tuple[int, int]) -> None:
-    async with sitting(busy(), size=size) as seat:
+    async with piloted_console(busy(), size=size) as pilot:
         for name in OPENERS:
-            await opened(seat, name)
-            dialog = seat.console.dialog
+            await open_dialog(pilot, name)
+            dialog = pilot.console.dialog
             assert isinstance(dialog, Dialog)
-            assert seat.console.keyboard.free is dialog.plays
-            assert dialog.heading in seat.drawn()
+            assert pilot.console.keyboard.free is dialog.plays
+            assert dialog.heading in pilot.drawn()
             box = dialog.query_one(".dialog").region
             assert box.right <= size[0], name
             assert box.bottom <= size[1], name
-            await seat.press("ctrl+q")
-            assert seat.console.dialog is None, name
-            assert seat.console.keyboard.free is True
-        assert seat.feed.last(r.AskStop) is None
+            await pilot.press("ctrl+q")
+            assert pilot.console.dialog is None, name
+            assert pilot.console.keyboard.free is True
+        assert pilot.feed.last(r.AskStop) is None
 
 
 @pytest.mark.parametrize("key", ["escape", "ctrl+c"])
 async def test_the_stop_reaches_the_robot_from_every_dialog_and_closes_it(key: str) -> None:
-    async with sitting(busy()) as seat:
+    async with piloted_console(busy()) as pilot:
         for count, name in enumerate(OPENERS, start=1):
-            await opened(seat, name)
-            await seat.press(key)
-            stops = [asked for asked in seat.feed.asked if isinstance(asked, r.AskStop)]
+            await open_dialog(pilot, name)
+            await pilot.press(key)
+            stops = [asked for asked in pilot.feed.asked if isinstance(asked, r.AskStop)]
             assert len(stops) == count, name
-            await seat.until(lambda: seat.console.dialog is None, name)
-            assert seat.console.keyboard.free is True
-            assert "STOP SENT" in seat.text("StopBar")
+            await pilot.until(lambda: pilot.console.dialog is None, name)
+            assert pilot.console.keyboard.free is True
+            assert "STOP SENT" in pilot.text("StopBar")
 
 
 async def test_the_stop_right_behind_the_key_that_opens_a_dialog() -> None:
-    async with sitting(busy()) as seat:
+    async with piloted_console(busy()) as pilot:
         for count, name in enumerate(OPENERS.values(), start=1):
             for key in (name, "escape"):
-                seat.console.post_message(Key(key, CHARACTERS.get(key)))
-            seat.console.paint()
-            await seat.until(lambda n=count: stops(seat) == n)  # type: ignore[misc]
-            await seat.until(lambda: seat.console.dialog is None)
-        assert seat.console.keyboard.free is True
+                pilot.console.post_message(Key(key, CHARACTERS.get(key)))
+            pilot.console.paint()
+            await pilot.until(lambda n=count: stops(pilot) == n)  # type: ignore[misc]
+            await pilot.until(lambda: pilot.console.dialog is None)
+        assert pilot.console.keyboard.free is True
 
 
 async def test_the_stop_before_a_dialog_has_been_put_together() -> None:
-    async with sitting(busy()) as seat:
+    async with piloted_console(busy()) as pilot:
         for name in OPENING:
-            seat.console.do(name)
-            dialog = seat.console.dialog
+            pilot.console.do(name)
+            dialog = pilot.console.dialog
             assert dialog is not None
             assert not dialog.children
-            seat.console._stopping()
-            await seat.settle()
-            assert seat.console.dialog is None, name
-            assert seat.console.keyboard.free is True
-        assert seat.console.is_running
-        await opened(seat, "SayDialog")
+            pilot.console._stopping()
+            await pilot.settle()
+            assert pilot.console.dialog is None, name
+            assert pilot.console.keyboard.free is True
+        assert pilot.console.is_running
+        await open_dialog(pilot, "SayDialog")
 
 
 async def test_no_experiment_key_plays_while_a_dialog_has_the_keyboard() -> None:
-    async with sitting(busy()) as seat:
+    async with piloted_console(busy()) as pilot:
         for name in OPENERS:
-            await opened(seat, name)
-            dialog = seat.console.dialog
+            await open_dialog(pilot, name)
+            dialog = pilot.console.dialog
             assert dialog is not None
             if dialog.plays:  # bodies and panels, see test_drawings
-                await seat.press("ctrl+q")
+                await pilot.press("ctrl+q")
                 continue
-            await seat.press("h", "1", "f1")
-            assert seat.feed.last(r.AskAction) is None, name
-            await seat.press("ctrl+q")
+            await pilot.press("h", "1", "f1")
+            assert pilot.feed.last(r.AskAction) is None, name
+            await pilot.press("ctrl+q")
 
 
 async def test_the_stop_is_released_from_within_a_dialog() -> None:
-    async with sitting(busy()) as seat:
+    async with piloted_console(busy()) as pilot:
         confirmed = m.StopConfirmed(confirmed=["head"], missing=[], elapsed_us=3_000)
-        await seat.tell(m.StopPressed(source="program", t=NOW), confirmed)
-        await opened(seat, "NoteDialog")
-        await seat.press("ctrl+r")
-        assert seat.feed.last(r.AskRelease) is not None
-        assert seat.console.dialog is not None
+        await pilot.tell(m.StopPressed(source="program", t=NOW), confirmed)
+        await open_dialog(pilot, "NoteDialog")
+        await pilot.press("ctrl+r")
+        assert pilot.feed.last(r.AskRelease) is not None
+        assert pilot.console.dialog is not None
 
 
 # -- failures, drivers, help -------------------------------------------------------------------
 
 
 async def test_failures_are_read_and_seen() -> None:
-    async with sitting(busy()) as seat:
-        assert "1 failed" in seat.text("StatusLines")
-        await seat.pass_time(1)  # the key is not held
-        await opened(seat, "FailuresDialog")
-        assert "servo 2 (pitch) overloaded" in seat.drawn()
-        await seat.press("enter")
-        assert "failed" not in seat.text("StatusLines")
-        assert seat.console.state.runs.unseen() == []
-        await seat.press("enter")
-        assert seat.console.dialog is None
+    async with piloted_console(busy()) as pilot:
+        assert "1 failed" in pilot.text("StatusLines")
+        await pilot.pass_time(1)  # the key is not held
+        await open_dialog(pilot, "FailuresDialog")
+        assert "servo 2 (pitch) overloaded" in pilot.drawn()
+        await pilot.press("enter")
+        assert "failed" not in pilot.text("StatusLines")
+        assert pilot.console.state.runs.unseen() == []
+        await pilot.press("enter")
+        assert pilot.console.dialog is None
 
 
 async def test_a_failure_that_comes_while_others_are_read_is_not_cleared_with_them() -> None:
-    async with sitting(busy()) as seat:
-        await opened(seat, "FailuresDialog")
-        await seat.tell(*scenes.played("a77", "Nod", NOW, 1, how="failed", reason="no power"))
-        assert "no power" not in seat.drawn(), "nothing moves under the reader's eyes"
-        await seat.press("enter")
-        assert "1 failed" in seat.text("StatusLines")
-        await seat.pass_time(1)  # the key is not held
-        await opened(seat, "FailuresDialog")
-        assert "no power" in seat.drawn()
-        assert "overloaded" not in seat.drawn()
+    async with piloted_console(busy()) as pilot:
+        await open_dialog(pilot, "FailuresDialog")
+        await pilot.tell(
+            *scenes.played_action("a77", "Nod", NOW, 1, how="failed", reason="no power")
+        )
+        assert "no power" not in pilot.drawn(), "nothing moves under the reader's eyes"
+        await pilot.press("enter")
+        assert "1 failed" in pilot.text("StatusLines")
+        await pilot.pass_time(1)  # the key is not held
+        await open_dialog(pilot, "FailuresDialog")
+        assert "no power" in pilot.drawn()
+        assert "overloaded" not in pilot.drawn()
 
 
 async def test_the_key_that_says_why_a_robot_is_lost_is_named_and_shows_whole_sentences() -> None:
     why = "the robot does not answer any more: nothing came from 192.168.1.20 for 3 seconds"
     remedy = "is it on, and is this machine in its network? It is asked again every second"
     lost = m.DriverLost(driver="voice", detail=why, remedy=remedy)
-    async with sitting() as seat:
-        assert "why" not in seat.text("StatusLines")
-        await seat.tell(lost)
-        assert "^D  why" in seat.text("StatusLines")
-        await opened(seat, "DriversDialog")
-        inside = (line.split("│")[1] for line in seat.drawn().splitlines() if "│" in line)
+    async with piloted_console() as pilot:
+        assert "why" not in pilot.text("StatusLines")
+        await pilot.tell(lost)
+        assert "^D  why" in pilot.text("StatusLines")
+        await open_dialog(pilot, "DriversDialog")
+        inside = (line.split("│")[1] for line in pilot.drawn().splitlines() if "│" in line)
         drawn = "".join("".join(inside).split())
         assert "".join(why.split()) in drawn
         assert "".join(remedy.split()) in drawn
         assert drawn.index("voice") < drawn.index("head")
-        await seat.tell(m.DriverConnected(driver="voice"))
-        assert "why" not in seat.text("StatusLines")
+        await pilot.tell(m.DriverConnected(driver="voice"))
+        assert "why" not in pilot.text("StatusLines")
 
 
 async def test_driver_details_follow_what_happens() -> None:
-    async with sitting() as seat:
-        await opened(seat, "DriversDialog")
-        assert "3 servos XL330" in seat.drawn()
-        await seat.tell(m.DriverLost(driver="head", detail="unplugged", remedy="plug in the U2D2"))
-        assert "head  lost" in seat.drawn()
-        assert "plug in the U2D2" in seat.drawn()
+    async with piloted_console() as pilot:
+        await open_dialog(pilot, "DriversDialog")
+        assert "3 servos XL330" in pilot.drawn()
+        await pilot.tell(m.DriverLost(driver="head", detail="unplugged", remedy="plug in the U2D2"))
+        assert "head  lost" in pilot.drawn()
+        assert "plug in the U2D2" in pilot.drawn()
 
 
 async def test_what_changes_while_a_dialog_is_made_is_not_missed() -> None:
@@ -180,28 +182,28 @@ async def test_what_changes_while_a_dialog_is_made_is_not_missed() -> None:
             self.state.apply([lost], NOW)
             self.console_app.paint()
 
-    async with sitting() as seat:
-        seat.console.open_dialog(Slow())
-        await seat.settle()
-        assert "head  lost" in seat.drawn()
+    async with piloted_console() as pilot:
+        pilot.console.open_dialog(Slow())
+        await pilot.settle()
+        assert "head  lost" in pilot.drawn()
 
 
 async def test_help_lists_every_key_with_reserves_and_reasons() -> None:
-    async with sitting(size=(160, 120)) as seat:
-        await opened(seat, "HelpDialog")
-        drawn = seat.drawn()
+    async with piloted_console(size=(160, 120)) as pilot:
+        await open_dialog(pilot, "HelpDialog")
+        drawn = pilot.drawn()
         for part in ("stop everything", "type something to say", "Restoration room", "c r"):
             assert part in drawn
-        assert seat.console.caps["Call staff"].why[:20] in drawn
+        assert pilot.console.caps["Call staff"].why[:20] in drawn
         assert "instead of ^1" in drawn
         assert "^ is ctrl, A- alt, S- shift" in drawn
 
 
 async def test_the_keys_list_only_arrows_that_move_something() -> None:
     welcome = msgspec.structs.replace(scenes.welcome(), verbs={"head": ["nudge"]})
-    async with sitting(welcome) as seat:
-        await opened(seat, "HelpDialog")
-        dialog = seat.console.dialog
+    async with piloted_console(welcome) as pilot:
+        await open_dialog(pilot, "HelpDialog")
+        dialog = pilot.console.dialog
         assert isinstance(dialog, HelpDialog)
         listed = "\n".join("".join(text for text, _ in row) for row in dialog.lines())
     assert "head to the left" in listed
@@ -213,61 +215,61 @@ async def test_the_keys_list_only_arrows_that_move_something() -> None:
 
 
 async def test_the_start_is_asked_only_if_nobody_is_chosen_yet() -> None:
-    async with sitting(ask_participant=True) as seat:
-        assert seat.console.dialog is None
+    async with piloted_console(ask_participant=True) as pilot:
+        assert pilot.console.dialog is None
     first = scenes.welcome(state=[scenes.start("", "")])
-    async with sitting(first, ask_participant=True) as seat:
-        await seat.until(lambda: seat.console.dialog is not None)
-        await seat.press("enter")
-        assert "needs a code" in seat.drawn()
-        await seat.type("P12")
-        await seat.press("enter")
-        assert "Choose a condition" in seat.drawn()
-        await seat.press("tab", "down", "space", "tab")
-        await seat.type("x")
-        await seat.press("enter")
-        assert "whole number" in seat.drawn()
-        await seat.press("backspace", "4", "enter")
-        asked = seat.feed.last(r.AskSet)
+    async with piloted_console(first, ask_participant=True) as pilot:
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        await pilot.press("enter")
+        assert "needs a code" in pilot.drawn()
+        await pilot.type("P12")
+        await pilot.press("enter")
+        assert "Choose a condition" in pilot.drawn()
+        await pilot.press("tab", "down", "space", "tab")
+        await pilot.type("x")
+        await pilot.press("enter")
+        assert "whole number" in pilot.drawn()
+        await pilot.press("backspace", "4", "enter")
+        asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert (asked.participant, asked.trial) == ("P12", 4)
         assert asked.condition in ("warm", "cold")
-        await seat.until(lambda: seat.console.dialog is None)
+        await pilot.until(lambda: pilot.console.dialog is None)
 
 
 async def test_the_chosen_condition_is_told_by_its_sign() -> None:
-    async with sitting(look=Appearance(ASCII, "woz-16")) as seat:
-        await opened(seat, "StartDialog")
-        await seat.until(lambda: "(*) warm" in seat.drawn())
-        assert "( ) cold" in seat.drawn()
-        await seat.press("tab", "down", "space")
-        await seat.until(lambda: "(*) cold" in seat.drawn())
-        assert "( ) warm" in seat.drawn()
+    async with piloted_console(look=Appearance(ASCII, "woz-16")) as pilot:
+        await open_dialog(pilot, "StartDialog")
+        await pilot.until(lambda: "(*) warm" in pilot.drawn())
+        assert "( ) cold" in pilot.drawn()
+        await pilot.press("tab", "down", "space")
+        await pilot.until(lambda: "(*) cold" in pilot.drawn())
+        assert "( ) warm" in pilot.drawn()
 
 
 async def test_the_robot_process_may_refuse_a_participant() -> None:
-    async with sitting() as seat:
-        seat.feed.answers[r.AskSet] = lambda _, ref: r.Reply(
+    async with piloted_console() as pilot:
+        pilot.feed.answers[r.AskSet] = lambda _, ref: r.Reply(
             ref=ref, ok=False, reason="P07 took part before"
         )
-        await opened(seat, "StartDialog")
-        await seat.press("enter")
-        await seat.until(lambda: "P07 took part before" in seat.drawn())
+        await open_dialog(pilot, "StartDialog")
+        await pilot.press("enter")
+        await pilot.until(lambda: "P07 took part before" in pilot.drawn())
 
 
 async def test_the_console_leaves_it_to_the_robot_process_which_codes_there_are() -> None:
     """With some patterns a comparison takes seconds, in which the console would take no key."""
     first = scenes.welcome(settings={"participant_pattern": "(([A-Z]+)+)+[0-9]"})
-    async with sitting(first) as seat:
-        seat.feed.answers[r.AskSet] = lambda _, ref: r.Reply(
+    async with piloted_console(first) as pilot:
+        pilot.feed.answers[r.AskSet] = lambda _, ref: r.Reply(
             ref=ref, ok=False, reason="it does not match the pattern"
         )
-        await opened(seat, "StartDialog")
-        await seat.type("ABCDEFGH")
-        await seat.press("tab", "enter", "shift+tab")
-        await seat.until(lambda: "does not match the pattern" in seat.drawn())
-        await seat.type("1")  # what was said of another code is not said of this one
-        await seat.until(lambda: "does not match the pattern" not in seat.drawn())
+        await open_dialog(pilot, "StartDialog")
+        await pilot.type("ABCDEFGH")
+        await pilot.press("tab", "enter", "shift+tab")
+        await pilot.until(lambda: "does not match the pattern" in pilot.drawn())
+        await pilot.type("1")  # what was said of another code is not said of this one
+        await pilot.until(lambda: "does not match the pattern" not in pilot.drawn())
 
 
 def test_trials() -> None:
@@ -284,11 +286,11 @@ async def test_preflight_lists_findings_with_remedies_and_runs_again() -> None:
         {"level": "error", "subject": "disk", "text": "3 MB free", "remedy": "make room"},
         "not a finding",
     ]
-    async with sitting(size=(100, 40)) as seat:
-        seat.feed.answers[r.AskPreflight] = lambda _, ref: r.Reply(ref=ref, ok=True, data=findings)
-        await opened(seat, "PreflightDialog")
-        await seat.until(lambda: "1 error" in seat.drawn())
-        drawn = seat.drawn()
+    async with piloted_console(size=(100, 40)) as pilot:
+        pilot.feed.answers[r.AskPreflight] = lambda _, ref: r.Reply(ref=ref, ok=True, data=findings)
+        await open_dialog(pilot, "PreflightDialog")
+        await pilot.until(lambda: "1 error" in pilot.drawn())
+        drawn = pilot.drawn()
         assert "line" in drawn
         assert "plain: some chords" in drawn
         assert "✓ head" in drawn
@@ -296,8 +298,8 @@ async def test_preflight_lists_findings_with_remedies_and_runs_again() -> None:
         assert "make room" in drawn
         assert "key ctrl+1" in drawn
         findings[1] = {"level": "ok", "subject": "disk", "text": "9 GB free"}
-        await seat.press("enter")
-        await seat.until(lambda: "everything is ready" in seat.drawn())
+        await pilot.press("enter")
+        await pilot.until(lambda: "everything is ready" in pilot.drawn())
 
 
 def test_preflight_judges_the_line() -> None:
@@ -308,49 +310,51 @@ def test_preflight_judges_the_line() -> None:
 
 
 async def test_preflight_says_why_it_could_not_check() -> None:
-    async with sitting() as seat:
-        seat.feed.answers[r.AskPreflight] = lambda _, ref: r.Reply(ref=ref, ok=False, reason="busy")
-        await opened(seat, "PreflightDialog")
-        await seat.until(lambda: "busy" in seat.drawn())
+    async with piloted_console() as pilot:
+        pilot.feed.answers[r.AskPreflight] = lambda _, ref: r.Reply(
+            ref=ref, ok=False, reason="busy"
+        )
+        await open_dialog(pilot, "PreflightDialog")
+        await pilot.until(lambda: "busy" in pilot.drawn())
 
 
 async def test_reload_shows_differences_first_and_applies_on_enter() -> None:
-    async with sitting() as seat:
-        seat.feed.answers[r.AskReload] = lambda _, ref: r.Reply(
+    async with piloted_console() as pilot:
+        pilot.feed.answers[r.AskReload] = lambda _, ref: r.Reply(
             ref=ref, ok=True, data=["Hello: say changed"]
         )
-        await opened(seat, "ReloadDialog")
-        await seat.until(lambda: "Hello: say changed" in seat.drawn())
-        assert [getattr(a, "dry_run", None) for a in seat.feed.asked] == [True]
-        await seat.press("enter")
-        assert [getattr(a, "dry_run", None) for a in seat.feed.asked] == [True, False]
-        await seat.until(lambda: "File reloaded" in seat.text("StopBar"))
+        await open_dialog(pilot, "ReloadDialog")
+        await pilot.until(lambda: "Hello: say changed" in pilot.drawn())
+        assert [getattr(a, "dry_run", None) for a in pilot.feed.asked] == [True]
+        await pilot.press("enter")
+        assert [getattr(a, "dry_run", None) for a in pilot.feed.asked] == [True, False]
+        await pilot.until(lambda: "File reloaded" in pilot.text("StopBar"))
 
 
 async def test_reload_of_a_broken_file_shows_its_errors_and_changes_nothing() -> None:
-    async with sitting() as seat:
-        seat.feed.answers[r.AskReload] = lambda _, ref: r.Reply(
+    async with piloted_console() as pilot:
+        pilot.feed.answers[r.AskReload] = lambda _, ref: r.Reply(
             ref=ref, ok=False, reason="the file has 1 error(s)", data=["guide.yaml:3:1: oh"]
         )
-        await opened(seat, "ReloadDialog")
-        await seat.until(lambda: "guide.yaml:3:1: oh" in seat.drawn())
-        assert "applies" not in seat.drawn(), "there is nothing to apply"
-        await seat.press("enter")
-        assert len(seat.feed.asked) == 1
-        assert seat.console.dialog is None
+        await open_dialog(pilot, "ReloadDialog")
+        await pilot.until(lambda: "guide.yaml:3:1: oh" in pilot.drawn())
+        assert "applies" not in pilot.drawn(), "there is nothing to apply"
+        await pilot.press("enter")
+        assert len(pilot.feed.asked) == 1
+        assert pilot.console.dialog is None
 
 
 # -- leaving and losing ------------------------------------------------------------------------
 
 
 async def test_leaving_stays_by_default() -> None:
-    async with sitting() as seat:
-        await opened(seat, "LeaveDialog")
-        assert "recordings/" in seat.drawn()
-        await seat.press("enter")
-        assert seat.console.dialog is None
-        assert seat.console.is_running
-        assert seat.feed.asked == []
+    async with piloted_console() as pilot:
+        await open_dialog(pilot, "LeaveDialog")
+        assert "recordings/" in pilot.drawn()
+        await pilot.press("enter")
+        assert pilot.console.dialog is None
+        assert pilot.console.is_running
+        assert pilot.feed.asked == []
 
 
 @pytest.mark.parametrize(("who", "changes"), [("", True), ("_P07", False)])
@@ -358,59 +362,61 @@ async def test_leaving_says_that_the_log_gets_another_name(who: str, changes: bo
     log = f"logs/2026-03-01T10-00-00{who}_S01.jsonl"
     for role in ("wizard", "watcher"):  # a watcher does not end it
         first = scenes.welcome(role=role)
-        async with sitting(msgspec.structs.replace(first, log=log)) as seat:
-            await opened(seat, "LeaveDialog")
-            assert ("gets the participant's code" in seat.drawn()) is (changes and role == "wizard")
+        async with piloted_console(msgspec.structs.replace(first, log=log)) as pilot:
+            await open_dialog(pilot, "LeaveDialog")
+            assert ("gets the participant's code" in pilot.drawn()) is (
+                changes and role == "wizard"
+            )
 
 
 async def test_leaving_it_running() -> None:
-    async with sitting() as seat:
-        await opened(seat, "LeaveDialog")
-        await seat.press("down", "enter")
-    assert seat.console.return_value == "detached"
-    assert seat.feed.last(r.AskEnd) is None
+    async with piloted_console() as pilot:
+        await open_dialog(pilot, "LeaveDialog")
+        await pilot.press("down", "enter")
+    assert pilot.console.return_value == "detached"
+    assert pilot.feed.last(r.AskEnd) is None
 
 
 async def test_ending_the_session() -> None:
-    async with sitting() as seat:
-        await opened(seat, "LeaveDialog")
-        await seat.press("down", "down", "enter")
-        await seat.until(lambda: "takes its rest pose" in seat.drawn())
-        assert seat.console.is_running, "the stop is needed until the robot rests"
-        seat.feed.cut("the session has ended")
-        await seat.until(lambda: seat.console.return_value is not None)
-    assert seat.console.return_value == "ended"
-    assert seat.feed.last(r.AskEnd) is not None
+    async with piloted_console() as pilot:
+        await open_dialog(pilot, "LeaveDialog")
+        await pilot.press("down", "down", "enter")
+        await pilot.until(lambda: "takes its rest pose" in pilot.drawn())
+        assert pilot.console.is_running, "the stop is needed until the robot rests"
+        pilot.feed.cut("the session has ended")
+        await pilot.until(lambda: pilot.console.return_value is not None)
+    assert pilot.console.return_value == "ended"
+    assert pilot.feed.last(r.AskEnd) is not None
 
 
 async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
     restarted: list[int] = []
-    async with sitting(restart=lambda: restarted.append(1)) as seat:
-        seat.feed.cut("the robot process closed the connection")
-        await seat.until(lambda: seat.console.dialog is not None)
-        await seat.settle()
-        drawn = seat.drawn()
+    async with piloted_console(restart=lambda: restarted.append(1)) as pilot:
+        pilot.feed.cut("the robot process closed the connection")
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        await pilot.settle()
+        drawn = pilot.drawn()
         assert "The robot process is gone" in drawn
         assert "closed the connection" in drawn
         assert "recordings/20260301-100000-P07-S01.jsonl" in drawn
-        await seat.press("enter")
+        await pilot.press("enter")
         assert restarted == [], "an enter for something else may land here"
-        await seat.press("enter")
-        await seat.until(lambda: seat.console.dialog is not None)
-        await seat.press("down", "enter")
+        await pilot.press("enter")
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        await pilot.press("down", "enter")
         assert restarted == [1]
-        await seat.pass_time(20)
-        assert "it is starting again" in seat.text("StopBar")
-        seat.console.explain_loss("it did not start again: guide.yaml:3:1: no such key")
-        await seat.pass_time(20)
-        assert "guide.yaml:3:1" in seat.text("StopBar")
-        await seat.press("enter")
-        assert "no such key" in seat.drawn()
-        await seat.tell(scenes.welcome())
-        seat.console.explain_loss("another one was there before")
-        await seat.settle()
-        assert seat.console.state.lost is None
-        assert "is back" in seat.text("StopBar")
+        await pilot.pass_time(20)
+        assert "it is starting again" in pilot.text("StopBar")
+        pilot.console.explain_loss("it did not start again: guide.yaml:3:1: no such key")
+        await pilot.pass_time(20)
+        assert "guide.yaml:3:1" in pilot.text("StopBar")
+        await pilot.press("enter")
+        assert "no such key" in pilot.drawn()
+        await pilot.tell(scenes.welcome())
+        pilot.console.explain_loss("another one was there before")
+        await pilot.settle()
+        assert pilot.console.state.lost is None
+        assert "is back" in pilot.text("StopBar")
 
 
 async def test_what_was_too_old_for_a_robot_process_that_woke_is_told() -> None:
@@ -418,91 +424,91 @@ async def test_what_was_too_old_for_a_robot_process_that_woke_is_told() -> None:
         m.ActionRequested(run="a00007", action="Hello", source="key", key="h", t=NOW + 9_000_000),
         m.ActionRefused(run="a00007", action="Hello", reason="stale: 8.0 s ago", t=NOW + 9_000_000),
     ]
-    async with sitting() as seat:
-        seat.feed.cut("silent")
-        await seat.until(lambda: bool(seat.console.state.lost))
-        await seat.tell(scenes.welcome(recent=late))
-        bar = seat.text("StopBar")
+    async with piloted_console() as pilot:
+        pilot.feed.cut("silent")
+        await pilot.until(lambda: bool(pilot.console.state.lost))
+        await pilot.tell(scenes.welcome(recent=late))
+        bar = pilot.text("StopBar")
         assert "not played: Hello" in bar
         assert "8.0 s ago" in bar
 
 
 async def test_a_note_that_is_not_taken_is_told_and_is_there_again() -> None:
-    async with sitting() as seat:
-        seat.feed.cut("silent")
-        await seat.until(lambda: seat.console.dialog is not None)
-        await seat.press("ctrl+q", "comma")
-        await seat.type("the visitor left")
-        await seat.press("enter")
-        assert "connection to the robot process was lost" in seat.text("StopBar")
-        await seat.tell(scenes.welcome())
-        seat.feed.answers[r.AskNote] = lambda asked, ref: r.Reply(ref=ref, ok=False, reason="full")
+    async with piloted_console() as pilot:
+        pilot.feed.cut("silent")
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        await pilot.press("ctrl+q", "comma")
+        await pilot.type("the visitor left")
+        await pilot.press("enter")
+        assert "connection to the robot process was lost" in pilot.text("StopBar")
+        await pilot.tell(scenes.welcome())
+        pilot.feed.answers[r.AskNote] = lambda asked, ref: r.Reply(ref=ref, ok=False, reason="full")
         for _ in range(2):
-            await opened(seat, "NoteDialog")
-            assert "the visitor left" in seat.drawn()
-            await seat.press("enter")
-        del seat.feed.answers[r.AskNote]
-        await opened(seat, "NoteDialog")
-        await seat.press("enter")
-        await opened(seat, "NoteDialog")
-        assert "the visitor left" not in seat.drawn()
+            await open_dialog(pilot, "NoteDialog")
+            assert "the visitor left" in pilot.drawn()
+            await pilot.press("enter")
+        del pilot.feed.answers[r.AskNote]
+        await open_dialog(pilot, "NoteDialog")
+        await pilot.press("enter")
+        await open_dialog(pilot, "NoteDialog")
+        assert "the visitor left" not in pilot.drawn()
 
 
 async def test_the_bar_of_a_loss_tells_what_can_be_done_whatever_was_told_before() -> None:
-    async with sitting() as seat:
-        seat.feed.answers[r.AskMarker] = lambda asked, ref: r.Reply(ref=0, ok=True)  # never comes
-        await seat.press("z", "full_stop")
-        seat.feed.cut("silent")
-        await seat.until(lambda: seat.console.dialog is not None)
-        assert "what can be done" in seat.text("StopBar")
+    async with piloted_console() as pilot:
+        pilot.feed.answers[r.AskMarker] = lambda asked, ref: r.Reply(ref=0, ok=True)  # never comes
+        await pilot.press("z", "full_stop")
+        pilot.feed.cut("silent")
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        assert "what can be done" in pilot.text("StopBar")
 
 
 @pytest.mark.parametrize("part", LostPart)
 async def test_what_is_lost_and_what_the_robot_does_meanwhile_is_told(part: LostPart) -> None:
-    async with sitting(restart=lambda: None) as seat:
-        seat.feed.cut("why it is", part)
-        await seat.until(lambda: seat.console.dialog is not None)
-        await seat.settle()
+    async with piloted_console(restart=lambda: None) as pilot:
+        pilot.feed.cut("why it is", part)
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        await pilot.settle()
         for text in (part.title, "why it is", part.robot[:30], "own switch"):
-            assert text in seat.drawn()
-        assert ("Start the robot process" in seat.drawn()) is (part is LostPart.PROCESS)
-        assert part.title in seat.text("StopBar")
-        assert part.sign in seat.drawn()
-        await seat.press("escape")
-        await seat.until(lambda: "STOP NOT DELIVERED" in seat.text("StopBar"))
-        assert "own switch" in seat.text("StopBar")
-        assert part.robot[:60] in seat.text("StopBar")
+            assert text in pilot.drawn()
+        assert ("Start the robot process" in pilot.drawn()) is (part is LostPart.PROCESS)
+        assert part.title in pilot.text("StopBar")
+        assert part.sign in pilot.drawn()
+        await pilot.press("escape")
+        await pilot.until(lambda: "STOP NOT DELIVERED" in pilot.text("StopBar"))
+        assert "own switch" in pilot.text("StopBar")
+        assert part.robot[:60] in pilot.text("StopBar")
 
 
 async def test_more_that_becomes_known_of_a_loss_is_shown() -> None:
-    async with sitting() as seat:
-        seat.feed.cut("nothing has come for 3 s", LostPart.ANSWER)
-        await seat.until(lambda: seat.console.dialog is not None)
-        seat.feed.cut("robot:8765 was cut off", LostPart.LINE)
-        await seat.until(lambda: "robot:8765 was cut off" in seat.drawn())
-        assert LostPart.LINE.title in seat.drawn()
-        assert LostPart.ANSWER.title not in seat.drawn()
-        await seat.tell(scenes.welcome())
-        await seat.until(lambda: seat.console.dialog is None)
-        assert LostPart.LINE.back in seat.text("StopBar")
+    async with piloted_console() as pilot:
+        pilot.feed.cut("nothing has come for 3 s", LostPart.ANSWER)
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        pilot.feed.cut("robot:8765 was cut off", LostPart.LINE)
+        await pilot.until(lambda: "robot:8765 was cut off" in pilot.drawn())
+        assert LostPart.LINE.title in pilot.drawn()
+        assert LostPart.ANSWER.title not in pilot.drawn()
+        await pilot.tell(scenes.welcome())
+        await pilot.until(lambda: pilot.console.dialog is None)
+        assert LostPart.LINE.back in pilot.text("StopBar")
 
 
 async def test_a_robot_process_that_comes_back_by_itself_closes_the_dialog() -> None:
-    async with sitting() as seat:
-        seat.feed.cut("silent")
-        await seat.until(lambda: seat.console.dialog is not None)
-        assert "Start the robot" not in seat.drawn()
-        await seat.tell(scenes.welcome())
-        await seat.until(lambda: seat.console.dialog is None)
-        await seat.press("h")
-        assert seat.feed.last(r.AskAction) is not None
+    async with piloted_console() as pilot:
+        pilot.feed.cut("silent")
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        assert "Start the robot" not in pilot.drawn()
+        await pilot.tell(scenes.welcome())
+        await pilot.until(lambda: pilot.console.dialog is None)
+        await pilot.press("h")
+        assert pilot.feed.last(r.AskAction) is not None
 
 
 async def test_a_stop_that_cannot_be_delivered_says_so() -> None:
-    async with sitting() as seat:
-        seat.feed.cut("silent")
-        await seat.until(lambda: seat.console.dialog is not None)
-        await seat.press("escape")
-        await seat.until(lambda: "STOP NOT DELIVERED" in seat.text("StopBar"))
-        await seat.press("enter")
-        await seat.until(lambda: seat.console.dialog is not None)
+    async with piloted_console() as pilot:
+        pilot.feed.cut("silent")
+        await pilot.until(lambda: pilot.console.dialog is not None)
+        await pilot.press("escape")
+        await pilot.until(lambda: "STOP NOT DELIVERED" in pilot.text("StopBar"))
+        await pilot.press("enter")
+        await pilot.until(lambda: pilot.console.dialog is not None)

@@ -6,9 +6,9 @@ import msgspec
 import pytest
 from textual.widgets import Input
 
-from tests.console import scenes, studied
-from tests.console.dialogs import opened
-from tests.console.driving import Sitting, sitting
+from tests.console import scenes, study_scene
+from tests.console.dialogs import open_dialog
+from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.screens.lost import LostDialog
 from woz_tui.console.screens.start import StartDialog, proposal_of
 from woz_tui.protocol import messages as m
@@ -26,54 +26,56 @@ DATA: dict[str, m.Json] = {
 }
 
 
-def propose(seat: Sitting, **other: m.Json) -> None:
-    seat.feed.answers[r.AskProposal] = lambda asked, ref: r.Reply(
+def propose(pilot: ConsolePilot, **other: m.Json) -> None:
+    pilot.feed.answers[r.AskProposal] = lambda asked, ref: r.Reply(
         ref=ref, ok=True, data={**DATA, **other}
     )
 
 
-async def named(seat: Sitting, code: str = "P08") -> None:
+async def named(pilot: ConsolePilot, code: str = "P08") -> None:
     """Open the dialog and write another code."""
-    await opened(seat, "StartDialog")
-    field = seat.console.screen.query_one("#participant", Input)
+    await open_dialog(pilot, "StartDialog")
+    field = pilot.console.screen.query_one("#participant", Input)
     field.value = ""
-    await seat.type(code)
-    await seat.until(lambda: field.value == code)
+    await pilot.type(code)
+    await pilot.until(lambda: field.value == code)
     for _ in range(5):  # the question, its answer, the fields that it fills in, their places
-        await seat.press()
+        await pilot.press()
 
 
 REFUSED = r.Reply(ref=0, ok=False, reason="'P1' is no code", hint="it must look like P01")
 
 
 async def test_enter_with_a_wrong_code_says_what_is_wrong_with_the_code() -> None:
-    first = scenes.welcome(state=[scenes.start("", "")], settings={"study": studied.told()})
-    async with sitting(first) as seat:
-        seat.feed.answers[r.AskProposal] = lambda asked, ref: msgspec.structs.replace(
+    first = scenes.welcome(
+        state=[scenes.start("", "")], settings={"study": study_scene.study_description()}
+    )
+    async with piloted_console(first) as pilot:
+        pilot.feed.answers[r.AskProposal] = lambda asked, ref: msgspec.structs.replace(
             REFUSED, ref=ref
         )
-        await named(seat, "P1")
-        await seat.press("enter")
-        await seat.settle()
-        assert "'P1' is no code: it must look like P01" in seat.drawn()
+        await named(pilot, "P1")
+        await pilot.press("enter")
+        await pilot.settle()
+        assert "'P1' is no code: it must look like P01" in pilot.drawn()
 
 
 async def test_enter_on_a_condition_chooses_it_and_accepts() -> None:
-    async with sitting() as seat:
-        await opened(seat, "StartDialog")
-        await seat.press("tab", "down", "enter")
-        await seat.until(lambda: seat.console.dialog is None)
-        asked = seat.feed.last(r.AskSet)
+    async with piloted_console() as pilot:
+        await open_dialog(pilot, "StartDialog")
+        await pilot.press("tab", "down", "enter")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert asked.condition == "cold"
 
 
 async def test_enter_on_the_conditions_takes_the_one_that_is_chosen() -> None:
-    async with sitting(scenes.welcome(state=[scenes.start("P07", "cold")])) as seat:
-        await opened(seat, "StartDialog")
-        await seat.press("tab", "enter")
-        await seat.until(lambda: seat.console.dialog is None)
-        asked = seat.feed.last(r.AskSet)
+    async with piloted_console(scenes.welcome(state=[scenes.start("P07", "cold")])) as pilot:
+        await open_dialog(pilot, "StartDialog")
+        await pilot.press("tab", "enter")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert asked.condition == "cold"
 
@@ -81,72 +83,74 @@ async def test_enter_on_the_conditions_takes_the_one_that_is_chosen() -> None:
 async def test_somebody_else_gets_neither_trial_nor_condition_of_the_one_before() -> None:
     """Without a design nothing is proposed."""
     third = m.SessionChanged(trial=3, participant="P07", condition="cold", t=scenes.NOW)
-    async with sitting(scenes.welcome(state=[scenes.start("P07", "cold"), third])) as seat:
-        await named(seat, "P08")
-        await seat.press("enter")
-        assert seat.feed.last(r.AskSet) is None
-        assert "Choose a condition" in seat.drawn()
-        await seat.press("tab", "down", "enter")
-        await seat.until(lambda: seat.console.dialog is None)
-        asked = seat.feed.last(r.AskSet)
+    async with piloted_console(scenes.welcome(state=[scenes.start("P07", "cold"), third])) as pilot:
+        await named(pilot, "P08")
+        await pilot.press("enter")
+        assert pilot.feed.last(r.AskSet) is None
+        assert "Choose a condition" in pilot.drawn()
+        await pilot.press("tab", "down", "enter")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert (asked.participant, asked.trial) == ("P08", None)
         assert asked.condition in ("warm", "cold")
 
 
-def last(seat: Sitting) -> r.AskAssign:
-    asked = seat.feed.last(r.AskAssign)
+def last(pilot: ConsolePilot) -> r.AskAssign:
+    asked = pilot.feed.last(r.AskAssign)
     assert isinstance(asked, r.AskAssign)
     return asked
 
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 async def test_a_code_brings_its_order_and_enter_accepts_it(size: tuple[int, int]) -> None:
-    async with sitting(studied.welcome(), size=size) as seat:
-        propose(seat)
-        await named(seat)
-        asked = seat.feed.last(r.AskProposal)
+    async with piloted_console(study_scene.welcome(), size=size) as pilot:
+        propose(pilot)
+        await named(pilot)
+        asked = pilot.feed.last(r.AskProposal)
         assert isinstance(asked, r.AskProposal)
         assert asked.participant == "P08"
-        drawn = seat.drawn()
+        drawn = pilot.drawn()
         for part in ("1. cold", "2. warm", "next: trial 1 in cold", "latin-square", "so far"):
             assert part in drawn, part
-        await seat.press("enter")
-        assert (last(seat).participant, last(seat).order) == ("P08", ["cold", "warm"])
-        assert seat.feed.last(r.AskSet) is None
-        assert seat.console.dialog is None
+        await pilot.press("enter")
+        assert (last(pilot).participant, last(pilot).order) == ("P08", ["cold", "warm"])
+        assert pilot.feed.last(r.AskSet) is None
+        assert pilot.console.dialog is None
 
 
 async def test_a_proposed_order_is_accepted_whatever_its_conditions_are_called() -> None:
     names = ["slow, calm", "fast"]
-    async with sitting(msgspec.structs.replace(studied.welcome(), conditions=names)) as seat:
-        propose(seat, order=[*names], condition=names[0])
-        await named(seat)
-        await seat.press("enter")
-        assert last(seat).order == names
+    async with piloted_console(
+        msgspec.structs.replace(study_scene.welcome(), conditions=names)
+    ) as pilot:
+        propose(pilot, order=[*names], condition=names[0])
+        await named(pilot)
+        await pilot.press("enter")
+        assert last(pilot).order == names
 
 
 async def test_enter_before_the_proposal_has_come_accepts_it_when_it_comes() -> None:
-    async with sitting(studied.welcome()) as seat:
+    async with piloted_console(study_scene.welcome()) as pilot:
         late: list[int] = []
 
         def answer(asked: r.AnyRequest, ref: int) -> r.Reply:
             late.append(ref)
             return r.Reply(ref=0, ok=True)  # to nobody
 
-        seat.feed.answers[r.AskProposal] = answer
-        await named(seat)
-        await seat.press("enter")
-        await seat.settle()
-        assert seat.feed.last(r.AskAssign) is seat.feed.last(r.AskSet) is None
-        await seat.tell(r.Reply(ref=late[-1], ok=True, data=DATA))
-        await seat.until(lambda: seat.console.dialog is None)
-        assert (last(seat).participant, last(seat).order) == ("P08", ["cold", "warm"])
-        assert seat.feed.last(r.AskSet) is None
+        pilot.feed.answers[r.AskProposal] = answer
+        await named(pilot)
+        await pilot.press("enter")
+        await pilot.settle()
+        assert pilot.feed.last(r.AskAssign) is pilot.feed.last(r.AskSet) is None
+        await pilot.tell(r.Reply(ref=late[-1], ok=True, data=DATA))
+        await pilot.until(lambda: pilot.console.dialog is None)
+        assert (last(pilot).participant, last(pilot).order) == ("P08", ["cold", "warm"])
+        assert pilot.feed.last(r.AskSet) is None
 
 
 async def test_an_incomplete_code_has_no_order() -> None:
-    async with sitting(studied.welcome()) as seat:
+    async with piloted_console(study_scene.welcome()) as pilot:
 
         def answer(asked: r.AnyRequest, ref: int) -> r.Reply:
             assert isinstance(asked, r.AskProposal)
@@ -154,86 +158,86 @@ async def test_an_incomplete_code_has_no_order() -> None:
                 return r.Reply(ref=ref, ok=False, reason="it does not match the pattern")
             return r.Reply(ref=ref, ok=True, data=DATA)
 
-        seat.feed.answers[r.AskProposal] = answer
-        await named(seat, "P0")
-        assert "Proposed" not in seat.drawn()
-        await seat.type("8")
-        await seat.until(lambda: "Proposed" in seat.drawn())
+        pilot.feed.answers[r.AskProposal] = answer
+        await named(pilot, "P0")
+        assert "Proposed" not in pilot.drawn()
+        await pilot.type("8")
+        await pilot.until(lambda: "Proposed" in pilot.drawn())
 
 
 async def test_another_order_is_written_by_hand() -> None:
-    async with sitting(studied.welcome()) as seat:
-        propose(seat)
-        await named(seat)
-        order = seat.console.screen.query_one("#order", Input)
+    async with piloted_console(study_scene.welcome()) as pilot:
+        propose(pilot)
+        await named(pilot)
+        order = pilot.console.screen.query_one("#order", Input)
         order.value = "warm, colt"
-        await seat.press("enter")
-        assert "There is no condition 'colt'" in seat.drawn()
+        await pilot.press("enter")
+        assert "There is no condition 'colt'" in pilot.drawn()
         order.value = "warm, cold"
-        await seat.press("enter")
-        assert last(seat).order == ["warm", "cold"]
+        await pilot.press("enter")
+        assert last(pilot).order == ["warm", "cold"]
 
 
 async def test_who_gets_one_condition_is_offered_a_choice() -> None:
-    async with sitting(studied.welcome()) as seat:
-        propose(seat, order=["cold"])
-        await named(seat)
-        await seat.press("enter")
-        assert last(seat).order == ["cold"]
+    async with piloted_console(study_scene.welcome()) as pilot:
+        propose(pilot, order=["cold"])
+        await named(pilot)
+        await pilot.press("enter")
+        assert last(pilot).order == ["cold"]
 
 
 async def test_one_condition_is_chosen_by_hand() -> None:
-    async with sitting(studied.welcome()) as seat:
-        propose(seat, order=["cold"])
-        await named(seat)
-        await seat.press("tab", "up", "enter")
-        await seat.press("tab", "enter")
-        assert last(seat).order == ["warm"]
+    async with piloted_console(study_scene.welcome()) as pilot:
+        propose(pilot, order=["cold"])
+        await named(pilot)
+        await pilot.press("tab", "up", "enter")
+        await pilot.press("tab", "enter")
+        assert last(pilot).order == ["warm"]
 
 
 async def test_another_trial_is_set_behind_the_order() -> None:
-    async with sitting(studied.welcome()) as seat:
-        propose(seat, trial=3)
-        await named(seat)
-        trial = seat.console.screen.query_one("#trial", Input)
+    async with piloted_console(study_scene.welcome()) as pilot:
+        propose(pilot, trial=3)
+        await named(pilot)
+        trial = pilot.console.screen.query_one("#trial", Input)
         assert trial.value == "3"
         trial.value = "2"
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskSet)
+        await pilot.press("enter")
+        asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert (asked.participant, asked.condition, asked.trial) == (None, None, 2)
 
 
 async def test_who_has_the_order_already_gets_only_another_trial() -> None:
-    async with sitting(studied.welcome()) as seat:
-        propose(seat, order=["warm", "cold"], condition="warm", trial=4)
-        await opened(seat, "StartDialog")
-        await seat.settle()
-        await seat.press("enter")
-        assert seat.feed.last(r.AskAssign) is None
-        asked = seat.feed.last(r.AskSet)
+    async with piloted_console(study_scene.welcome()) as pilot:
+        propose(pilot, order=["warm", "cold"], condition="warm", trial=4)
+        await open_dialog(pilot, "StartDialog")
+        await pilot.settle()
+        await pilot.press("enter")
+        assert pilot.feed.last(r.AskAssign) is None
+        asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert (asked.participant, asked.condition, asked.trial) == (None, None, 4)
 
 
 async def test_a_refused_order_keeps_the_dialog_open() -> None:
-    async with sitting(studied.welcome()) as seat:
-        propose(seat)
-        seat.feed.answers[r.AskAssign] = lambda asked, ref: r.Reply(
+    async with piloted_console(study_scene.welcome()) as pilot:
+        propose(pilot)
+        pilot.feed.answers[r.AskAssign] = lambda asked, ref: r.Reply(
             ref=ref, ok=False, reason="a trial is under way"
         )
-        await named(seat)
-        await seat.press("enter")
-        assert "a trial is under way" in seat.drawn()
+        await named(pilot)
+        await pilot.press("enter")
+        assert "a trial is under way" in pilot.drawn()
 
 
 async def test_without_a_design_nothing_is_proposed() -> None:
-    async with sitting(scenes.welcome()) as seat:
-        await named(seat)
-        assert seat.feed.last(r.AskProposal) is None
-        await seat.press("tab", "enter")
-        await seat.until(lambda: seat.console.dialog is None)
-        asked = seat.feed.last(r.AskSet)
+    async with piloted_console(scenes.welcome()) as pilot:
+        await named(pilot)
+        assert pilot.feed.last(r.AskProposal) is None
+        await pilot.press("tab", "enter")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert (asked.participant, asked.condition) == ("P08", "warm")
 
@@ -247,37 +251,39 @@ def test_what_is_no_proposal_is_none() -> None:
     assert (found.order, found.trial, found.row) == (("a",), None, -1)
 
 
-async def crashed(seat: Sitting, session: str) -> None:
+async def crashed(pilot: ConsolePilot, session: str) -> None:
     """The robot process is lost, and the one of `session` is there, with nobody chosen; its log
     is another file than before, as behind a full disk.
     """
-    seat.feed.cut("the robot process closed the connection")
-    await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
+    pilot.feed.cut("the robot process closed the connection")
+    await pilot.until(lambda: isinstance(pilot.console.dialog, LostDialog))
     start = msgspec.structs.replace(scenes.start("", ""), session=session)
-    plain = scenes.welcome([start], settings={"study": studied.told()})
-    seat.feed.deliver(msgspec.structs.replace(plain, log="recordings/another.jsonl"))
-    await seat.until(lambda: not seat.console.state.lost)
-    await seat.settle()
+    plain = scenes.welcome([start], settings={"study": study_scene.study_description()})
+    pilot.feed.deliver(msgspec.structs.replace(plain, log="recordings/another.jsonl"))
+    await pilot.until(lambda: not pilot.console.state.lost)
+    await pilot.settle()
 
 
 async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> None:
-    first = scenes.welcome([scenes.start("", "")], settings={"study": studied.told()})
-    async with sitting(first, ask_participant=True) as seat:
-        propose(seat)
-        await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
-        await seat.press("ctrl+q")
-        await seat.tell(m.SessionChanged(participant="P09", condition="warm", trial=2))
-        await crashed(seat, "S02")
-        await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
-        await seat.settle()
-        assert seat.console.screen.query_one("#participant", Input).value == "P09"
-        asked = seat.feed.last(r.AskProposal)
+    first = scenes.welcome(
+        [scenes.start("", "")], settings={"study": study_scene.study_description()}
+    )
+    async with piloted_console(first, ask_participant=True) as pilot:
+        propose(pilot)
+        await pilot.until(lambda: isinstance(pilot.console.dialog, StartDialog))
+        await pilot.press("ctrl+q")
+        await pilot.tell(m.SessionChanged(participant="P09", condition="warm", trial=2))
+        await crashed(pilot, "S02")
+        await pilot.until(lambda: isinstance(pilot.console.dialog, StartDialog))
+        await pilot.settle()
+        assert pilot.console.screen.query_one("#participant", Input).value == "P09"
+        asked = pilot.feed.last(r.AskProposal)
         assert isinstance(asked, r.AskProposal)
         assert asked.participant == "P09"
-        await seat.until(lambda: "1. cold" in seat.drawn())
-        await seat.press("enter")
-        await seat.until(lambda: seat.feed.last(r.AskAssign) is not None)
-        assigned = seat.feed.last(r.AskAssign)
+        await pilot.until(lambda: "1. cold" in pilot.drawn())
+        await pilot.press("enter")
+        await pilot.until(lambda: pilot.feed.last(r.AskAssign) is not None)
+        assigned = pilot.feed.last(r.AskAssign)
         assert isinstance(assigned, r.AskAssign)
         assert (assigned.participant, assigned.order) == ("P09", ["cold", "warm"])
 
@@ -286,10 +292,12 @@ async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> No
 async def test_nobody_is_asked_again_in_the_same_session_or_where_nobody_was(
     asks: bool, session: str
 ) -> None:
-    first = scenes.welcome([scenes.start("", "")], settings={"study": studied.told()})
-    async with sitting(first, ask_participant=asks) as seat:
+    first = scenes.welcome(
+        [scenes.start("", "")], settings={"study": study_scene.study_description()}
+    )
+    async with piloted_console(first, ask_participant=asks) as pilot:
         if asks:
-            await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
-            await seat.press("ctrl+q")
-        await crashed(seat, session)
-        assert seat.console.dialog is None
+            await pilot.until(lambda: isinstance(pilot.console.dialog, StartDialog))
+            await pilot.press("ctrl+q")
+        await crashed(pilot, session)
+        assert pilot.console.dialog is None

@@ -48,7 +48,10 @@ def test_keys_sequences_arrows_and_the_script(host: FakeHost, terminal: FakeTerm
     terminal.send(b"\x1b[A")
     assert host.wait(AskVerb).verb == "nudge"
     terminal.send("> >")
-    moved = [(asked.play, asked.by) for asked in (host.wait(AskScript, n) for n in (1, 2, 3))]
+    moved = [
+        (ask_script.play, ask_script.by)
+        for ask_script in (host.wait(AskScript, n) for n in (1, 2, 3))
+    ]
     assert moved == [(False, 1), (True, 0), (False, 1)], "in the order of the keys"
 
 

@@ -44,11 +44,11 @@ def host(tmp_path: Path) -> Iterator[FakeHost]:
 
 @pytest.fixture
 def terminal(host: FakeHost) -> Iterator[FakeTerminal]:
-    with started(host) as fake:
+    with started_terminal(host) as fake:
         yield fake
 
 
-def started(host: FakeHost, answers: bool = True, kitty: bool = False) -> FakeTerminal:
+def started_terminal(host: FakeHost, answers: bool = True, kitty: bool = False) -> FakeTerminal:
     command = [sys.executable, "-m", "tests.console.small_app", str(host.path)]
     terminal = FakeTerminal(command, answers=answers, kitty=kitty)
     terminal.wait_text("ready")
@@ -120,7 +120,7 @@ def test_stop_and_keys_go_out_while_the_loop_is_blocked(
 
 
 def test_kitty_keys_and_stops(host: FakeHost) -> None:
-    with started(host, kitty=True) as terminal:
+    with started_terminal(host, kitty=True) as terminal:
         terminal.wait_text("terminal:kitty")
         for count, stop in enumerate((b"\x1b[27u", b"\x1b[99;5u", b"\x1b[27;5u"), 1):
             terminal.send(stop)
@@ -134,7 +134,7 @@ def test_kitty_keys_and_stops(host: FakeHost) -> None:
 
 
 def test_a_terminal_without_answers_works_as_well(host: FakeHost) -> None:
-    with started(host, answers=False) as terminal:
+    with started_terminal(host, answers=False) as terminal:
         terminal.send(b"a")
         host.wait(AskAction)
         terminal.send(b"\x1b")

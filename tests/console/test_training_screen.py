@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from tests.console import scenes
-from tests.console.driving import sitting
+from tests.console.piloting import piloted_console
 from woz_tui.console.screens.training import BeginDialog, ScoreDialog
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -23,81 +23,81 @@ CUE = m.CueGiven(
 
 
 async def test_it_waits_for_the_key_that_begins_it() -> None:
-    async with sitting() as seat:
-        await seat.tell(WAITS)
-        await seat.until(lambda: isinstance(seat.console.dialog, BeginDialog))
-        await seat.settle()
-        assert "20 cues" in seat.drawn()
-        assert seat.feed.last(r.AskTraining) is None
-        await seat.press("enter")
-        assert isinstance(seat.feed.last(r.AskTraining), r.AskTraining)
+    async with piloted_console() as pilot:
+        await pilot.tell(WAITS)
+        await pilot.until(lambda: isinstance(pilot.console.dialog, BeginDialog))
+        await pilot.settle()
+        assert "20 cues" in pilot.drawn()
+        assert pilot.feed.last(r.AskTraining) is None
+        await pilot.press("enter")
+        assert isinstance(pilot.feed.last(r.AskTraining), r.AskTraining)
 
 
 async def test_who_looks_at_the_keys_first_begins_it_later() -> None:
-    async with sitting(scenes.welcome(state=[*scenes.healthy(), WAITS])) as seat:
-        await seat.until(lambda: isinstance(seat.console.dialog, BeginDialog))
-        await seat.settle()
-        await seat.press("down", "enter")
-        await seat.until(lambda: seat.console.dialog is None)
-        assert seat.feed.last(r.AskTraining) is None
-        await seat.press("asterisk")
-        await seat.until(lambda: isinstance(seat.console.dialog, BeginDialog))
+    async with piloted_console(scenes.welcome(state=[*scenes.healthy(), WAITS])) as pilot:
+        await pilot.until(lambda: isinstance(pilot.console.dialog, BeginDialog))
+        await pilot.settle()
+        await pilot.press("down", "enter")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        assert pilot.feed.last(r.AskTraining) is None
+        await pilot.press("asterisk")
+        await pilot.until(lambda: isinstance(pilot.console.dialog, BeginDialog))
 
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 async def test_the_cue_stands_large_above_the_panels(size: tuple[int, int]) -> None:
-    async with sitting(size=size) as seat:
-        assert not seat.console._main_screen.cue.display
-        await seat.tell(RUNS)
-        await seat.until(lambda: "first cue" in seat.text("CueBoard"))
-        await seat.tell(CUE)
-        board = seat.text("CueBoard")
+    async with piloted_console(size=size) as pilot:
+        assert not pilot.console._main_screen.cue.display
+        await pilot.tell(RUNS)
+        await pilot.until(lambda: "first cue" in pilot.text("CueBoard"))
+        await pilot.tell(CUE)
+        board = pilot.text("CueBoard")
         assert "How old is it?" in board
-        assert seat.console._main_screen.cue.size.height >= 3
-        assert "Hello" in seat.text("ActionPanels")
-        await seat.tell(m.CueAnswered(cue="q1", judged="wrong", reaction_us=900_000, t=NOW))
-        assert "How old is it?" not in seat.text("CueBoard")
-        assert "wrong" in seat.text("CueBoard")
+        assert pilot.console._main_screen.cue.size.height >= 3
+        assert "Hello" in pilot.text("ActionPanels")
+        await pilot.tell(m.CueAnswered(cue="q1", judged="wrong", reaction_us=900_000, t=NOW))
+        assert "How old is it?" not in pilot.text("CueBoard")
+        assert "wrong" in pilot.text("CueBoard")
 
 
 async def test_a_long_cue_is_readable_as_a_whole_on_a_small_screen() -> None:
     text = "Could you tell me how old this enormous blue whale was when it was found, please?"
-    async with sitting(size=(80, 24)) as seat:
-        await seat.tell(RUNS, replace(CUE, text=text))
-        board = seat.text("CueBoard")
+    async with piloted_console(size=(80, 24)) as pilot:
+        await pilot.tell(RUNS, replace(CUE, text=text))
+        board = pilot.text("CueBoard")
         assert all(word in board for word in text.split())
 
 
 async def test_a_stop_in_a_training_makes_a_cue_void_and_the_list_counts_it_no_more() -> None:
-    async with sitting() as seat:
-        await seat.tell(RUNS, replace(OVER, planned=20))
-        await seat.until(lambda: isinstance(seat.console.dialog, ScoreDialog))
-        assert "3 of 5 cues" in seat.text("EventList")
+    async with piloted_console() as pilot:
+        await pilot.tell(RUNS, replace(OVER, planned=20))
+        await pilot.until(lambda: isinstance(pilot.console.dialog, ScoreDialog))
+        assert "3 of 5 cues" in pilot.text("EventList")
 
 
 async def test_the_score_stands_on_the_screen_at_the_end() -> None:
-    async with sitting() as seat:
-        await seat.tell(OVER)
-        await seat.until(lambda: isinstance(seat.console.dialog, ScoreDialog))
-        await seat.settle()
-        drawn = seat.drawn()
+    async with piloted_console() as pilot:
+        await pilot.tell(OVER)
+        await pilot.until(lambda: isinstance(pilot.console.dialog, ScoreDialog))
+        await pilot.settle()
+        drawn = pilot.drawn()
         wrong = "wrong 1, missed 1, pressed without a cue 2"
         for part in ("60%", "3 of 5 right", wrong, "1.24 s"):
             assert part in drawn
-        await seat.press("down", "enter")
-        assert isinstance(seat.feed.last(r.AskEnd), r.AskEnd)
+        await pilot.press("down", "enter")
+        assert isinstance(pilot.feed.last(r.AskEnd), r.AskEnd)
 
 
 async def test_an_enter_for_a_note_does_not_end_the_training() -> None:
-    async with sitting() as seat:
-        await seat.tell(OVER)
-        await seat.until(lambda: isinstance(seat.console.dialog, ScoreDialog))
-        await seat.press("enter")
-        await seat.until(lambda: seat.console.dialog is None)
-        assert seat.feed.last(r.AskEnd) is None
+    async with piloted_console() as pilot:
+        await pilot.tell(OVER)
+        await pilot.until(lambda: isinstance(pilot.console.dialog, ScoreDialog))
+        await pilot.press("enter")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        assert pilot.feed.last(r.AskEnd) is None
 
 
 async def test_who_watches_is_not_asked() -> None:
     first = scenes.welcome(role="watcher", state=[*scenes.healthy(), WAITS])
-    async with sitting(first) as seat:
-        assert seat.console.dialog is None
+    async with piloted_console(first) as pilot:
+        assert pilot.console.dialog is None

@@ -6,8 +6,8 @@ import pytest
 from woz_drivers import confirmed_stop
 from woz_drivers.dynamixel import wire
 
-from tests.drivers.heard import PATIENCE_S
-from tests.drivers.servo_stand import MEASURED_MS, MISSING_MS
+from tests.drivers.published_messages import PATIENCE_S
+from tests.drivers.servo_rig import MEASURED_MS, MISSING_MS
 
 
 @pytest.fixture

@@ -33,7 +33,7 @@ from tests.drivers.hands.test_hands_driver import CONTROLS
 from tests.drivers.nao import test_nao_contract
 from tests.drivers.reachy_mini import test_reachy_mini
 from tests.drivers.ros import test_contract as test_ros_contract
-from tests.drivers.servo_stand import head
+from tests.drivers.servo_rig import head
 from tests.fakes.led_face import PluggedFace
 from tests.fakes.rangefinder import PluggedSensor, a02
 from tests.fakes.servo_motor import OVERLOAD

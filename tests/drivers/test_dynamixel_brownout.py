@@ -22,9 +22,9 @@ from woz_drivers.dynamixel.port import ServoPort
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
 from woz_drivers.dynamixel.wire import ServoWire
 
-from tests.amounts import many
-from tests.drivers.heard import PATIENCE_S, Heard, until
-from tests.drivers.servo_stand import SILENT_MS, head, stand
+from tests.drivers.published_messages import PATIENCE_S, PublishedMessages, until
+from tests.drivers.servo_rig import SILENT_MS, connected_servos, head
+from tests.example_counts import many
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import DriverError, RejectedError
@@ -43,59 +43,63 @@ JOINTS = {
 
 async def test_a_brownout_in_a_move_leaves_a_protocol_1_joint_limp(tmp_path: Path) -> None:
     joints = {"pan": JOINTS["pan"]}
-    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
-        servo = it.bus.servo(1)
+    async with connected_servos(
+        tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True
+    ) as rig:
+        servo = rig.bus.servo(1)
         await until(lambda: servo.torque)
-        running = it.begin("pose", joints={"pan": 80.0}, seconds=20.0)
+        running = rig.begin("pose", joints={"pan": 80.0}, seconds=20.0)
         await until(lambda: servo.position > 2060)
-        it.bus.brownout(1, boot=0.0, fall=-650.0)
+        rig.bus.brownout(1, boot=0.0, fall=-650.0)
         with pytest.raises(DriverError, match="lost its torque"):
             await running
-        await it.noticed("pan (id 1) lost its torque")
-        (notice,) = (one for one in it.heard.all(Notice) if "lost its torque" in one.text)
+        await rig.noticed("pan (id 1) lost its torque")
+        (notice,) = (one for one in rig.published.all(Notice) if "lost its torque" in one.text)
         assert "power" in notice.remedy and "cool" not in notice.remedy
         await until(lambda: not servo.torque)  # a goal may have been under way to it
         fallen = servo.position
-        await it.ticks(5)
+        await rig.ticks(5)
         assert not servo.torque and servo.position == fallen
         assert servo.driven <= SPEED + ROUNDING
         with pytest.raises(RejectedError, match="torque of pan is off"):
-            await it.do("pose", joints={"pan": 0.0})
+            await rig.do("pose", joints={"pan": 0.0})
 
-        await it.do("torque", on=True)
-        assert abs(it.bus.goals(1)[-1] - fallen) <= 1
-        await it.do("pose", joints={"pan": 0.0}, seconds=0.0)
+        await rig.do("torque", on=True)
+        assert abs(rig.bus.goals(1)[-1] - fallen) <= 1
+        await rig.do("pose", joints={"pan": 0.0}, seconds=0.0)
         await until(lambda: abs(servo.position - 2048) < 1)
         assert servo.driven <= SPEED + ROUNDING
         assert 0 < servo.get(32, 2) * 0.114 * 6 <= SPEED + ROUNDING
 
 
 async def test_an_x_servo_that_restarted_gets_its_speed_limit_back(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True) as it:
-        servo = it.bus.servo(11)
+    async with connected_servos(tmp_path, torque=True) as rig:
+        servo = rig.bus.servo(11)
         await until(lambda: servo.torque)
         limit = servo.get(112, 4)
         assert limit > 0
-        it.bus.brownout(11, boot=0.0)
-        await it.noticed("pan (id 11) lost its torque")
-        await it.ticks(3)
+        rig.bus.brownout(11, boot=0.0)
+        await rig.noticed("pan (id 11) lost its torque")
+        await rig.ticks(3)
         assert not servo.torque and servo.get(112, 4) == 0
-        await it.do("torque", on=True)
-        assert it.bus.servo(11).torque
+        await rig.do("torque", on=True)
+        assert rig.bus.servo(11).torque
         assert servo.get(112, 4) == limit
 
 
 async def test_a_protocol_1_servo_that_shut_down_is_not_said_to_hold(tmp_path: Path) -> None:
     joints = {"pan": JOINTS["pan"]}
-    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
-        await until(lambda: it.bus.servo(1).torque)
-        it.bus.servo(1).raise_alarm(OVERLOAD)
-        await it.noticed("lost its torque (overload)")
+    async with connected_servos(
+        tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True
+    ) as rig:
+        await until(lambda: rig.bus.servo(1).torque)
+        rig.bus.servo(1).raise_alarm(OVERLOAD)
+        await rig.noticed("lost its torque (overload)")
         with pytest.raises(DriverError, match="torque limit"):
-            await it.do("torque", on=True)
-        it.bus.brownout(1, boot=0.0)
-        await it.do("torque", on=True)
-        assert it.bus.servo(1).torque
+            await rig.do("torque", on=True)
+        rig.bus.brownout(1, boot=0.0)
+        await rig.do("torque", on=True)
+        assert rig.bus.servo(1).torque
 
 
 BROWNOUT = st.fixed_dictionaries(
@@ -125,7 +129,7 @@ class CountingPort(ServoPort):
 
 
 @dataclass
-class Moving:
+class MovingServos:
     """Two servos in a move, in a time of their own that passes tick by tick."""
 
     bus: ServoBus
@@ -143,21 +147,21 @@ class Moving:
 
 
 @contextlib.asynccontextmanager
-async def moving(folder: Path, protocol: int) -> AsyncIterator[Moving]:
+async def moving(folder: Path, protocol: int) -> AsyncIterator[MovingServos]:
     """Servos that are switched on and on their way to 60 and -50 degrees."""
     values = head(folder / "servos", joints=JOINTS, protocol=protocol)
     port = CountingPort(values.port, values.baud, values.reply_timeout)
-    chain = ServoChain(ServoWire(port, protocol), values, Heard(folder).context)
+    chain = ServoChain(ServoWire(port, protocol), values, PublishedMessages(folder).context)
     bus = ServoBus(MODELS[protocol], folder / "servos")
-    it = Moving(bus, port, chain)
-    bus.clock = lambda: it.now
+    rig = MovingServos(bus, port, chain)
+    bus.clock = lambda: rig.now
     with bus:
         port.open()
         try:
             chain.connect()
             assert chain.set_torque(JOINTS, on=True) == {}
             chain.begin(PlannedMove(), [Keyframe({"pan": 60.0, "tilt": -50.0}, 1.2)], 0.0)
-            yield it
+            yield rig
         finally:
             chain.wire.close()
 
@@ -177,42 +181,42 @@ def test_no_joint_is_faster_than_its_limit_or_holds_unbidden_after_a_brownout(
 
 async def _brown_out(folder: Path, protocol: int, brownouts: list[dict[str, float]]) -> None:
     """A move of two joints, then torque on again."""
-    async with moving(folder, protocol) as it:
+    async with moving(folder, protocol) as rig:
         # A look that takes longer on a busy machine has no answer; that must do no harm.
-        it.port.patience_ms = 30.0
+        rig.port.patience_ms = 30.0
         for tick in range(36):
             for entry in (one for one in brownouts if one["tick"] == tick):
                 how = {key: entry[key] for key in ("seconds", "boot", "fall")}
-                it.bus.brownout(int(entry["number"]), int(entry["after"]), **how)
-            await it.tick()
-        hit = [it.bus.servo(number) for number in {int(entry["number"]) for entry in brownouts}]
+                rig.bus.brownout(int(entry["number"]), int(entry["after"]), **how)
+            await rig.tick()
+        hit = [rig.bus.servo(number) for number in {int(entry["number"]) for entry in brownouts}]
         looks = 0
         while any(servo.torque for servo in hit):
             looks += 1
             assert looks < 500, "it holds, and nobody has switched it on"
-            await it.tick()
-        it.port.patience_ms = 2 * SILENT_MS
+            await rig.tick()
+        rig.port.patience_ms = 2 * SILENT_MS
         before = [servo.position for servo in hit]
-        it.chain.set_torque(JOINTS, on=True)
+        rig.chain.set_torque(JOINTS, on=True)
         for _ in range(5):
-            await it.tick()
+            await rig.tick()
         for servo, position in zip(hit, before, strict=True):
             assert abs(servo.position - position) <= 1.0, "it left the pose it was in"
-        for servo in it.bus.servos.values():
+        for servo in rig.bus.servos.values():
             assert servo.driven <= SPEED + ROUNDING, f"{servo.driven:.0f} degrees a second"
 
 
 async def test_no_goal_goes_to_a_protocol_1_servo_that_may_just_be_starting(
     tmp_path: Path,
 ) -> None:
-    async with moving(tmp_path, 1) as it:
+    async with moving(tmp_path, 1) as rig:
         for _ in range(20):
-            await it.tick()
-        assert it.bus.servo(1).torque
-        goals = len(it.bus.goals(1))
-        it.bus.brownout(1, boot=0.0)
-        it.bus.faults.corrupt = 1  # nobody can read that its torque is off
-        it.port.patience_ms = 30.0
-        await it.tick()
-        await it.tick()
-        assert len(it.bus.goals(1)) == goals
+            await rig.tick()
+        assert rig.bus.servo(1).torque
+        goals = len(rig.bus.goals(1))
+        rig.bus.brownout(1, boot=0.0)
+        rig.bus.faults.corrupt = 1  # nobody can read that its torque is off
+        rig.port.patience_ms = 30.0
+        await rig.tick()
+        await rig.tick()
+        assert len(rig.bus.goals(1)) == goals

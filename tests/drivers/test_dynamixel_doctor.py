@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, doctor, port, wire
 
-from tests.drivers.heard import Heard
-from tests.drivers.servo_stand import HEAD, MISSING_MS, head
+from tests.drivers.published_messages import PublishedMessages
+from tests.drivers.servo_rig import HEAD, MISSING_MS, head
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import Finding, Probe
@@ -27,20 +27,20 @@ def few_ids(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(wire, "USUAL_IDS", (1, 7, 8))
 
 
-def said(findings: list[Finding], level: str) -> str:
+def finding_texts(findings: list[Finding], level: str) -> str:
     return "\n".join(f"{one.subject}: {one.text}" for one in findings if one.level == level)
 
 
 async def test_all_well(tmp_path: Path) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
         findings = await examined(bus.link, watchdog=500)
-        ok = said(findings, "ok")
+        ok = finding_texts(findings, "ok")
         assert "open at 1000000 baud" in ok
         assert "pan (id 11): is a XL330-M288" in ok
         assert "servos stop after 500 ms" in ok
-        assert "5.0 V" in said(findings, "info")
-        assert "waits 500 us" in said(findings, "info")
-        assert said(findings, "error") == said(findings, "warning") == ""
+        assert "5.0 V" in finding_texts(findings, "info")
+        assert "waits 500 us" in finding_texts(findings, "info")
+        assert finding_texts(findings, "error") == finding_texts(findings, "warning") == ""
         assert bus.writes == []
 
 
@@ -51,7 +51,7 @@ async def test_what_is_wrong_is_named(tmp_path: Path, monkeypatch: pytest.Monkey
     with ServoBus(ids, tmp_path / "servos") as bus:
         bus.servo(11).raise_alarm(OVERLOAD)
         findings = await examined(bus.link, joints=joints, watchdog=0, reply_timeout=MISSING_MS)
-        errors, warnings = said(findings, "error"), said(findings, "warning")
+        errors, warnings = finding_texts(findings, "error"), finding_texts(findings, "warning")
         assert "pan (id 11): alarm: overload" in errors
         assert "tilt (id 12): is a XM430-W350, but the settings say XL330-M288" in errors
         assert "roll (id 13): does not answer" in errors
@@ -67,14 +67,14 @@ async def test_servos_that_may_not_heed_their_watchdog_are_named(tmp_path: Path)
         bus.servo(12).put(6, 1, 45)
         bus.servo(13).put(6, 1, 45)
         findings = await examined(bus.link, watchdog=500)
-        assert "5.0 V, firmware 51" in said(findings, "info")
+        assert "5.0 V, firmware 51" in finding_texts(findings, "info")
         pan, tilt = (one for one in findings if one.level == "warning")
         assert pan.subject == "pan (id 11)" and "may not stop when" in pan.text
         assert "older" not in pan.text and "update" in pan.remedy
         assert tilt.subject == "tilt (id 12)" and "older ones do is not known" in tilt.text
         bus.servo(11).put(6, 1, 52)
         bus.servo(12).put(6, 1, 52)
-        assert said(await examined(bus.link, watchdog=500), "warning") == ""
+        assert finding_texts(await examined(bus.link, watchdog=500), "warning") == ""
 
 
 async def test_several_turns_with_a_homing_offset_are_named(tmp_path: Path) -> None:
@@ -120,7 +120,7 @@ async def test_a_joint_that_is_not_where_it_can_be_is_named(
 async def test_a_joint_that_sags_a_little_out_of_its_range_is_well(tmp_path: Path) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
         placed(bus, 12, 2048 + round(38 / (360 / 4096)))  # its range ends at 30
-        assert said(await examined(bus.link, watchdog=500), "error") == ""
+        assert finding_texts(await examined(bus.link, watchdog=500), "error") == ""
 
 
 async def test_position_limits_that_are_narrower_than_the_joint_are_named(tmp_path: Path) -> None:
@@ -128,8 +128,9 @@ async def test_position_limits_that_are_narrower_than_the_joint_are_named(tmp_pa
         bus.servo(11).put(48, 4, 2148)
         bus.servo(11).put(52, 4, 1948)
         findings = await examined(bus.link, watchdog=500)
-        assert "pan (id 11): goes from -8.789 to 8.789 degrees, and not from -90 to 90" in said(
-            findings, "warning"
+        assert (
+            "pan (id 11): goes from -8.789 to 8.789 degrees, and not from -90 to 90"
+            in finding_texts(findings, "warning")
         )
 
 
@@ -141,14 +142,14 @@ async def test_turns_that_cannot_be_told_from_each_other_are_named(
     with ServoBus([11], tmp_path / "servos") as bus:
         placed(bus, 11, 2048, 4)
         findings = await examined(bus.link, joints=joints, watchdog=500)
-        assert ("one is 180 degrees of the joint" in said(findings, "warning")) is named
+        assert ("one is 180 degrees of the joint" in finding_texts(findings, "warning")) is named
 
 
 async def test_wrong_baud_is_found(tmp_path: Path) -> None:
     joints = {name: HEAD[name] for name in ("pan", "tilt")}
     with ServoBus([11, 12], tmp_path / "servos", baud=57_600) as bus:
         findings = await examined(bus.link, joints=joints, reply_timeout=MISSING_MS)
-        assert "at 57600 baud these ids answer: 11, 12" in said(findings, "warning")
+        assert "at 57600 baud these ids answer: 11, 12" in finding_texts(findings, "warning")
 
 
 @pytest.mark.usefixtures("few_ids")
@@ -156,9 +157,9 @@ async def test_protocol_1_has_no_watchdog(tmp_path: Path) -> None:
     joints = {"pan": ServoJointSettings(id=1, min=-90, max=90)}
     with ServoBus({1: "AX-12A", 7: "MX-64"}, tmp_path / "servos") as bus:
         findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=MISSING_MS)
-        assert "protocol 1 servos have none" in said(findings, "info")
-        assert "pan (id 1): is a AX-12A" in said(findings, "ok")
-        assert "id 7: a MX-64 answers" in said(findings, "warning")
+        assert "protocol 1 servos have none" in finding_texts(findings, "info")
+        assert "pan (id 1): is a AX-12A" in finding_texts(findings, "ok")
+        assert "id 7: a MX-64 answers" in finding_texts(findings, "warning")
 
 
 async def test_no_port_and_bad_settings(tmp_path: Path) -> None:
@@ -170,10 +171,10 @@ async def test_no_port_and_bad_settings(tmp_path: Path) -> None:
 
 async def test_port_of_a_running_session(tmp_path: Path) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
-        heard = Heard(tmp_path)
-        driver = DynamixelServos("head", head(bus.link), heard.context)
+        published = PublishedMessages(tmp_path)
+        driver = DynamixelServos("head", head(bus.link), published.context)
         await driver.open()
-        await heard.until(lambda: bool(heard.values("joint.pan")))
+        await published.until(lambda: bool(published.values("joint.pan")))
         (busy,) = await examined(bus.link)
         assert "in use by" in busy.text
         await driver.close()
@@ -192,7 +193,7 @@ async def test_latency_timer_and_what_it_costs(
         assert "16 ms: at most 62 rounds a second" in slow.text
         assert "udev" in slow.remedy
         timer.write_text("1\n")
-        assert "latency timer 1 ms" in said(await examined(bus.link), "ok")
+        assert "latency timer 1 ms" in finding_texts(await examined(bus.link), "ok")
 
 
 @pytest.mark.usefixtures("patient", "few_ids")
@@ -204,5 +205,5 @@ async def test_an_adapter_whose_answers_come_late_is_named(tmp_path: Path, model
         (late,) = (one for one in findings if "answers on" in one.text)
         assert late.level == "warning"
         assert "latency timer" in late.remedy and "reply_timeout" in late.remedy
-        assert f"pan (id 11): is a {model}" in said(findings, "ok")
-        assert said(findings, "error") == ""
+        assert f"pan (id 11): is a {model}" in finding_texts(findings, "ok")
+        assert finding_texts(findings, "error") == ""

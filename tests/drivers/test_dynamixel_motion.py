@@ -111,12 +111,12 @@ def test_a_plan_waits_for_the_slowest_joint_and_says_how_late() -> None:
         Keyframe({"pan": 50.0, "tilt": 20.0}, 1.0),
         Keyframe({"pan": 0.0, "tilt": 99.0}, 3.0),
     ]
-    made = plan_motion({"pan": 0.0, "tilt": 0.0}, frames, limits, "minimum-jerk")
-    assert made.duration == pytest.approx(2.0 + 3.0)
-    assert made.late == pytest.approx(1.0)
-    assert made.clamped == {"tilt": 99.0}
-    assert made.tracks["pan"].at(2.0) == pytest.approx(50.0)
-    assert made.tracks["tilt"].goal == 30.0
+    motion_plan = plan_motion({"pan": 0.0, "tilt": 0.0}, frames, limits, "minimum-jerk")
+    assert motion_plan.duration == pytest.approx(2.0 + 3.0)
+    assert motion_plan.late == pytest.approx(1.0)
+    assert motion_plan.clamped == {"tilt": 99.0}
+    assert motion_plan.tracks["pan"].at(2.0) == pytest.approx(50.0)
+    assert motion_plan.tracks["tilt"].goal == 30.0
 
 
 @patient
@@ -131,12 +131,12 @@ def test_any_plan_stays_in_range_and_under_speed(
 ) -> None:
     frames = [Keyframe(angles, seconds) for angles, seconds in raw if not seconds > 1e3]
     start = {name: bound.low for name, bound in limits.items()}
-    made = plan_motion(start, frames, limits, "minimum-jerk")
-    assert math.isfinite(made.duration)
-    assert set(made.tracks) <= set(limits)
-    for name, track in made.tracks.items():
+    motion_plan = plan_motion(start, frames, limits, "minimum-jerk")
+    assert math.isfinite(motion_plan.duration)
+    assert set(motion_plan.tracks) <= set(limits)
+    for name, track in motion_plan.tracks.items():
         bound = limits[name]
-        dt = max(made.duration, 1e-3) / 150
+        dt = max(motion_plan.duration, 1e-3) / 150
         path = [track.at(index * dt) for index in range(152)]
         slack = 1e-6 * (abs(bound.low) + abs(bound.high) + 1)
         assert all(bound.low - slack <= value <= bound.high + slack for value in path)

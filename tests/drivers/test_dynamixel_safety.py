@@ -13,8 +13,8 @@ from woz_drivers.dynamixel import ServoJointSettings
 from woz_drivers.dynamixel.chain import PlannedMove
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
 
-from tests.drivers.heard import until
-from tests.drivers.servo_stand import HEAD, SILENT_MS, stand
+from tests.drivers.published_messages import until
+from tests.drivers.servo_rig import HEAD, SILENT_MS, connected_servos
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import DriverError, Scope
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
@@ -30,11 +30,11 @@ async def test_a_servo_found_turning_like_a_wheel_is_switched_off(tmp_path: Path
         bus.servo(12).put(11, 1, 1)
         bus.servo(12).put(64, 1, 1)
 
-    async with stand(tmp_path, prepare=turning) as it:
-        faulted = await it.heard.first(DriverFaulted)
+    async with connected_servos(tmp_path, prepare=turning) as rig:
+        faulted = await rig.published.first(DriverFaulted)
         assert "operating mode 1" in faulted.detail
-        assert not it.bus.servo(12).torque
-        assert [write.address for write in it.bus.written(12)] == [TORQUE]
+        assert not rig.bus.servo(12).torque
+        assert [write.address for write in rig.bus.written(12)] == [TORQUE]
 
 
 async def test_a_pose_that_cannot_be_held_is_not_left_by_force(tmp_path: Path) -> None:
@@ -43,12 +43,12 @@ async def test_a_pose_that_cannot_be_held_is_not_left_by_force(tmp_path: Path) -
         bus.servo(11).position = 1500.0
         bus.servo(11).put(132, 4, 1500)
 
-    async with stand(tmp_path, prepare=turned_by_hand) as it:
+    async with connected_servos(tmp_path, prepare=turned_by_hand) as rig:
         with pytest.raises(DriverError, match=r"48 degrees beyond .* by hand"):
-            await it.do("torque", on=True, joint="pan")
-        await it.ticks(3)
-        assert not it.bus.servo(11).torque
-        assert it.bus.servo(11).position == 1500.0
+            await rig.do("torque", on=True, joint="pan")
+        await rig.ticks(3)
+        assert not rig.bus.servo(11).torque
+        assert rig.bus.servo(11).position == 1500.0
 
 
 def a_turn_away(bus: ServoBus) -> None:
@@ -73,49 +73,51 @@ async def test_a_joint_a_turn_away_is_not_driven_back(
 ) -> None:
     poses = {"left": {"pan": 30.0}}
     changes = {"pan": "pan", "poses": poses, "rest_on_close": True, **given}
-    async with stand(tmp_path, prepare=a_turn_away, **changes) as it:
+    async with connected_servos(tmp_path, prepare=a_turn_away, **changes) as rig:
         if given:
-            await it.noticed("no torque on pan: it stands at 360 degrees, 270 outside -90 to 90")
-            remedies = [each.remedy for each in it.heard.all(Notice) if "no torque" in each.text]
+            await rig.noticed("no torque on pan: it stands at 360 degrees, 270 outside -90 to 90")
+            remedies = [
+                each.remedy for each in rig.published.all(Notice) if "no torque" in each.text
+            ]
             assert "reboot" in remedies[0]
-        with pytest.raises(DriverError, match="its count is wrong by 1 turn") as refused:
-            await it.do("torque", on=True, joint="pan")
-        assert "reboot" in refused.value.remedy
+        with pytest.raises(DriverError, match="its count is wrong by 1 turn") as raised:
+            await rig.do("torque", on=True, joint="pan")
+        assert "reboot" in raised.value.remedy
         for verb, args in MOVEMENTS:
             with pytest.raises(DriverError):
-                await it.do(verb, **args)
-        await it.driver.stop(Scope.ALL)
-        await it.driver.resume()
-        await it.do("torque", on=True)
-        sent = await it.do("home", seconds=0.1)
+                await rig.do(verb, **args)
+        await rig.driver.stop(Scope.ALL)
+        await rig.driver.resume()
+        await rig.do("torque", on=True)
+        sent = await rig.do("home", seconds=0.1)
         assert "pan" in sent["left_out"]  # type: ignore[operator]
-        await it.driver.rest()
-        assert it.bus.goals(11) == []
-        assert not it.bus.servo(11).torque
-        await it.do("reboot", joint="pan")
-        await it.do("torque", on=True, joint="pan")
-        await it.do("pose", joints={"pan": 30.0}, seconds=0.1)
-        assert max(it.bus.goals(11)) == 2048 + round(30 / (360 / 4096))
+        await rig.driver.rest()
+        assert rig.bus.goals(11) == []
+        assert not rig.bus.servo(11).torque
+        await rig.do("reboot", joint="pan")
+        await rig.do("torque", on=True, joint="pan")
+        await rig.do("pose", joints={"pan": 30.0}, seconds=0.1)
+        assert max(rig.bus.goals(11)) == 2048 + round(30 / (360 / 4096))
 
 
 async def test_a_joint_that_is_held_far_outside_its_range_is_not_driven_back(
     tmp_path: Path,
 ) -> None:
     """Pushed away by force, it holds there after a stop; hands take it back."""
-    async with stand(tmp_path, pan="pan", torque=True) as it:
-        await until(lambda: it.bus.servo(11).torque)
-        it.bus.servo(11).put(112, 4, 1)  # so slow that it stays where it was pushed
-        it.bus.servo(11).position = 3500.0
-        await it.ticks(2)
-        await it.driver.stop(Scope.ALL)
-        await it.driver.resume()
-        before = len(it.bus.goals(11))
+    async with connected_servos(tmp_path, pan="pan", torque=True) as rig:
+        await until(lambda: rig.bus.servo(11).torque)
+        rig.bus.servo(11).put(112, 4, 1)  # so slow that it stays where it was pushed
+        rig.bus.servo(11).position = 3500.0
+        await rig.ticks(2)
+        await rig.driver.stop(Scope.ALL)
+        await rig.driver.resume()
+        before = len(rig.bus.goals(11))
         for verb, args in MOVEMENTS:
             if verb != "play":
-                with pytest.raises(DriverError, match="128 degrees, 38 outside") as refused:
-                    await it.do(verb, **args)
-                assert "torque off and turn it back by hand" in refused.value.remedy
-        assert set(it.bus.goals(11)[before:]) <= {it.bus.goals(11)[-1]}
+                with pytest.raises(DriverError, match="128 degrees, 38 outside") as raised:
+                    await rig.do(verb, **args)
+                assert "torque off and turn it back by hand" in raised.value.remedy
+        assert set(rig.bus.goals(11)[before:]) <= {rig.bus.goals(11)[-1]}
 
 
 async def test_a_joint_that_sags_a_little_out_of_its_range_comes_in_with_its_next_movement(
@@ -125,12 +127,12 @@ async def test_a_joint_that_sags_a_little_out_of_its_range_comes_in_with_its_nex
         bus.servo(12).position = 2048.0 + 432  # 38 degrees; its range ends at 30
         bus.servo(12).put(132, 4, 2048 + 432)
 
-    async with stand(tmp_path, prepare=sagging) as it:
-        await it.do("torque", on=True, joint="tilt")
-        await it.ticks(3)
-        assert set(it.bus.goals(12)) == {2048 + 432}
-        await it.do("pose", joints={"tilt": 20.0}, seconds=0.5)
-        goals = it.bus.goals(12)
+    async with connected_servos(tmp_path, prepare=sagging) as rig:
+        await rig.do("torque", on=True, joint="tilt")
+        await rig.ticks(3)
+        assert set(rig.bus.goals(12)) == {2048 + 432}
+        await rig.do("pose", joints={"tilt": 20.0}, seconds=0.5)
+        goals = rig.bus.goals(12)
         assert goals[-1] == 2048 + round(20 / (360 / 4096))
         assert max(abs(b - a) for a, b in itertools.pairwise(goals)) < 150
 
@@ -138,16 +140,16 @@ async def test_a_joint_that_sags_a_little_out_of_its_range_comes_in_with_its_nex
 async def test_a_body_neither_moves_a_joint_a_turn_away_nor_hears_of_its_place(
     tmp_path: Path,
 ) -> None:
-    async with stand(tmp_path, prepare=a_turn_away, follows="body") as it:
+    async with connected_servos(tmp_path, prepare=a_turn_away, follows="body") as rig:
         setpoints = Setpoints(round((time.monotonic() + 1000) * 1e6), {"pan": 30.0})
-        it.heard.context.feed(SETPOINTS, of="body").put(setpoints)
-        sent = await it.do("torque", on=True)
+        rig.published.context.feed(SETPOINTS, of="body").put(setpoints)
+        sent = await rig.do("torque", on=True)
         assert "count is wrong" in sent["left_out"]["pan"]  # type: ignore[index,call-overload]
-        await it.ticks(3)
-        told = it.heard.context.feed(PRESENT).latest().value
+        await rig.ticks(3)
+        told = rig.published.context.feed(PRESENT).latest().value
         assert isinstance(told, JointPositions)
         assert sorted(told.joints) == ["roll", "tilt"]
-        assert it.bus.goals(11) == []
+        assert rig.bus.goals(11) == []
 
 
 async def test_a_servo_that_counts_another_turn_once_it_holds_is_let_go(tmp_path: Path) -> None:
@@ -157,65 +159,65 @@ async def test_a_servo_that_counts_another_turn_once_it_holds_is_let_go(tmp_path
         bus.servo(11).put(132, 4, 3700)
 
     joints = {**HEAD, "pan": ServoJointSettings(id=11, min=-90, max=90, zero=3072)}
-    async with stand(tmp_path, prepare=offset, joints=joints) as it:
-        with pytest.raises(DriverError, match="counts another turn as soon as it holds") as refused:
-            await it.do("torque", on=True, joint="pan")
-        assert "Homing Offset (20) to 0" in refused.value.remedy
-        assert not it.bus.servo(11).torque
-        assert it.bus.servo(11).driven == 0.0
+    async with connected_servos(tmp_path, prepare=offset, joints=joints) as rig:
+        with pytest.raises(DriverError, match="counts another turn as soon as it holds") as raised:
+            await rig.do("torque", on=True, joint="pan")
+        assert "Homing Offset (20) to 0" in raised.value.remedy
+        assert not rig.bus.servo(11).torque
+        assert rig.bus.servo(11).driven == 0.0
 
 
 async def test_stop_is_not_confirmed_for_a_servo_that_fell_silent_holding(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True, patience_ms=SILENT_MS) as it:
-        await until(lambda: it.bus.servo(13).torque)
-        running = it.begin("pose", joints={"pan": 80.0}, seconds=20.0)
-        it.bus.servo(12).silent = True
-        await it.noticed("tilt (id 12) no longer answers")
+    async with connected_servos(tmp_path, torque=True, patience_ms=SILENT_MS) as rig:
+        await until(lambda: rig.bus.servo(13).torque)
+        running = rig.begin("pose", joints={"pan": 80.0}, seconds=20.0)
+        rig.bus.servo(12).silent = True
+        await rig.noticed("tilt (id 12) no longer answers")
         with pytest.raises(DriverError, match=r"unknown whether tilt \(id 12\)"):
-            await it.driver.stop(Scope.ALL)
+            await rig.driver.stop(Scope.ALL)
         with pytest.raises(DriverError, match="stopped where it was"):
             await running
-        it.bus.servo(12).silent = False
-        await it.noticed("answers again")
-        await it.driver.stop(Scope.ALL)
+        rig.bus.servo(12).silent = False
+        await rig.noticed("answers again")
+        await rig.driver.stop(Scope.ALL)
 
 
 async def test_a_stop_is_written_twice(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True) as it:
-        await until(lambda: it.bus.servo(13).torque)
-        before = len(it.bus.goals(11))
-        await it.driver.stop(Scope.ALL)
-        await it.ticks(3)
-        assert len(it.bus.goals(11)) >= before + 2
+    async with connected_servos(tmp_path, torque=True) as rig:
+        await until(lambda: rig.bus.servo(13).torque)
+        before = len(rig.bus.goals(11))
+        await rig.driver.stop(Scope.ALL)
+        await rig.ticks(3)
+        assert len(rig.bus.goals(11)) >= before + 2
 
 
 async def test_a_watchdog_left_off_is_set_again(tmp_path: Path) -> None:
     """Clearing it takes two packets: the second one may be lost."""
-    async with stand(tmp_path, torque=True) as it:
-        await until(lambda: it.bus.servo(11).torque)
-        wanted = it.bus.servo(11).watchdog
+    async with connected_servos(tmp_path, torque=True) as rig:
+        await until(lambda: rig.bus.servo(11).torque)
+        wanted = rig.bus.servo(11).watchdog
         assert wanted > 0
-        it.bus.servo(11).put(WATCHDOG, 1, 0)
-        await until(lambda: it.bus.servo(11).watchdog == wanted)
-        assert "stopped by itself" not in it.notices()
+        rig.bus.servo(11).put(WATCHDOG, 1, 0)
+        await until(lambda: rig.bus.servo(11).watchdog == wanted)
+        assert "stopped by itself" not in rig.notices()
 
 
 async def test_close_lets_go_of_a_servo_that_holds_unbeknown(tmp_path: Path) -> None:
     """The answer to `torque: on` may be lost while the order was heard."""
-    async with stand(tmp_path) as it:
-        it.bus.servo(11).put(TORQUE, 1, 1)
-        await it.driver.close()
-        assert not it.bus.servo(11).torque
+    async with connected_servos(tmp_path) as rig:
+        rig.bus.servo(11).put(TORQUE, 1, 1)
+        await rig.driver.close()
+        assert not rig.bus.servo(11).torque
 
 
 async def test_cancelling_a_move_that_has_ended_leaves_the_next_one_alone(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True, pan="pan") as it:
-        await until(lambda: it.bus.servo(11).torque)
+    async with connected_servos(tmp_path, torque=True, pan="pan") as rig:
+        await until(lambda: rig.bus.servo(11).torque)
         move = PlannedMove()
-        loop = it.driver.loop
+        loop = rig.driver.loop
         frames = [Keyframe({"pan": 10.0}, 0.1)]
         await asyncio.wrap_future(loop.ask(lambda chain, now: chain.begin(move, frames, now)))
         await until(move.done.done)
-        await it.do("gaze", yaw=60.0)
+        await rig.do("gaze", yaw=60.0)
         await asyncio.wrap_future(loop.ask(lambda chain, _now: chain.drop(move)))
-        await until(lambda: it.bus.goals(11)[-1] == 2048 + round(60 / (360 / 4096)))
+        await until(lambda: rig.bus.goals(11)[-1] == 2048 + round(60 / (360 / 4096)))

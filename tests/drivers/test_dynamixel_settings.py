@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, ServoSettings, verbs
 
-from tests.drivers.servo_stand import HEAD
+from tests.drivers.servo_rig import HEAD
 from woz_tui.config.experiment import Experiment, ExperimentError, ParallelCalls
 from woz_tui.config.loading import load
 from woz_tui.drivers.argument_check import ArgumentError, checked

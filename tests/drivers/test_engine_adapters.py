@@ -21,7 +21,7 @@ from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
 from woz_drivers.speech.synthesis import PreparedUtterance, SpeechSynthesis
 
 from tests.drivers.resident_programs import ROOT
-from tests.fakes.sound import RATE, told
+from tests.fakes.sound import RATE, journal_entries
 from woz_tui.drivers.contract import DriverError
 
 WHISPER = '''
@@ -94,9 +94,9 @@ async def test_whisper(tmp_path: Path) -> None:
         return await program.ask(request, Transcript, 30.0, parts.append)
 
     try:
-        heard = await ask(file="a.wav", language="en")
-        assert (heard.text, heard.confidence) == ("hello en", 0.607)
-        assert [(word.word, word.begin, word.end) for word in heard.words] == [
+        transcript = await ask(file="a.wav", language="en")
+        assert (transcript.text, transcript.confidence) == ("hello en", 0.607)
+        assert [(word.word, word.begin, word.end) for word in transcript.words] == [
             ("hello", 0.0, 0.5),
             ("en", 0.5, 1.0),
         ]
@@ -151,11 +151,11 @@ class Piper:
         """Model and scale of each Piper that was started."""
         return [
             (Path(str(line["model"])).stem, str(line["scale"]))
-            for line in told(self._journal, "start")
+            for line in journal_entries(self._journal, "start")
         ]
 
     def lines(self) -> list[dict[str, object]]:
-        return told(self._journal, "line")
+        return journal_entries(self._journal, "line")
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from woz_drivers.led_face import LedFace, LedFaceSettings, doctor, driver
 from woz_drivers.led_face.driver import PATTERNS, as_mounted, sleeping_face
 from woz_drivers.led_face.wire import HERE, Packet
 
-from tests.drivers.heard import Heard, Ordered, until
+from tests.drivers.published_messages import BusJob, PublishedMessages, until
 from tests.fakes.led_face import Board, PluggedFace
 from woz_tui.drivers.contract import DeviceLostError, Driver, Finding, Probe, RejectedError, Scope
 from woz_tui.motion.body_feeds import FACE, FacePicture
@@ -32,17 +32,17 @@ SAD = draw(FaceState(-0.3, 0, "sad", 1.0), FaceShape())
 
 
 @dataclass
-class Stand:
+class LedFaceRig:
     """A driver at work, the board it talks to, and everything it said."""
 
     driver: LedFace
     face: PluggedFace
-    heard: Heard
+    published: PublishedMessages
     clock: ManualClock
 
     def show(self, frame: LightFrame, brightness: float = 1.0) -> None:
         """The body draws a face."""
-        self.heard.context.feed(FACE, of="body").put(FacePicture(frame, brightness))
+        self.published.context.feed(FACE, of="body").put(FacePicture(frame, brightness))
 
     async def until(self, holds: Callable[[], bool]) -> None:
         """Let time pass until it holds; the driver has a turn for each bit of it."""
@@ -53,157 +53,159 @@ class Stand:
 
         await until(later)
 
-    async def shown(self, frame: LightFrame) -> None:
+    async def shows(self, frame: LightFrame) -> None:
         """Return when the lights show this frame."""
         await self.until(lambda: self.face.board.frame == frame)
 
 
-Begin = Callable[..., Awaitable[Stand]]
+Begin = Callable[..., Awaitable[LedFaceRig]]
 
 
 @pytest.fixture
 async def begin(tmp_path: Path) -> AsyncIterator[Begin]:
-    stands: list[Stand] = []
+    stands: list[LedFaceRig] = []
 
-    async def started(board: Board | None = None, **settings: Any) -> Stand:
+    async def started(board: Board | None = None, **settings: Any) -> LedFaceRig:
         clock = ManualClock()
-        heard = Heard(tmp_path, clock)
+        published = PublishedMessages(tmp_path, clock)
         face = PluggedFace(tmp_path / "face", board)
-        made = LedFaceSettings(port=str(face.port), **{"follows": "body", **settings})
-        stand = Stand(LedFace("it", made, heard.context), face, heard, clock)
-        stands.append(stand)
-        await stand.driver.open()
-        return stand
+        led_face_settings = LedFaceSettings(port=str(face.port), **{"follows": "body", **settings})
+        rig = LedFaceRig(
+            LedFace("it", led_face_settings, published.context), face, published, clock
+        )
+        stands.append(rig)
+        await rig.driver.open()
+        return rig
 
     yield started
-    for stand in stands:
-        await stand.driver.close()
-        stand.face.unplug()
+    for rig in stands:
+        await rig.driver.close()
+        rig.face.unplug()
 
 
 @pytest.mark.toolkit("F1", "V1")
 async def test_the_lights_show_the_bodys_face_bit_for_bit(begin: Begin) -> None:
-    stand = await begin()
-    connected = await stand.heard.first(DriverConnected)
-    assert connected.detail == f"{stand.face.port}: memory, 24 x 16"
+    rig = await begin()
+    connected = await rig.published.first(DriverConnected)
+    assert connected.detail == f"{rig.face.port}: memory, 24 x 16"
     for frame, brightness in ((HAPPY, 1.0), (SAD, 0.5), (HAPPY, 0.25)):
-        stand.show(frame, brightness)
-        await stand.shown(frame)
-        await stand.until(lambda: stand.face.board.brightness == round(255 * brightness))  # noqa: B023
-    assert stand.face.board.frame == LightFrame.of_hex(24, HAPPY.hex)
+        rig.show(frame, brightness)
+        await rig.shows(frame)
+        await rig.until(lambda: rig.face.board.brightness == round(255 * brightness))  # noqa: B023
+    assert rig.face.board.frame == LightFrame.of_hex(24, HAPPY.hex)
 
 
 async def test_the_settings_bound_the_brightness(begin: Begin) -> None:
-    stand = await begin(brightness=0.5)
-    stand.show(HAPPY, 0.5)
-    await stand.shown(HAPPY)
-    await stand.until(lambda: stand.face.board.brightness == 64)
+    rig = await begin(brightness=0.5)
+    rig.show(HAPPY, 0.5)
+    await rig.shows(HAPPY)
+    await rig.until(lambda: rig.face.board.brightness == 64)
 
 
 async def test_an_unchanged_face_is_sent_about_once_a_second(begin: Begin) -> None:
-    stand = await begin()
-    stand.show(HAPPY)
-    await stand.shown(HAPPY)
-    before = stand.face.board.frames
-    began = stand.clock.now_us()
-    await stand.until(lambda: stand.face.board.frames >= before + 3)
-    assert stand.clock.now_us() - began >= 2_000_000
+    rig = await begin()
+    rig.show(HAPPY)
+    await rig.shows(HAPPY)
+    before = rig.face.board.frames
+    began = rig.clock.now_us()
+    await rig.until(lambda: rig.face.board.frames >= before + 3)
+    assert rig.clock.now_us() - began >= 2_000_000
 
 
 @pytest.mark.toolkit("G1")
 async def test_unplugged_and_put_back(begin: Begin) -> None:
-    stand = await begin()
-    stand.show(HAPPY)
-    await stand.shown(HAPPY)
-    stand.face.unplug()
-    lost = await stand.heard.first(DriverLost)
+    rig = await begin()
+    rig.show(HAPPY)
+    await rig.shows(HAPPY)
+    rig.face.unplug()
+    lost = await rig.published.first(DriverLost)
     assert "was lost" in lost.detail
     assert lost.remedy
     with pytest.raises(DeviceLostError):
-        await stand.driver.perform(Ordered("pattern", {"picture": "all", "seconds": 5}))
-    stand.show(SAD)
-    stand.face.board = Board()
-    stand.face.plug()
-    await stand.heard.first(DriverConnected, after=1)
-    await stand.shown(SAD)
+        await rig.driver.perform(BusJob("pattern", {"picture": "all", "seconds": 5}))
+    rig.show(SAD)
+    rig.face.board = Board()
+    rig.face.plug()
+    await rig.published.first(DriverConnected, after=1)
+    await rig.shows(SAD)
 
 
 async def test_a_face_that_falls_silent_is_lost_and_found(begin: Begin) -> None:
-    stand = await begin()
-    await stand.heard.first(DriverConnected)
-    stand.face.mute = True
-    await stand.until(lambda: bool(stand.heard.all(DriverLost)))
-    assert "does not answer any more" in stand.heard.all(DriverLost)[0].detail
-    stand.face.mute = False
-    await stand.until(lambda: len(stand.heard.all(DriverConnected)) == 2)
+    rig = await begin()
+    await rig.published.first(DriverConnected)
+    rig.face.mute = True
+    await rig.until(lambda: bool(rig.published.all(DriverLost)))
+    assert "does not answer any more" in rig.published.all(DriverLost)[0].detail
+    rig.face.mute = False
+    await rig.until(lambda: len(rig.published.all(DriverConnected)) == 2)
 
 
 async def test_a_reset_face_is_lit_again(begin: Begin) -> None:
-    stand = await begin()
-    stand.show(HAPPY)
-    await stand.shown(HAPPY)
-    stand.face.reset()
-    assert stand.face.board.frame is None
-    await stand.shown(HAPPY)
-    assert not stand.heard.all(DriverLost)
+    rig = await begin()
+    rig.show(HAPPY)
+    await rig.shows(HAPPY)
+    rig.face.reset()
+    assert rig.face.board.frame is None
+    await rig.shows(HAPPY)
+    assert not rig.published.all(DriverLost)
 
 
 async def test_a_face_of_another_size_is_named_with_a_remedy(begin: Begin) -> None:
-    stand = await begin(Board(16, 24))
-    fault = await stand.heard.first(DriverFaulted)
+    rig = await begin(Board(16, 24))
+    fault = await rig.published.first(DriverFaulted)
     assert "wired as 16 x 24 lights, and the settings say 24 x 16" in fault.detail
     assert "rotate" in fault.remedy
     with pytest.raises(DeviceLostError, match="16 x 24"):
-        await stand.driver.perform(Ordered("pattern", {"picture": "all", "seconds": 5}))
+        await rig.driver.perform(BusJob("pattern", {"picture": "all", "seconds": 5}))
 
 
 async def test_a_face_of_another_version_is_named_with_a_remedy(begin: Begin) -> None:
-    stand = await begin()
-    await stand.heard.first(DriverConnected)
-    stand.face.hello = Packet(HERE, 0, b"\x09\x18\x10later").encoded()
-    stand.face.unplug()
-    stand.face.plug()
-    fault = await stand.heard.first(DriverFaulted)
+    rig = await begin()
+    await rig.published.first(DriverConnected)
+    rig.face.hello = Packet(HERE, 0, b"\x09\x18\x10later").encoded()
+    rig.face.unplug()
+    rig.face.plug()
+    fault = await rig.published.first(DriverFaulted)
     assert "version 9" in fault.detail
     assert "firmware" in fault.remedy
 
 
 async def test_a_bodys_face_of_another_size_is_said_once(begin: Begin) -> None:
-    stand = await begin()
-    await stand.heard.first(DriverConnected)
+    rig = await begin()
+    await rig.published.first(DriverConnected)
     for row in (1, 2, 3):
-        stand.show(LightFrame(32, (row,) * 8))
-    notice = await stand.heard.first(Notice)
+        rig.show(LightFrame(32, (row,) * 8))
+    notice = await rig.published.first(Notice)
     assert "'body' is 32 x 8 lights, and these are 24 x 16" in notice.text
     assert notice.remedy
-    assert len(stand.heard.all(Notice)) == 1
+    assert len(rig.published.all(Notice)) == 1
 
 
 @pytest.mark.parametrize("picture", ["arrow", "chessboard", "all"])
 async def test_a_pattern_is_shown_until_the_stop_and_then_the_face(
     begin: Begin, picture: str
 ) -> None:
-    stand = await begin()
-    stand.show(HAPPY)
-    await stand.shown(HAPPY)
-    job = Ordered("pattern", {"picture": picture, "seconds": 20.0})
-    running = asyncio.create_task(stand.driver.perform(job))
-    await stand.shown(PATTERNS[picture](24, 16))
+    rig = await begin()
+    rig.show(HAPPY)
+    await rig.shows(HAPPY)
+    job = BusJob("pattern", {"picture": picture, "seconds": 20.0})
+    running = asyncio.create_task(rig.driver.perform(job))
+    await rig.shows(PATTERNS[picture](24, 16))
     assert job.announced == [20.0]
     running.cancel()
-    await stand.driver.stop(Scope.ALL)
+    await rig.driver.stop(Scope.ALL)
     await asyncio.wait([running])
     assert running.cancelled()
-    await stand.shown(HAPPY)  # a stop leaves the face as it is
+    await rig.shows(HAPPY)  # a stop leaves the face as it is
 
 
 async def test_a_pattern_ends_by_itself(begin: Begin) -> None:
-    stand = await begin(follows="")
-    await stand.heard.first(DriverConnected)
-    sent = await stand.driver.perform(Ordered("pattern", {"picture": "rows", "seconds": 0.1}))
+    rig = await begin(follows="")
+    await rig.published.first(DriverConnected)
+    sent = await rig.driver.perform(BusJob("pattern", {"picture": "rows", "seconds": 0.1}))
     assert sent == {"picture": "rows", "seconds": 0.1}
     with pytest.raises(RejectedError):
-        await stand.driver.perform(Ordered("say", {"text": "hello"}))
+        await rig.driver.perform(BusJob("say", {"text": "hello"}))
 
 
 @pytest.mark.parametrize("afterwards", ["dark", "asleep", "last"])
@@ -211,22 +213,22 @@ async def test_what_stays_when_the_session_has_ended(
     begin: Begin, afterwards: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(driver, "_FAREWELL_S", 20.0)
-    stand = await begin(afterwards=afterwards)
-    stand.show(HAPPY)
-    await stand.shown(HAPPY)
+    rig = await begin(afterwards=afterwards)
+    rig.show(HAPPY)
+    await rig.shows(HAPPY)
 
     async def time_passes() -> None:
         while True:
-            stand.clock.advance(0.05)
+            rig.clock.advance(0.05)
             await asyncio.sleep(0.005)
 
     passing = asyncio.create_task(time_passes())
-    await stand.driver.close()
+    await rig.driver.close()
     passing.cancel()
     asleep_face = sleeping_face(LedFaceSettings("x"))
     expected = {"dark": LightFrame(24, (0,) * 16), "asleep": asleep_face, "last": HAPPY}[afterwards]
-    await stand.shown(expected)
-    await stand.driver.close()  # a second time is no harm
+    await rig.shows(expected)
+    await rig.driver.close()  # a second time is no harm
 
 
 @pytest.mark.parametrize("rotate", ["0", "90", "180", "270"])
@@ -235,22 +237,22 @@ def test_a_mounted_picture_is_seen_upright(rotate: str, data: st.DataObject, mir
     rows = data.draw(st.lists(st.integers(0, (1 << 12) - 1), min_size=9, max_size=9))
     frame = LightFrame(12, tuple(rows))
     settings = LedFaceSettings("x", width=12, height=9, rotate=rotate, mirror=mirror)
-    seen = as_mounted(frame, settings)
-    assert (seen.width, seen.height) == settings.wired
+    light_frame = as_mounted(frame, settings)
+    assert (light_frame.width, light_frame.height) == settings.wired
     for _ in range(int(rotate) // 90):  # turn the matrix as it was mounted: clockwise
-        seen = LightFrame(
-            seen.height,
+        light_frame = LightFrame(
+            light_frame.height,
             tuple(
                 sum(
-                    seen.lit(column, row) << row  # the lowest row comes to the left
-                    for row in range(seen.height)
+                    light_frame.lit(column, row) << row  # the lowest row comes to the left
+                    for row in range(light_frame.height)
                 )
-                for column in range(seen.width)
+                for column in range(light_frame.width)
             ),
         )
     for y in range(9):
         for x in range(12):
-            assert seen.lit(11 - x if mirror else x, y) == frame.lit(x, y)
+            assert light_frame.lit(11 - x if mirror else x, y) == frame.lit(x, y)
 
 
 def test_patterns_tell_every_way_of_mounting_apart() -> None:

@@ -92,8 +92,8 @@ def test_a_face_says_what_it_is() -> None:
 @given(frames, st.integers(0, 255), st.floats(0, 1))
 def test_a_frame_arrives_bit_for_bit(frame: LightFrame, number: int, brightness: float) -> None:
     board = Board()
-    (shown,) = answers(board.take(frame_packet(frame, number, brightness)))
-    assert shown == Packet(SHOWN, number, b"\0")
+    (packet,) = answers(board.take(frame_packet(frame, number, brightness)))
+    assert packet == Packet(SHOWN, number, b"\0")
     assert board.frame == frame
     assert abs(board.brightness - 255 * brightness) <= 1
     assert (board.brightness == 0) == (brightness == 0)
@@ -112,8 +112,8 @@ def test_the_device_shows_what_the_console_shows(emotion: str) -> None:
 def test_rows_that_fill_no_whole_bytes() -> None:
     board = Board(10, 9)
     frame = LightFrame(10, tuple(range(1000, 1009)))
-    (shown,) = answers(board.take(frame_packet(frame)))
-    assert shown.type == SHOWN
+    (packet,) = answers(board.take(frame_packet(frame)))
+    assert packet.type == SHOWN
     assert board.frame == frame
 
 

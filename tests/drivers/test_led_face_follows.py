@@ -9,7 +9,7 @@ from woz_drivers.body import Body
 from woz_drivers.body.settings import BodySettings
 from woz_drivers.led_face import LedFace, LedFaceSettings
 
-from tests.drivers.heard import Ordered, until
+from tests.drivers.published_messages import BusJob, until
 from tests.fakes.led_face import PluggedFace
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.feeds import Feeds
@@ -58,7 +58,7 @@ async def test_console_and_lights_show_the_same_picture(tmp_path: Path) -> None:
     try:
         pictures = set()
         for emotion in EMOTIONS[:7]:
-            await body.perform(Ordered("emotion", {"emotion": emotion, "intensity": 1.0}))
+            await body.perform(BusJob("emotion", {"emotion": emotion, "intensity": 1.0}))
             await until(lambda: same(emotion))  # noqa: B023
             pictures.add(lights.board.frame)
         assert len(pictures) == 7

@@ -18,8 +18,8 @@ from woz_drivers.live_talk import LiveTalk, VoiceTally
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings
 
-from tests.drivers.heard import PATIENCE_S, Heard, Ordered, until
-from tests.drivers.speech_desk import SCRIPT
+from tests.drivers.published_messages import PATIENCE_S, BusJob, PublishedMessages, until
+from tests.drivers.speech_rig import SCRIPT
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Probe, RejectedError, Scope
 from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, WIDTH, SoundWindow, VoiceState
 from woz_tui.protocol.messages import DriverConnected, Json, Notice, SensorChanged
@@ -57,7 +57,7 @@ while piece := sys.stdin.buffer.read(640):
 """
 
 
-class Booth:
+class LiveTalkRig:
     """A loudspeaker whose player writes what it gets into a file, and somebody who talks."""
 
     def __init__(self, folder: Path, clock: RealClock | ManualClock, **talk: Any) -> None:
@@ -69,24 +69,24 @@ class Booth:
         )
         assert settings.problems() == []
         self.clock = clock
-        self.heard = Heard(folder, clock)
-        self.driver = Speech("it", settings, self.heard.context)
-        self.window = SoundWindow(self.heard.context.feed(VOICE), RATE)
+        self.published = PublishedMessages(folder, clock)
+        self.driver = Speech("it", settings, self.published.context)
+        self.window = SoundWindow(self.published.context.feed(VOICE), RATE)
         self.talking: asyncio.Task[Mapping[str, Json]] | None = None
 
     async def open(self) -> None:
         await self.driver.open()
-        await self.heard.first(DriverConnected)
-        await self.heard.state("talk", "off")
+        await self.published.first(DriverConnected)
+        await self.published.state("talk", "off")
 
     @property
     def on(self) -> bool:
-        state = self.heard.context.feed(VOICE_STATE).latest().value
+        state = self.published.context.feed(VOICE_STATE).latest().value
         assert isinstance(state, VoiceState)
         return state.on
 
     @property
-    def said(self) -> bytes:
+    def played_sound(self) -> bytes:
         """What the player has got."""
         return self.out.read_bytes() if self.out.exists() else b""
 
@@ -98,7 +98,7 @@ class Booth:
 
         def heard() -> bool:
             self.say(CHANGED)
-            return CHANGED in self.said
+            return CHANGED in self.played_sound
 
         await until(heard)
 
@@ -107,7 +107,7 @@ class Booth:
 
         def heard() -> bool:
             self.say()
-            return bool(self.said)
+            return bool(self.played_sound)
 
         await until(heard)
 
@@ -116,13 +116,13 @@ class Booth:
 
         def silent() -> bool:
             clock.advance(0.1)
-            return self.heard.states("talk")[-1] == "silent"
+            return self.published.states("talk")[-1] == "silent"
 
         await until(silent)
 
     async def begin(self) -> asyncio.Task[Mapping[str, Json]]:
         """`talk` is played, and the loudspeaker is open."""
-        self.talking = asyncio.ensure_future(self.driver.perform(Ordered("talk")))
+        self.talking = asyncio.ensure_future(self.driver.perform(BusJob("talk")))
         await until(lambda: self.on or (self.talking is not None and self.talking.done()))
         return self.talking
 
@@ -134,30 +134,30 @@ class Booth:
                 await asyncio.sleep(0.005)
 
     async def end(self) -> Mapping[str, Json]:
-        await self.driver.perform(Ordered("end_talk"))
+        await self.driver.perform(BusJob("end_talk"))
         assert self.talking is not None
         return await self.talking
 
     async def until_said(self, pcm: bytes) -> None:
-        await until(lambda: self.said == pcm)
+        await until(lambda: self.played_sound == pcm)
 
 
 @pytest.fixture
 async def booths(tmp_path: Path) -> AsyncIterator[Any]:
     before = {one.pid for one in psutil.Process().children()}
-    made: list[Booth] = []
+    made: list[LiveTalkRig] = []
 
-    async def opened(clock: RealClock | ManualClock | None = None, **talk: Any) -> Booth:
-        booth = Booth(tmp_path, clock or RealClock(), **talk)
-        made.append(booth)
-        await booth.open()
-        return booth
+    async def opened(clock: RealClock | ManualClock | None = None, **talk: Any) -> LiveTalkRig:
+        rig = LiveTalkRig(tmp_path, clock or RealClock(), **talk)
+        made.append(rig)
+        await rig.open()
+        return rig
 
     yield opened
-    for booth in made:
-        await booth.driver.close()
-        if booth.talking is not None:
-            await asyncio.wait([booth.talking])
+    for rig in made:
+        await rig.driver.close()
+        if rig.talking is not None:
+            await asyncio.wait([rig.talking])
     below = [one for one in psutil.Process().children() if one.pid not in {guard.pid, *before}]
     assert [one for one in below if one.status() != "zombie"] == []
 
@@ -167,30 +167,30 @@ def python(program: str, *words: str) -> tuple[str, ...]:
 
 
 async def test_what_is_said_while_it_is_on_is_heard_and_nothing_else(booths: Any) -> None:
-    booth = await booths()
-    booth.say(b"\7\7" * 320)
-    talking = await booth.begin()
-    booth.say()
-    await booth.until_said(WORD)
-    booth.say(lost_s=0.25)
-    await booth.until_said(2 * WORD)
-    sent = await booth.end()
+    rig = await booths()
+    rig.say(b"\7\7" * 320)
+    talking = await rig.begin()
+    rig.say()
+    await rig.until_said(WORD)
+    rig.say(lost_s=0.25)
+    await rig.until_said(2 * WORD)
+    sent = await rig.end()
     assert talking.done()
     assert (sent["played"], sent["dropped"], sent["by"]) == (0.04, 0.25, "con7")
     assert "file" not in sent
-    assert not booth.on
-    booth.say()
-    assert booth.said == 2 * WORD
-    assert not booth.heard.context.media.exists(), "nothing is kept unless the file says so"
+    assert not rig.on
+    rig.say()
+    assert rig.played_sound == 2 * WORD
+    assert not rig.published.context.media.exists(), "nothing is kept unless the file says so"
 
 
 async def test_the_log_has_how_it_ended(booths: Any) -> None:
-    booth = await booths(ManualClock())  # a slow player is no silence
-    await booth.begin()
-    booth.say()
-    await booth.until_said(WORD)
-    await booth.end()
-    states = [one for one in booth.heard.all(SensorChanged) if one.sensor == "talk"]
+    rig = await booths(ManualClock())  # a slow player is no silence
+    await rig.begin()
+    rig.say()
+    await rig.until_said(WORD)
+    await rig.end()
+    states = [one for one in rig.published.all(SensorChanged) if one.sensor == "talk"]
     assert [one.state for one in states] == ["off", "on", "off"]
     assert "0.0 s dropped by con7" in states[-1].why
 
@@ -199,42 +199,42 @@ async def test_the_log_has_how_it_ended(booths: Any) -> None:
 async def test_a_stop_silences_at_once_and_it_needs_the_key_again(
     booths: Any, scope: Scope
 ) -> None:
-    booth = await booths(play=("sleep", "1000"))
-    talking = await booth.begin()
-    booth.say()
+    rig = await booths(play=("sleep", "1000"))
+    talking = await rig.begin()
+    rig.say()
     talking.cancel()  # as the bus does
-    await booth.driver.stop(scope)
+    await rig.driver.stop(scope)
     await until(talking.done)
     assert talking.cancelled()
-    assert not booth.on
-    await booth.driver.resume()
-    booth.say()
-    assert not booth.on
-    why = [one for one in booth.heard.all(SensorChanged) if one.sensor == "talk"][-1].why
+    assert not rig.on
+    await rig.driver.resume()
+    rig.say()
+    assert not rig.on
+    why = [one for one in rig.published.all(SensorChanged) if one.sensor == "talk"][-1].why
     assert "stopped" in why
 
 
 async def test_a_player_that_takes_nothing_costs_sound_and_no_time(booths: Any) -> None:
-    booth = await booths(play=("sleep", "1000"))
-    await booth.begin()
-    booth.say(WORD * 100)
-    sent = await booth.end()
+    rig = await booths(play=("sleep", "1000"))
+    await rig.begin()
+    rig.say(WORD * 100)
+    sent = await rig.end()
     assert sent["played"] == pytest.approx(0.1, abs=0.03)
     assert sent["dropped"] == pytest.approx(1.9, abs=0.03)
 
 
 async def test_a_player_that_ends_is_told(booths: Any) -> None:
-    booth = await booths(play=("sh", "-c", "echo no such card >&2; exit 3"))
-    talking = await booth.begin()
+    rig = await booths(play=("sh", "-c", "echo no such card >&2; exit 3"))
+    talking = await rig.begin()
     with pytest.raises(DriverError, match="no such card"):
         await talking
-    assert not booth.on
+    assert not rig.on
 
 
 async def test_a_player_that_is_missing_is_told(booths: Any) -> None:
-    booth = await booths(play=("no-such-player",))
+    rig = await booths(play=("no-such-player",))
     with pytest.raises(DriverError, match="no-such-player"):
-        await (await booth.begin())
+        await (await rig.begin())
 
 
 class EndedOutlet:
@@ -266,8 +266,8 @@ async def test_a_robot_that_is_lost_is_told_before_the_player_that_ended_with_it
     async def loudspeaker(_: VoiceTally) -> AsyncIterator[EndedOutlet]:
         yield EndedOutlet()
 
-    heard = Heard(tmp_path, RealClock())
-    talk = LiveTalk(PlayedTalkSettings(), heard.context, loudspeaker)
+    published = PublishedMessages(tmp_path, RealClock())
+    talk = LiveTalk(PlayedTalkSettings(), published.context, loudspeaker)
     talk.start()
     talking = asyncio.ensure_future(talk.talk())
     await until(lambda: talk.on)
@@ -279,155 +279,155 @@ async def test_a_robot_that_is_lost_is_told_before_the_player_that_ended_with_it
 
 async def test_nobody_who_sends_is_told(booths: Any) -> None:
     clock = ManualClock()
-    booth = await booths(clock)
-    await booth.begin()
+    rig = await booths(clock)
+    await rig.begin()
     clock.advance(1.1)
-    moved = await booth.heard.state("talk", "silent")
+    moved = await rig.published.state("talk", "silent")
     assert "woz talk" in moved.why
-    booth.say()
-    await booth.heard.state("talk", "on")
-    await booth.end()
+    rig.say()
+    await rig.published.state("talk", "on")
+    await rig.end()
 
 
 async def test_it_ends_by_itself(booths: Any) -> None:
     clock = ManualClock()
-    booth = await booths(clock, longest=30.0)
-    talking = await booth.begin()
+    rig = await booths(clock, longest=30.0)
+    talking = await rig.begin()
     clock.advance(29.0)
-    await booth.heard.state("talk", "silent")
+    await rig.published.state("talk", "silent")
     clock.advance(2.0)
     assert (await talking)["seconds"] == 31.0
 
 
 async def test_nobody_talks(booths: Any) -> None:
-    booth = await booths()
+    rig = await booths()
     with pytest.raises(RejectedError, match="nobody talks"):
-        await booth.driver.perform(Ordered("end_talk"))
+        await rig.driver.perform(BusJob("end_talk"))
 
 
 async def test_a_volume_counts(booths: Any) -> None:
-    booth = await booths()
-    await booth.driver.perform(Ordered("volume", {"level": 0.5}))
-    await booth.begin()
-    booth.say((1000).to_bytes(2, "little") * 320)
-    await booth.until_said((500).to_bytes(2, "little") * 320)
-    await booth.end()
+    rig = await booths()
+    await rig.driver.perform(BusJob("volume", {"level": 0.5}))
+    await rig.begin()
+    rig.say((1000).to_bytes(2, "little") * 320)
+    await rig.until_said((500).to_bytes(2, "little") * 320)
+    await rig.end()
 
 
 # -- a program that changes the voice ----------------------------------------------------------
 
 
 async def test_a_program_changes_the_voice(booths: Any) -> None:
-    booth = await booths(through=python(CHANGE))
-    await booth.begin()
-    await booth.until_heard()
-    await booth.end()
-    assert booth.said.replace(CHANGED, b"") == b""
+    rig = await booths(through=python(CHANGE))
+    await rig.begin()
+    await rig.until_heard()
+    await rig.end()
+    assert rig.played_sound.replace(CHANGED, b"") == b""
 
 
 async def test_a_program_that_dies_is_started_again_and_nobody_is_heard_unchanged(
     booths: Any,
 ) -> None:
-    booth = await booths(ManualClock(), through=python(CHANGE))  # a slow start is no silence
-    await booth.begin()
-    booth.say()
-    await booth.until_said(CHANGED)
+    rig = await booths(ManualClock(), through=python(CHANGE))  # a slow start is no silence
+    await rig.begin()
+    rig.say()
+    await rig.until_said(CHANGED)
     below = psutil.Process().children(recursive=True)
     (program,) = [one for one in below if one.is_running() and CHANGE in one.cmdline()]
     program.kill()
-    await booth.heard.state("talk", "stale")
-    booth.say()
-    await booth.heard.state("talk", "on")
-    booth.say()
-    await until(lambda: len(booth.said) == 2 * len(CHANGED))
-    assert booth.said == 2 * CHANGED
-    assert (await booth.end())["dropped"] == 0.02
+    await rig.published.state("talk", "stale")
+    rig.say()
+    await rig.published.state("talk", "on")
+    rig.say()
+    await until(lambda: len(rig.played_sound) == 2 * len(CHANGED))
+    assert rig.played_sound == 2 * CHANGED
+    assert (await rig.end())["dropped"] == 0.02
 
 
 async def test_without_its_program_nobody_can_talk(tmp_path: Path) -> None:
-    booth = Booth(tmp_path, RealClock(), through=("no-such-changer",))
-    await booth.driver.open()
+    rig = LiveTalkRig(tmp_path, RealClock(), through=("no-such-changer",))
+    await rig.driver.open()
     try:
-        await booth.heard.state("talk", "stale")
+        await rig.published.state("talk", "stale")
         with pytest.raises(DeviceLostError, match="no-such-changer"):
-            await booth.driver.perform(Ordered("talk"))
+            await rig.driver.perform(BusJob("talk"))
     finally:
-        await booth.driver.close()
+        await rig.driver.close()
 
 
 async def test_a_program_that_gives_nothing_back_is_started_again(booths: Any) -> None:
     clock = ManualClock()
-    booth = await booths(clock, longest=3600.0, through=("sleep", "1000"))
-    talking = await booth.begin()
+    rig = await booths(clock, longest=3600.0, through=("sleep", "1000"))
+    talking = await rig.begin()
 
     def told() -> bool:
         clock.advance(0.5)
-        booth.say()
-        changes = booth.heard.all(SensorChanged)
+        rig.say()
+        changes = rig.published.all(SensorChanged)
         return any((one.state, "sleep ran" in one.why) == ("stale", True) for one in changes)
 
     await until(told)
-    await until(lambda: booth.heard.states("talk")[-1] != "stale")
+    await until(lambda: rig.published.states("talk")[-1] != "stale")
     assert not talking.done()
-    await booth.end()
+    await rig.end()
 
 
 async def test_who_stops_sending_is_heard_to_the_end_and_the_program_goes_on(booths: Any) -> None:
     clock = ManualClock()
-    booth = await booths(clock, through=python(BLOCKS))
-    talking = await booth.begin()
-    booth.say(2 * WORD)
-    await booth.until_said(2 * CHANGED)
-    booth.say()  # half a block
-    await booth.until_silent(clock)
-    await until(lambda: len(booth.said) > len(2 * CHANGED))
+    rig = await booths(clock, through=python(BLOCKS))
+    talking = await rig.begin()
+    rig.say(2 * WORD)
+    await rig.until_said(2 * CHANGED)
+    rig.say()  # half a block
+    await rig.until_silent(clock)
+    await until(lambda: len(rig.played_sound) > len(2 * CHANGED))
     clock.advance(100.0)
-    await booth.end()
+    await rig.end()
     assert talking.done()
-    assert "stale" not in booth.heard.states("talk")
+    assert "stale" not in rig.published.states("talk")
 
 
 async def test_a_program_that_loads_for_long_is_waited_for(booths: Any, tmp_path: Path) -> None:
     clock, gate = ManualClock(), tmp_path / "gate"
-    booth = await booths(clock, through=python(LOAD + CHANGE, str(gate)))
-    await booth.begin()
-    booth.say()
-    await booth.until_silent(clock)
+    rig = await booths(clock, through=python(LOAD + CHANGE, str(gate)))
+    await rig.begin()
+    rig.say()
+    await rig.until_silent(clock)
     clock.advance(14.0)
-    booth.say()
-    await booth.heard.state("talk", "on")
+    rig.say()
+    await rig.published.state("talk", "on")
     gate.touch()
-    await booth.until_changed()
-    await booth.end()
+    await rig.until_changed()
+    await rig.end()
 
 
 async def test_what_a_program_holds_is_not_heard_after_a_stop(booths: Any, tmp_path: Path) -> None:
-    booth = await booths(through=python(HOLD, str(tmp_path / "silence")))
-    talking = await booth.begin()
-    await booth.until_heard()
+    rig = await booths(through=python(HOLD, str(tmp_path / "silence")))
+    talking = await rig.begin()
+    await rig.until_heard()
     talking.cancel()
-    await booth.driver.stop(Scope.ALL)
+    await rig.driver.stop(Scope.ALL)
     await until(talking.done)
-    await booth.heard.until(lambda: booth.heard.states("talk")[-1] == "off")
-    words = booth.said.count(WORD)
-    await booth.begin_again()
-    await booth.until_changed()
-    assert booth.said.count(WORD) == words
-    await booth.end()
+    await rig.published.until(lambda: rig.published.states("talk")[-1] == "off")
+    words = rig.played_sound.count(WORD)
+    await rig.begin_again()
+    await rig.until_changed()
+    assert rig.played_sound.count(WORD) == words
+    await rig.end()
 
 
 async def test_what_a_program_holds_is_not_heard_the_next_time(booths: Any, tmp_path: Path) -> None:
     silence = tmp_path / "silence"
-    booth = await booths(through=python(HOLD, str(silence)))
-    await booth.begin()
-    await booth.until_heard()
-    await booth.end()
+    rig = await booths(through=python(HOLD, str(silence)))
+    await rig.begin()
+    await rig.until_heard()
+    await rig.end()
     await until(silence.exists)
-    words = booth.said.count(WORD)
-    await booth.begin()
-    await booth.until_changed()
-    assert booth.said.count(WORD) == words
-    await booth.end()
+    words = rig.played_sound.count(WORD)
+    await rig.begin()
+    await rig.until_changed()
+    assert rig.played_sound.count(WORD) == words
+    await rig.end()
 
 
 class NarrowOutlet:
@@ -468,12 +468,12 @@ async def test_who_pauses_loses_no_sound_to_the_silence(tmp_path: Path) -> None:
         outlets.append(NarrowOutlet(tally, clock))
         yield outlets[0]
 
-    heard = Heard(tmp_path, clock)
-    window = SoundWindow(heard.context.feed(VOICE), RATE)
-    talk = LiveTalk(PlayedTalkSettings(through=python(CHANGE)), heard.context, loudspeaker)
+    published = PublishedMessages(tmp_path, clock)
+    window = SoundWindow(published.context.feed(VOICE), RATE)
+    talk = LiveTalk(PlayedTalkSettings(through=python(CHANGE)), published.context, loudspeaker)
     talk.start()
     try:
-        await heard.state("talk", "off")
+        await published.state("talk", "off")
         talking = asyncio.ensure_future(talk.talk())
         await until(lambda: talk.on)
         window.add(WORD, clock.now_us(), "con7", 0.0)
@@ -492,12 +492,12 @@ async def test_who_pauses_loses_no_sound_to_the_silence(tmp_path: Path) -> None:
 
 
 async def test_what_is_heard_is_kept_where_the_file_says_so(booths: Any) -> None:
-    booth = await booths(ManualClock(), keep=True, through=python(CHANGE))  # as above
-    await booth.begin()
-    booth.say()
-    await booth.until_said(CHANGED)
-    sent = await booth.end()
-    path = booth.heard.context.media.parent / str(sent["file"])
+    rig = await booths(ManualClock(), keep=True, through=python(CHANGE))  # as above
+    await rig.begin()
+    rig.say()
+    await rig.until_said(CHANGED)
+    sent = await rig.end()
+    path = rig.published.context.media.parent / str(sent["file"])
     assert path.stat().st_mode & 0o777 == 0o600
 
     def whole() -> bool:
@@ -518,15 +518,15 @@ async def test_a_disk_that_takes_nothing_is_told_and_the_voice_is_heard(
         return real(place, flags & ~os.O_EXCL if place != name else flags, mode, **more)
 
     monkeypatch.setattr(os, "open", full)
-    booth = await booths(keep=True)
-    await booth.begin()
-    booth.say()
-    notice = await booth.heard.first(Notice)
+    rig = await booths(keep=True)
+    await rig.begin()
+    rig.say()
+    notice = await rig.published.first(Notice)
     assert (notice.level, "not kept" in notice.text) == ("error", True)
-    await booth.until_said(WORD)
-    booth.say()
-    await booth.until_said(2 * WORD)
-    assert "file" not in await booth.end()
+    await rig.until_said(WORD)
+    rig.say()
+    await rig.until_said(2 * WORD)
+    assert "file" not in await rig.end()
 
 
 # -- settings ----------------------------------------------------------------------------------

@@ -15,9 +15,9 @@ from woz_drivers.child_process import guard
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
 
-from tests.drivers.ears import ears, learning
-from tests.drivers.heard import Heard, Ordered, until
-from tests.fakes.offspring import offspring
+from tests.drivers.microphones import learning, microphone_opener
+from tests.drivers.published_messages import BusJob, PublishedMessages, until
+from tests.fakes.child_processes import offspring
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
 from woz_tui.drivers.contract import (
@@ -47,11 +47,11 @@ def clock() -> ManualClock:
 
 @pytest.fixture
 async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
-    async with ears(tmp_path) as some:
+    async with microphone_opener(tmp_path) as some:
 
         async def started(
             command: tuple[str, ...] | str, real: bool = False, **settings: Any
-        ) -> tuple[Microphone, Heard]:
+        ) -> tuple[Microphone, PublishedMessages]:
             return await some.open(RealClock() if real else clock, command=command, **settings)
 
         yield started
@@ -60,61 +60,61 @@ async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
 async def test_loudness_of_the_loudest_block_ten_times_a_second(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    _, heard = await begin(pipe.command)
+    _, published = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(square(0.45, 0.25) + square(0.05, 0.5) + square(0.5, 0.125))
-    await heard.until(lambda: len(heard.values("loudness")) == 10)
-    assert heard.values("loudness") == pytest.approx([0.25] * 4 + [0.5] + [0.125] * 5, rel=1e-3)
-    assert heard.all(DriverConnected)[0].detail == "cat, 16000 Hz, S16_LE, 1 channel"
+    await published.until(lambda: len(published.values("loudness")) == 10)
+    assert published.values("loudness") == pytest.approx([0.25] * 4 + [0.5] + [0.125] * 5, rel=1e-3)
+    assert published.all(DriverConnected)[0].detail == "cat, 16000 Hz, S16_LE, 1 channel"
 
 
 async def test_rms_over_all_blocks_at_another_rate(begin: Begin, pipe: PipedCommand) -> None:
-    _, heard = await begin(pipe.command, measure="rms", publish=5)
+    _, published = await begin(pipe.command, measure="rms", publish=5)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.6) + square(0.1, 0.0) + square(0.2, 0.3))
-    await heard.until(lambda: len(heard.values("loudness")) == 2)
-    assert heard.values("loudness") == pytest.approx([0.6 / 2**0.5, 0.3], rel=1e-3)
+    await published.until(lambda: len(published.values("loudness")) == 2)
+    assert published.values("loudness") == pytest.approx([0.6 / 2**0.5, 0.3], rel=1e-3)
 
 
 async def test_a_stream_split_at_odd_bytes_is_the_same(begin: Begin, pipe: PipedCommand) -> None:
-    _, heard = await begin(pipe.command)
+    _, published = await begin(pipe.command)
     await until(pipe.connected)
     data = square(0.1, 0.25) + square(0.1, 0.5)
     for start in range(0, len(data), 611):
         pipe.send(data[start : start + 611])
         await asyncio.sleep(0)
-    await heard.until(lambda: len(heard.values("loudness")) == 2)
-    assert heard.values("loudness") == pytest.approx([0.25, 0.5], rel=1e-3)
+    await published.until(lambda: len(published.values("loudness")) == 2)
+    assert published.values("loudness") == pytest.approx([0.25, 0.5], rel=1e-3)
 
 
 async def test_one_channel_of_two_in_24_bits(begin: Begin, pipe: PipedCommand) -> None:
-    _, heard = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
+    _, published = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
     await until(pipe.connected)
     stereo = np.tile(np.array([[0.9, 0.3]], np.float32), (RATE // 10, 1))
     pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
-    await heard.until(lambda: len(heard.values("loudness")) == 1)
-    assert heard.values("loudness") == pytest.approx([0.3], rel=1e-3)
+    await published.until(lambda: len(published.values("loudness")) == 1)
+    assert published.values("loudness") == pytest.approx([0.3], rel=1e-3)
 
 
 async def test_speaking_quiet_clipping_and_silent(begin: Begin, pipe: PipedCommand) -> None:
-    _, heard = await begin(pipe.command, threshold=0.1, hang_over=0.2, silent_after=0.5)
+    _, published = await begin(pipe.command, threshold=0.1, hang_over=0.2, silent_after=0.5)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05) + square(0.2, 0.5) + square(0.3, 0.05))
-    await heard.until(lambda: heard.states("loudness") == ["quiet", "speaking", "quiet"])
+    await published.until(lambda: published.states("loudness") == ["quiet", "speaking", "quiet"])
     pipe.send(square(0.1, 0.9999) + square(1.2, 0.3))
-    await heard.until(lambda: heard.states("loudness")[3:] == ["clipping", "speaking"])
+    await published.until(lambda: published.states("loudness")[3:] == ["clipping", "speaking"])
     pipe.send(square(0.8, 0.0))
-    await heard.until(lambda: heard.states("loudness")[5:] == ["quiet", "silent"])
-    assert "muted" in (await heard.state("loudness", "silent")).why
+    await published.until(lambda: published.states("loudness")[5:] == ["quiet", "silent"])
+    assert "muted" in (await published.state("loudness", "silent")).why
     pipe.send(square(0.1, 0.01))
-    await heard.state("loudness", "quiet")
+    await published.state("loudness", "quiet")
 
 
 async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedCommand) -> None:
-    microphone, heard = await begin(pipe.command, hang_over=0.1)
+    microphone, published = await begin(pipe.command, hang_over=0.1)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
-    await heard.state("loudness", "speaking")
+    await published.state("loudness", "speaking")
     job, performing = await learning(microphone, 0.4)
     assert job.announced == [0.4]
     pipe.send(square(0.2, 0.05) + square(0.2, 0.07))
@@ -128,34 +128,34 @@ async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedCommand) 
         "loudest": pytest.approx(0.07, rel=1e-3),
         "seconds": pytest.approx(0.4),
     }
-    assert "threshold: 0.1000" in heard.all(Notice)[0].remedy
-    assert heard.values("loudness.threshold") == pytest.approx([0.02, 0.1], rel=1e-3)
+    assert "threshold: 0.1000" in published.all(Notice)[0].remedy
+    assert published.values("loudness.threshold") == pytest.approx([0.02, 0.1], rel=1e-3)
     pipe.send(square(0.2, 0.07))
-    await heard.state("loudness", "quiet")
+    await published.state("loudness", "quiet")
     pipe.send(square(0.2, 0.12))
-    await heard.state("loudness", "speaking")
+    await published.state("loudness", "speaking")
 
 
 async def test_whoever_speaks_while_it_listens_is_told_to_be_quiet(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    microphone, heard = await begin(pipe.command)
+    microphone, published = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.01))
-    await heard.state("loudness", "quiet")
+    await published.state("loudness", "quiet")
     _, performing = await learning(microphone, 0.4)
     pipe.send(square(0.3, 0.01) + square(0.1, 0.3))
     sent = await performing
     assert sent["loudest"] == pytest.approx(0.3, rel=1e-3)
-    warning = heard.all(Notice)[-1]
+    warning = published.all(Notice)[-1]
     assert (warning.level, "not quiet" in warning.text) == ("warning", True)
 
 
 async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedCommand) -> None:
-    microphone, heard = await begin(pipe.command)
+    microphone, published = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.0))
-    await heard.state("loudness", "quiet")
+    await published.state("loudness", "quiet")
     _, performing = await learning(microphone, 0.1)
     pipe.send(square(0.2, 0.0))
     with pytest.raises(DriverError, match="only zeros"):
@@ -163,12 +163,12 @@ async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedComma
 
 
 async def test_learning_ends_with_the_command(begin: Begin, pipe: PipedCommand) -> None:
-    microphone, heard = await begin(pipe.command)
+    microphone, published = await begin(pipe.command)
     with pytest.raises(DeviceLostError, match="delivers no sound"):
-        await microphone.perform(Ordered("listen_room", {"seconds": 1.0}))
+        await microphone.perform(BusJob("listen_room", {"seconds": 1.0}))
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
-    await heard.state("loudness", "speaking")
+    await published.state("loudness", "speaking")
     _, performing = await learning(microphone, 1.0)
     pipe.unplug()
     with pytest.raises(DeviceLostError, match="cat ended"):
@@ -176,16 +176,16 @@ async def test_learning_ends_with_the_command(begin: Begin, pipe: PipedCommand) 
 
 
 async def test_learning_can_be_cancelled(begin: Begin, pipe: PipedCommand) -> None:
-    microphone, heard = await begin(pipe.command)
+    microphone, published = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
-    await heard.state("loudness", "speaking")
+    await published.state("loudness", "speaking")
     _, performing = await learning(microphone, 1.0)
     performing.cancel()
     with pytest.raises(asyncio.CancelledError):
         await performing
     pipe.send(square(0.3, 0.01))  # more sound after that harms nobody
-    await heard.until(lambda: len(heard.values("loudness")) == 4)
+    await published.until(lambda: len(published.values("loudness")) == 4)
 
 
 # -- trouble -----------------------------------------------------------------------------------
@@ -196,14 +196,14 @@ async def test_a_command_that_dies_is_lost_with_its_last_words_and_started_again
 ) -> None:
     (tmp_path / "sound.raw").write_bytes(square(0.2, 0.25))
     script = "cat sound.raw; echo hello >&2; echo 'device unplugged' >&2; exit 1"
-    _, heard = await begin(("sh", "-c", script))
-    lost = await heard.first(DriverLost)
+    _, published = await begin(("sh", "-c", script))
+    lost = await published.first(DriverLost)
     assert lost.detail == "sh ended: device unplugged"
     assert lost.remedy
-    assert (await heard.state("loudness", "stale")).why == "sh ended: device unplugged"
-    await heard.first(DriverLost, after=1)  # it came back, and died again
-    assert len(heard.all(DriverConnected)) == 2
-    assert heard.values("loudness") == pytest.approx([0.25] * 4, rel=1e-3)
+    assert (await published.state("loudness", "stale")).why == "sh ended: device unplugged"
+    await published.first(DriverLost, after=1)  # it came back, and died again
+    assert len(published.all(DriverConnected)) == 2
+    assert published.values("loudness") == pytest.approx([0.25] * 4, rel=1e-3)
 
 
 async def test_a_missing_program_names_its_package_and_is_found_once_it_is_there(
@@ -212,37 +212,37 @@ async def test_a_missing_program_names_its_package_and_is_found_once_it_is_there
     here = tmp_path / "bin"
     here.mkdir()
     monkeypatch.setenv("PATH", f"{here}")
-    _, heard = await begin("parec --raw")
-    lost = await heard.first(DriverLost)
+    _, published = await begin("parec --raw")
+    lost = await published.first(DriverLost)
     assert lost.detail == "parec is not installed on this machine"
     assert lost.remedy == "sudo apt install pulseaudio-utils"
     (tmp_path / "sound.raw").write_bytes(square(0.2, 0.25))
     program = here / "parec"
     program.write_text("#!/bin/sh\nexec /bin/cat sound.raw\n")
     program.chmod(0o700)
-    await heard.first(DriverConnected)
+    await published.first(DriverConnected)
 
 
 async def test_a_command_that_hangs_is_stale_then_ended_and_started_again(
     begin: Begin, pipe: PipedCommand, clock: ManualClock
 ) -> None:
-    _, heard = await begin(pipe.command)
+    _, published = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.01))
-    await heard.state("loudness", "quiet")
+    await published.state("loudness", "quiet")
     clock.advance(1.5)
-    assert "delivers no sound" in (await heard.state("loudness", "stale")).why
+    assert "delivers no sound" in (await published.state("loudness", "stale")).why
     pipe.send(square(0.1, 0.01))
-    await heard.state("loudness", "quiet")
+    await published.state("loudness", "quiet")
     clock.advance(6)
-    assert (await heard.first(DriverLost)).detail == "cat ran, but delivered no sound"
+    assert (await published.first(DriverLost)).detail == "cat ran, but delivered no sound"
 
 
 async def test_nothing_is_left_behind(begin: Begin, tmp_path: Path) -> None:
     (tmp_path / "sound.raw").write_bytes(square(0.2, 0.25))
     before = {one.pid for one in offspring()}  # of other tests, for the whole run
-    microphone, heard = await begin(("sh", "-c", "sleep 1000 & cat sound.raw; wait"))
-    await heard.first(DriverConnected)
+    microphone, published = await begin(("sh", "-c", "sleep 1000 & cat sound.raw; wait"))
+    await published.first(DriverConnected)
 
     await until(lambda: len(offspring(named="sleep")) == 1)
     children = [one for one in offspring() if one.pid not in {guard.pid, *before}]
@@ -252,12 +252,12 @@ async def test_nothing_is_left_behind(begin: Begin, tmp_path: Path) -> None:
 
 
 async def test_sound_faster_than_real_time_is_slowed_down(begin: Begin) -> None:
-    _, heard = await begin(("head", "-c", "64000000", "/dev/zero"))  # 2000 s of it
-    await heard.until(lambda: len(heard.values("loudness")) >= 20)
+    _, published = await begin(("head", "-c", "64000000", "/dev/zero"))  # 2000 s of it
+    await published.until(lambda: len(published.values("loudness")) >= 20)
     for _ in range(200):
         await asyncio.sleep(0.001)
-    assert len(heard.values("loudness")) < 2000
-    assert heard.all(DriverLost) == []
+    assert len(published.values("loudness")) < 2000
+    assert published.all(DriverLost) == []
 
 
 async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedCommand) -> None:
@@ -267,7 +267,7 @@ async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedCommand) -> None:
     assert Microphone.sensors(deaf) == ("loudness", "loudness.threshold", "speech")
     assert Microphone.sensors(hears) == (*Microphone.sensors(deaf), "speech.text", "transcriber")
     with pytest.raises(RejectedError):
-        await microphone.perform(Ordered("say", {"text": "x"}))
+        await microphone.perform(BusJob("say", {"text": "x"}))
     await microphone.stop(Scope.ALL)
     await microphone.rest()
 
@@ -294,8 +294,8 @@ def test_settings_that_contradict_each_other(wrong: dict[str, Any], setting: str
 
 async def examined(tmp_path: Path, data: bytes, **settings: Any) -> Finding:
     (tmp_path / "sound.raw").write_bytes(data)
-    made = MicrophoneSettings(command="cat sound.raw", **settings)
-    (finding,) = await Microphone.examine(Probe("ear", made, tmp_path))
+    microphone_settings = MicrophoneSettings(command="cat sound.raw", **settings)
+    (finding,) = await Microphone.examine(Probe("ear", microphone_settings, tmp_path))
     return finding
 
 
@@ -339,10 +339,10 @@ async def test_arecord_from_a_file_in_the_place_of_a_sound_card(
         'pcm.fake { type file; slave.pcm null; file /dev/null; format raw; infile "sound.raw" }\n'
     )
     monkeypatch.setenv("ALSA_CONFIG_PATH", f"/usr/share/alsa/alsa.conf:{tmp_path}/asound.conf")
-    _, heard = await begin("", real=True, device="fake")
-    await heard.until(lambda: len(heard.values("loudness")) >= 4)
-    assert heard.values("loudness")[:4] == pytest.approx([0.25] * 4, rel=1e-3)
-    assert heard.all(DriverConnected)[0].detail.startswith("arecord")
+    _, published = await begin("", real=True, device="fake")
+    await published.until(lambda: len(published.values("loudness")) >= 4)
+    assert published.values("loudness")[:4] == pytest.approx([0.25] * 4, rel=1e-3)
+    assert published.all(DriverConnected)[0].detail.startswith("arecord")
 
 
 @pytest.mark.alsa
@@ -357,21 +357,21 @@ async def test_examine_with_arecord_says_what_is_wrong_with_the_device(tmp_path:
 async def test_live_sound_while_somebody_listens(
     begin: Begin, pipe: PipedCommand, clock: ManualClock
 ) -> None:
-    _, heard = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
+    _, published = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
     await until(pipe.connected)
-    feed = heard.context.feed(SOUND)
+    feed = published.context.feed(SOUND)
     stereo = np.tile(np.array([[0.9, 0.25]], np.float32), (RATE // 10, 1))
     pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
-    await heard.until(lambda: len(heard.values("loudness")) == 1)
+    await published.until(lambda: len(published.values("loudness")) == 1)
     assert feed.latest().value is None, "nobody listens"
-    heard.context.feed(LISTENED).put(SoundListened(clock.now_us() + 1_000_000))
+    published.context.feed(LISTENED).put(SoundListened(clock.now_us() + 1_000_000))
     pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
-    await heard.until(lambda: len(heard.values("loudness")) == 2)
+    await published.until(lambda: len(published.values("loudness")) == 2)
     sound = feed.latest().value
     assert isinstance(sound, LiveSound)
     assert (sound.rate, sound.end) == (RATE, RATE // 10)
     assert set(np.frombuffer(sound.blocks[-1].pcm, "<i2")) == {8192}
     clock.advance(1.0)
     pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
-    await heard.until(lambda: len(heard.values("loudness")) == 3)
+    await published.until(lambda: len(published.values("loudness")) == 3)
     assert feed.latest().serial == 5, "nobody listens any more"

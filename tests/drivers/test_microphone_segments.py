@@ -16,8 +16,8 @@ from woz_drivers import pcm_audio
 from woz_drivers.microphone import speech_segments
 from woz_drivers.microphone.driver import Microphone
 
-from tests.drivers.ears import ears
-from tests.drivers.heard import PATIENCE_S, Heard, until
+from tests.drivers.microphones import microphone_opener
+from tests.drivers.published_messages import PATIENCE_S, PublishedMessages, until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
 from woz_tui.protocol.messages import Notice, SensorChanged, SpeechEnded, SpeechStarted
@@ -43,9 +43,11 @@ def slow_disk(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 async def begin(tmp_path: Path) -> AsyncIterator[Begin]:
-    async with ears(tmp_path) as some:
+    async with microphone_opener(tmp_path) as some:
 
-        async def started(pipe: PipedCommand, **settings: Any) -> tuple[Microphone, Heard]:
+        async def started(
+            pipe: PipedCommand, **settings: Any
+        ) -> tuple[Microphone, PublishedMessages]:
             settings = {"command": pipe.command, **EAR, **settings}
             opened = await some.open(ManualClock(), "ears", **settings)
             await until(pipe.connected)
@@ -63,9 +65,9 @@ def utterance(before: int = 10, loud: int = 5, after: int = 10) -> bytes:
     return ramp(before, 0.01) + ramp(loud, 0.5) + ramp(after, 0.02)
 
 
-def kept(heard: Heard, ended: SpeechEnded) -> bytes:
+def segment_samples(published: PublishedMessages, speech_ended: SpeechEnded) -> bytes:
     """The samples in a segment's file, read by somebody else's code."""
-    with wave.open(str(heard.context.folder / ended.file)) as file:
+    with wave.open(str(published.context.folder / speech_ended.file)) as file:
         shape = (file.getnchannels(), file.getsampwidth(), file.getframerate())
         assert shape == (1, 2, RATE)
         frames: bytes = file.readframes(file.getnframes())
@@ -76,28 +78,28 @@ async def test_a_segment_has_its_pre_roll_and_its_hang_over(
     begin: Begin, pipe: PipedCommand
 ) -> None:
     """10 quiet blocks, 5 loud, 10 quiet: from 3 before the onset to the 5th quiet one."""
-    _, heard = await begin(pipe)
+    _, published = await begin(pipe)
     pipe.send(utterance())
-    ended = await heard.first(SpeechEnded)
-    started = await heard.first(SpeechStarted)
+    ended = await published.first(SpeechEnded)
+    started = await published.first(SpeechStarted)
     assert (started.driver, started.segment, ended.segment) == ("it", 1, 1)
     assert ended.began == started.began
     assert ended.ended - ended.began == (3 + 5 + 5) * 20_000
     assert ended.loudest == pytest.approx(0.502, rel=1e-3)
     assert (ended.file, ended.detail) == ("", "")
-    assert not (heard.context.media).exists(), "nothing is kept unless it is asked for"
+    assert not (published.context.media).exists(), "nothing is kept unless it is asked for"
 
 
 async def test_the_file_holds_the_segment_sample_by_sample(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    _, heard = await begin(pipe, segments=True)
+    _, published = await begin(pipe, segments=True)
     data = utterance()
     pipe.send(data)
-    ended = await heard.first(SpeechEnded)
+    ended = await published.first(SpeechEnded)
     assert ended.file == "session.media/ears-0001.wav"
-    path = heard.context.folder / ended.file
-    assert kept(heard, ended) == data[(10 - 3) * BLOCK : (10 + 5 + 5) * BLOCK]
+    path = published.context.folder / ended.file
+    assert segment_samples(published, ended) == data[(10 - 3) * BLOCK : (10 + 5 + 5) * BLOCK]
     assert path.stat().st_mode & 0o777 == 0o600
     assert path.parent.stat().st_mode & 0o777 == 0o700
     assert [one.name for one in path.parent.iterdir()] == ["ears-0001.wav"]
@@ -106,12 +108,12 @@ async def test_the_file_holds_the_segment_sample_by_sample(
 async def test_a_second_segment_never_holds_sound_of_the_first(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    _, heard = await begin(pipe, segments=True, pre_roll=1.0, hang_over=0.04)
+    _, published = await begin(pipe, segments=True, pre_roll=1.0, hang_over=0.04)
     data = ramp(4, 0.5) + ramp(3, 0.01) + ramp(4, 0.6) + ramp(3, 0.02)
     pipe.send(data)
-    second = await heard.first(SpeechEnded, after=1)
-    first = heard.all(SpeechEnded)[0]
-    assert [kept(heard, first), kept(heard, second)] == [
+    second = await published.first(SpeechEnded, after=1)
+    first = published.all(SpeechEnded)[0]
+    assert [segment_samples(published, first), segment_samples(published, second)] == [
         data[: 6 * BLOCK],
         data[6 * BLOCK : 13 * BLOCK],
     ]
@@ -120,46 +122,46 @@ async def test_a_second_segment_never_holds_sound_of_the_first(
 async def test_of_several_channels_the_one_that_counts_is_kept(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    _, heard = await begin(pipe, segments=True, format="S24_3LE", channels=2, channel=2)
+    _, published = await begin(pipe, segments=True, format="S24_3LE", channels=2, channel=2)
     levels = np.repeat(np.array([0.0, 0.5, 0.0], np.float32), [320 * 5, 320 * 5, 320 * 6])
     pipe.send(pcm_audio.encode(np.stack([np.full_like(levels, 0.9), levels], axis=1), "S24_3LE"))
-    ended = await heard.first(SpeechEnded)
+    ended = await published.first(SpeechEnded)
     assert (
-        np.frombuffer(kept(heard, ended), "<i2").tolist()
+        np.frombuffer(segment_samples(published, ended), "<i2").tolist()
         == [0] * 320 * 3 + [16384] * 320 * 5 + [0] * 320 * 5
     )
 
 
 async def test_what_lies_on_the_threshold_is_no_speech(begin: Begin, pipe: PipedCommand) -> None:
     exact = round(0.1 * 32768) / 32768
-    _, heard = await begin(pipe, threshold=exact)
+    _, published = await begin(pipe, threshold=exact)
     pipe.send(square(0.4, 0.1))
-    await heard.until(lambda: len(heard.values("loudness")) == 4)
-    assert heard.all(SpeechStarted) == []
+    await published.until(lambda: len(published.values("loudness")) == 4)
+    assert published.all(SpeechStarted) == []
     pipe.send(square(0.1, 0.1001))
-    await heard.first(SpeechStarted)
+    await published.first(SpeechStarted)
 
 
 async def test_not_a_number_and_zeros_are_quiet(begin: Begin, pipe: PipedCommand) -> None:
-    _, heard = await begin(pipe, format="FLOAT_LE", silent_after=0.2)
+    _, published = await begin(pipe, format="FLOAT_LE", silent_after=0.2)
     quiet = np.array([np.nan, 0.0] * (160 * 12), np.float32)
     loud = np.full(320 * 5, 0.5, np.float32)
     pipe.send(np.concatenate([quiet, loud, quiet]).astype("<f4").tobytes())
-    ended = await heard.first(SpeechEnded)
+    ended = await published.first(SpeechEnded)
     assert ended.ended - ended.began == (3 + 5 + 5) * 20_000
-    assert len(heard.all(SpeechStarted)) == 1
-    assert "muted" in (await heard.state("loudness", "silent")).why
+    assert len(published.all(SpeechStarted)) == 1
+    assert "muted" in (await published.state("loudness", "silent")).why
 
 
 async def test_the_mark_on_the_screen_and_the_segments_agree(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    _, heard = await begin(pipe)
+    _, published = await begin(pipe)
     pipe.send(utterance() + utterance())
-    await heard.first(SpeechEnded, after=1)
+    await published.first(SpeechEnded, after=1)
     seen = [
         message.state if isinstance(message, SensorChanged) else type(message)
-        for message in heard.messages
+        for message in published.messages
         if isinstance(message, SensorChanged | SpeechStarted | SpeechEnded)
     ]
     assert seen == ["ready", "quiet", *(["speaking", SpeechStarted, "quiet", SpeechEnded] * 2)]
@@ -168,21 +170,21 @@ async def test_the_mark_on_the_screen_and_the_segments_agree(
 async def test_whoever_never_pauses_is_cut_and_nothing_of_it_is_lost(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    _, heard = await begin(pipe, segments=True, longest=1.0)
+    _, published = await begin(pipe, segments=True, longest=1.0)
     data = ramp(115, 0.3) + ramp(6, 0.01)
     pipe.send(data[: 60 * BLOCK])
-    await heard.first(SpeechEnded)
+    await published.first(SpeechEnded)
     pipe.send(data[60 * BLOCK :])
-    last = await heard.first(SpeechEnded, after=2)
-    ends = heard.all(SpeechEnded)
+    last = await published.first(SpeechEnded, after=2)
+    ends = published.all(SpeechEnded)
     assert [ended.detail[:4] for ended in ends] == ["cut:", "cut:", ""]
     assert [(ended.ended - ended.began) // 20_000 for ended in ends] == [50, 50, 20]
-    assert b"".join(kept(heard, ended) for ended in ends) == data[: 120 * BLOCK]
+    assert b"".join(segment_samples(published, ended) for ended in ends) == data[: 120 * BLOCK]
     assert last.segment == 3
-    told = [notice.text for notice in heard.all(Notice)]
+    told = [notice.text for notice in published.all(Notice)]
     assert len(told) == 1, "said once, not for each piece"
     assert "is that speech?" in told[0]
-    assert heard.states("loudness") == ["quiet", "speaking", "quiet"]
+    assert published.states("loudness") == ["quiet", "speaking", "quiet"]
 
 
 # -- trouble -----------------------------------------------------------------------------------
@@ -191,20 +193,20 @@ async def test_whoever_never_pauses_is_cut_and_nothing_of_it_is_lost(
 async def test_a_cable_pulled_in_mid_utterance_ends_the_segment(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    _, heard = await begin(pipe, segments=True)
+    _, published = await begin(pipe, segments=True)
     data = ramp(5, 0.01) + ramp(20, 0.5)
     pipe.send(data)
-    await heard.first(SpeechStarted)
+    await published.first(SpeechStarted)
     pipe.unplug()
-    ended = await heard.first(SpeechEnded)
+    ended = await published.first(SpeechEnded)
     assert ended.detail == "the sound stopped: cat ended: exit status 0"
-    assert kept(heard, ended) == data[2 * BLOCK :]
+    assert segment_samples(published, ended) == data[2 * BLOCK :]
     await until(pipe.connected)
-    clock = heard.clock
+    clock = published.clock
     assert isinstance(clock, ManualClock)
     clock.advance(100)
     pipe.send(utterance())
-    again = await heard.first(SpeechEnded, after=1)
+    again = await published.first(SpeechEnded, after=1)
     assert again.began > 99_000_000, "the new stream has a time of its own"
     assert (again.segment, again.ended - again.began) == (2, 13 * 20_000)
 
@@ -212,74 +214,74 @@ async def test_a_cable_pulled_in_mid_utterance_ends_the_segment(
 async def test_a_device_that_falls_silent_in_mid_utterance_ends_it_too(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    microphone, heard = await begin(pipe)
+    microphone, published = await begin(pipe)
     pipe.send(ramp(5, 0.01) + ramp(20, 0.5))
-    await heard.first(SpeechStarted)
-    clock = heard.clock
+    await published.first(SpeechStarted)
+    clock = published.clock
     assert isinstance(clock, ManualClock)
     clock.advance(1.5)
-    ended = await heard.first(SpeechEnded)
+    ended = await published.first(SpeechEnded)
     assert "delivers no sound" in ended.detail
     pipe.send(utterance())
-    again = await heard.first(SpeechEnded, after=1)
+    again = await published.first(SpeechEnded, after=1)
     assert again.began >= 1_000_000, "after the gap, not continued from before it"
     await microphone.close()
-    assert len(heard.all(SpeechEnded)) == 2
+    assert len(published.all(SpeechEnded)) == 2
 
 
 async def test_the_end_of_the_session_ends_the_utterance(begin: Begin, pipe: PipedCommand) -> None:
-    microphone, heard = await begin(pipe)
+    microphone, published = await begin(pipe)
     pipe.send(ramp(20, 0.5))
-    await heard.first(SpeechStarted)
+    await published.first(SpeechStarted)
     await microphone.close()
-    (ended,) = heard.all(SpeechEnded)
+    (ended,) = published.all(SpeechEnded)
     assert ended.detail == "the sound stopped: the session ended"
 
 
 async def test_a_folder_that_is_none_costs_the_file_and_nothing_else(
     begin: Begin, pipe: PipedCommand
 ) -> None:
-    _, heard = await begin(pipe, segments=True)
-    heard.context.media.write_text("in the way")
+    _, published = await begin(pipe, segments=True)
+    published.context.media.write_text("in the way")
     pipe.send(utterance() + utterance())
-    second = await heard.first(SpeechEnded, after=1)
+    second = await published.first(SpeechEnded, after=1)
     assert second.file == ""
     assert second.detail.startswith("not kept: ")
     assert second.ended - second.began == 13 * 20_000
-    assert [notice.level for notice in heard.all(Notice)] == ["warning"]
-    heard.context.media.unlink()
+    assert [notice.level for notice in published.all(Notice)] == ["warning"]
+    published.context.media.unlink()
     pipe.send(utterance())
-    third = await heard.first(SpeechEnded, after=2)
+    third = await published.first(SpeechEnded, after=2)
     assert third.file == "session.media/ears-0003.wav"
-    heard.context.media.rename(heard.context.folder / "elsewhere")
-    heard.context.media.write_text("in the way again")
+    published.context.media.rename(published.context.folder / "elsewhere")
+    published.context.media.write_text("in the way again")
     pipe.send(utterance())
-    await heard.first(SpeechEnded, after=3)
-    said = [notice.text for notice in heard.all(Notice) if "not kept" in notice.text]
+    await published.first(SpeechEnded, after=3)
+    said = [notice.text for notice in published.all(Notice) if "not kept" in notice.text]
     assert len(said) == 2, "said again after it worked in between"
 
 
 async def test_a_full_disk_is_said_once(begin: Begin, pipe: PipedCommand, tmp_path: Path) -> None:
     """Every byte for the part file goes to /dev/full."""
-    _, heard = await begin(pipe, segments=True)
-    heard.context.media.mkdir()
+    _, published = await begin(pipe, segments=True)
+    published.context.media.mkdir()
     for number in (1, 2):
-        (heard.context.media / f".ears-{number:04d}.wav.part").symlink_to("/dev/full")
+        (published.context.media / f".ears-{number:04d}.wav.part").symlink_to("/dev/full")
     pipe.send(utterance() + utterance())
-    second = await heard.first(SpeechEnded, after=1)
+    second = await published.first(SpeechEnded, after=1)
     assert second.detail == "not kept: No space left on device"
-    assert len(heard.all(Notice)) == 1
-    assert list(heard.context.media.iterdir()) == []
+    assert len(published.all(Notice)) == 1
+    assert list(published.context.media.iterdir()) == []
 
 
 async def test_a_file_that_is_there_already_is_left_alone(begin: Begin, pipe: PipedCommand) -> None:
-    _, heard = await begin(pipe, segments=True)
-    heard.context.media.mkdir()
-    (heard.context.media / "ears-0001.wav").write_bytes(b"older")
+    _, published = await begin(pipe, segments=True)
+    published.context.media.mkdir()
+    (published.context.media / "ears-0001.wav").write_bytes(b"older")
     pipe.send(utterance())
-    ended = await heard.first(SpeechEnded)
+    ended = await published.first(SpeechEnded)
     assert "already" in ended.detail
-    assert (heard.context.media / "ears-0001.wav").read_bytes() == b"older"
+    assert (published.context.media / "ears-0001.wav").read_bytes() == b"older"
 
 
 async def test_a_disk_that_hangs_holds_up_nobody(
@@ -287,16 +289,16 @@ async def test_a_disk_that_hangs_holds_up_nobody(
 ) -> None:
     """The part file is a pipe that nobody reads: opening it never returns."""
     monkeypatch.setattr(speech_segments, "_FILE_S", 2.0)  # enough for the second file
-    _, heard = await begin(pipe, segments=True)
-    heard.context.media.mkdir()
-    stuck = heard.context.media / ".ears-0001.wav.part"
+    _, published = await begin(pipe, segments=True)
+    published.context.media.mkdir()
+    stuck = published.context.media / ".ears-0001.wav.part"
     os.mkfifo(stuck)
     pipe.send(utterance() + utterance())
-    second = await heard.first(SpeechEnded, after=1)
-    first = heard.all(SpeechEnded)[0]
+    second = await published.first(SpeechEnded, after=1)
+    first = published.all(SpeechEnded)[0]
     assert "the disk is slow" in first.detail
     assert second.file == "session.media/ears-0002.wav"
-    assert [message.segment for message in heard.all(SpeechStarted)] == [1, 2]
+    assert [message.segment for message in published.all(SpeechStarted)] == [1, 2]
     os.close(os.open(stuck, os.O_RDONLY | os.O_NONBLOCK))
 
 
@@ -327,10 +329,10 @@ async def test_a_file_and_its_name_outlive_a_power_cut(
     begin: Begin, pipe: PipedCommand, disk: Disk
 ) -> None:
     """Both are on the disk itself in the end; the session's own thread never waits for that."""
-    _, heard = await begin(pipe, segments=True)
+    _, published = await begin(pipe, segments=True)
     pipe.send(utterance())
-    ended = await heard.first(SpeechEnded)
-    path = heard.context.folder / ended.file
+    ended = await published.first(SpeechEnded)
+    path = published.context.folder / ended.file
     wanted = {path.stat().st_ino, path.parent.stat().st_ino}
     await until(lambda: wanted <= disk.synced.keys())
     assert {disk.synced[inode] for inode in wanted} == {"speech file"}
@@ -339,27 +341,27 @@ async def test_a_file_and_its_name_outlive_a_power_cut(
 async def test_nobody_waits_until_a_slow_card_has_it(
     begin: Begin, pipe: PipedCommand, disk: Disk
 ) -> None:
-    _, heard = await begin(pipe, segments=True)
+    _, published = await begin(pipe, segments=True)
     disk.goes_on.clear()
     pipe.send(utterance())
-    ended = await heard.first(SpeechEnded)
+    ended = await published.first(SpeechEnded)
     assert (ended.file, ended.detail) == ("session.media/ears-0001.wav", "")
     # Threads of earlier tests may have files of their own to care for.
-    assert (heard.context.folder / ended.file).stat().st_ino not in disk.synced
+    assert (published.context.folder / ended.file).stat().st_ino not in disk.synced
     disk.goes_on.set()
 
 
 async def test_a_disk_that_loses_what_it_was_given_is_told_once(
     begin: Begin, pipe: PipedCommand, disk: Disk
 ) -> None:
-    _, heard = await begin(pipe, segments=True)
+    _, published = await begin(pipe, segments=True)
     disk.error = OSError(errno.EIO, "Input/output error")
     pipe.send(utterance() + utterance())
-    assert (await heard.first(SpeechEnded, after=1)).file == "session.media/ears-0002.wav"
-    notice = await heard.first(Notice)
+    assert (await published.first(SpeechEnded, after=1)).file == "session.media/ears-0002.wav"
+    notice = await published.first(Notice)
     assert notice.text == "it: a file of speech may be lost in a power cut: Input/output error"
     disk.error = None
     pipe.send(utterance())
-    ended = await heard.first(SpeechEnded, after=2)
-    await until(lambda: (heard.context.folder / ended.file).stat().st_ino in disk.synced)
-    assert len(heard.all(Notice)) == 1
+    ended = await published.first(SpeechEnded, after=2)
+    await until(lambda: (published.context.folder / ended.file).stat().st_ino in disk.synced)
+    assert len(published.all(Notice)) == 1

@@ -71,17 +71,17 @@ def test_a_full_disk_is_told_and_leaves_nothing(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", fsync)
-    with pytest.raises(DriverError, match=r"could not be kept .*No space left") as told:
+    with pytest.raises(DriverError, match=r"could not be kept .*No space left") as raised:
         keep(tmp_path, "a", DOT)
-    assert told.value.remedy == "free some space on the disk"
+    assert raised.value.remedy == "free some space on the disk"
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_that_is_a_file_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"")
-    with pytest.raises(DriverError, match="could not be kept") as told:
+    with pytest.raises(DriverError, match="could not be kept") as raised:
         keep(tmp_path / "file" / "deeper", "a", DOT)
-    assert "pictures" in told.value.remedy
+    assert "pictures" in raised.value.remedy
 
 
 def test_a_moment_as_a_name_sorts_by_time() -> None:
@@ -91,9 +91,9 @@ def test_a_moment_as_a_name_sorts_by_time() -> None:
 
 def test_what_has_the_folders_name_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"")
-    with pytest.raises(DriverError, match="File exists") as told:
+    with pytest.raises(DriverError, match="File exists") as raised:
         keep(tmp_path / "file", "a", DOT)
-    assert "is no folder" in told.value.remedy
+    assert "is no folder" in raised.value.remedy
 
 
 def test_a_draft_that_was_left_behind_is_in_nobodys_way(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from woz_drivers.rangefinder import Rangefinder, RangefinderSettings, doctor
 from woz_drivers.rangefinder.distance_filter import DistanceFilter, FilterLimits
 
-from tests.drivers.heard import Heard, Ordered, until
+from tests.drivers.published_messages import BusJob, PublishedMessages, until
 from tests.fakes.rangefinder import PluggedSensor, a02, maxbotix, tfmini
 from woz_tui.drivers.contract import Driver, Probe, RejectedError, Scope
 from woz_tui.protocol.messages import DriverConnected, DriverLost, Reading
@@ -42,13 +42,15 @@ Begin = Callable[..., Any]
 async def begin(tmp_path: Path, clock: ManualClock, sensor: PluggedSensor) -> AsyncIterator[Begin]:
     drivers: list[Driver] = []
 
-    async def started(**settings: Any) -> Heard:
-        heard = Heard(tmp_path, clock)
-        made = RangefinderSettings(port=str(sensor.port), **{"framing": "tfmini", **settings})
-        driver: Driver = Rangefinder("it", made, heard.context)
+    async def started(**settings: Any) -> PublishedMessages:
+        published = PublishedMessages(tmp_path, clock)
+        rangefinder_settings = RangefinderSettings(
+            port=str(sensor.port), **{"framing": "tfmini", **settings}
+        )
+        driver: Driver = Rangefinder("it", rangefinder_settings, published.context)
         drivers.append(driver)
         await driver.open()
-        return heard
+        return published
 
     yield started
     for driver in drivers:
@@ -59,36 +61,36 @@ async def begin(tmp_path: Path, clock: ManualClock, sensor: PluggedSensor) -> As
 async def test_publishes_metres_and_what_the_device_said(
     begin: Begin, sensor: PluggedSensor
 ) -> None:
-    heard = await begin()
-    connected = await heard.first(DriverConnected)
+    published = await begin()
+    connected = await published.first(DriverConnected)
     assert connected.detail == f"{sensor.port}, tfmini, 115200 baud"
     sensor.send(tfmini(213))
-    reading = await heard.first(Reading)
+    reading = await published.first(Reading)
     assert (reading.sensor, reading.value, reading.unit, reading.raw) == (
         "distance",
         pytest.approx(2.13),
         "m",
         213,
     )
-    assert heard.states("distance") == ["ok"]
+    assert published.states("distance") == ["ok"]
 
 
 async def test_unplugged_and_put_back(begin: Begin, sensor: PluggedSensor) -> None:
-    heard = await begin()
-    await heard.first(DriverConnected)
+    published = await begin()
+    await published.first(DriverConnected)
     sensor.send(tfmini(100))
-    await heard.state("distance", "ok")
+    await published.state("distance", "ok")
     sensor.unplug()
-    lost = await heard.first(DriverLost)
+    lost = await published.first(DriverLost)
     assert "was lost" in lost.detail
     assert lost.remedy
-    stale = await heard.state("distance", "stale")
+    stale = await published.state("distance", "stale")
     assert "was lost" in stale.why
     sensor.plug()
-    await heard.first(DriverConnected, after=1)
+    await published.first(DriverConnected, after=1)
     sensor.send(tfmini(300))  # a new connection: no jump to confirm
-    await heard.state("distance", "ok")
-    assert heard.values("distance")[-1] == pytest.approx(3.0)
+    await published.state("distance", "ok")
+    assert published.values("distance")[-1] == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize(
@@ -103,44 +105,44 @@ async def test_unplugged_and_put_back(begin: Begin, sensor: PluggedSensor) -> No
 async def test_staleness_says_why(
     begin: Begin, sensor: PluggedSensor, clock: ManualClock, sent: bytes, why: str
 ) -> None:
-    heard = await begin()
-    await heard.first(DriverConnected)
+    published = await begin()
+    await published.first(DriverConnected)
     sensor.send(tfmini(150))
-    await heard.state("distance", "ok")
+    await published.state("distance", "ok")
     sensor.deliver(sent)
     await until(lambda: sensor.unread() == 0)
     clock.advance(1.0)
-    assert why in (await heard.state("distance", "stale")).why
+    assert why in (await published.state("distance", "stale")).why
 
 
 async def test_counts_rate_and_bad_frames(
     begin: Begin, sensor: PluggedSensor, clock: ManualClock
 ) -> None:
-    heard = await begin(framing="maxbotix", unit="cm", farthest=5.0)
-    await heard.first(DriverConnected)
+    published = await begin(framing="maxbotix", unit="cm", farthest=5.0)
+    await published.first(DriverConnected)
     sensor.send(b"noise\rR1\r" + maxbotix(100) + maxbotix(999) + maxbotix(101) * 4)
-    await heard.until(lambda: len(heard.values("distance")) == 5)
+    await published.until(lambda: len(published.values("distance")) == 5)
     clock.advance(1.0)
-    await heard.until(lambda: bool(heard.values("distance.bad")))
-    assert heard.values("distance.rate")[0] == pytest.approx(5.0)
-    assert heard.values("distance.bad")[0] == 3
-    assert heard.values("distance")[-1] == pytest.approx(1.01)
+    await published.until(lambda: bool(published.values("distance.bad")))
+    assert published.values("distance.rate")[0] == pytest.approx(5.0)
+    assert published.values("distance.bad")[0] == 3
+    assert published.values("distance")[-1] == pytest.approx(1.01)
 
 
 async def test_the_floor_is_published_as_itself(begin: Begin, sensor: PluggedSensor) -> None:
-    heard = await begin(framing="a02", floor=0.3)
-    await heard.first(DriverConnected)
+    published = await begin(framing="a02", floor=0.3)
+    await published.first(DriverConnected)
     sensor.send(a02(120))
-    reading = await heard.first(Reading)
+    reading = await published.first(Reading)
     assert (reading.value, reading.raw) == (0.3, 120)
 
 
 async def test_it_has_no_verbs(tmp_path: Path, sensor: PluggedSensor) -> None:
-    heard = Heard(tmp_path)
-    driver = Rangefinder("it", RangefinderSettings(port=str(sensor.port)), heard.context)
+    published = PublishedMessages(tmp_path)
+    driver = Rangefinder("it", RangefinderSettings(port=str(sensor.port)), published.context)
     assert Rangefinder.verbs(None) == ()
     with pytest.raises(RejectedError):
-        await driver.perform(Ordered("say"))
+        await driver.perform(BusJob("say"))
     await driver.stop(Scope.ALL)
     await driver.rest()
     await driver.close()
@@ -202,32 +204,39 @@ def test_limits_in_the_wrong_order(wrong: dict[str, float]) -> None:
 # -- the filter --------------------------------------------------------------------------------
 
 
-def taken(gates: FilterLimits, values: list[float]) -> list[float | None]:
+def judged_values(gates: FilterLimits, values: list[float]) -> list[float | None]:
     one = DistanceFilter(gates)
     return [one.judge(value).metres for value in values]
 
 
 def test_a_single_stray_echo_changes_nothing() -> None:
-    assert taken(GATES, [2.0, 2.0, 9.0, 2.1, 0.5, 2.1]) == [2.0, 2.0, None, 2.0, None, 2.1]
+    assert judged_values(GATES, [2.0, 2.0, 9.0, 2.1, 0.5, 2.1]) == [2.0, 2.0, None, 2.0, None, 2.1]
 
 
 def test_somebody_who_steps_in_is_believed_at_the_third_value() -> None:
-    assert taken(GATES, [3.0, 3.0, 1.0, 1.1, 1.05, 1.0]) == [3.0, 3.0, None, None, 1.05, 1.05]
+    assert judged_values(GATES, [3.0, 3.0, 1.0, 1.1, 1.05, 1.0]) == [
+        3.0,
+        3.0,
+        None,
+        None,
+        1.05,
+        1.05,
+    ]
 
 
 def test_after_a_confirmed_step_the_median_follows_at_once() -> None:
     gates = FilterLimits(0.02, 10.0, None, None, 0.5, 2, 5)
-    assert taken(gates, [3.0] * 5 + [1.0, 1.0, 1.1])[-2:] == [1.0, 1.0]
+    assert judged_values(gates, [3.0] * 5 + [1.0, 1.0, 1.1])[-2:] == [1.0, 1.0]
 
 
 def test_without_a_jump_limit_only_the_median_stands() -> None:
     gates = FilterLimits(0.02, 10.0, None, None, 0.0, 3, 3)
-    assert taken(gates, [3.0, 1.0, 3.0]) == [3.0, 1.0, 3.0]
+    assert judged_values(gates, [3.0, 1.0, 3.0]) == [3.0, 1.0, 3.0]
 
 
 def test_floor_and_ceiling() -> None:
     gates = FilterLimits(0.02, 10.0, 0.3, 5.0, 0.0, 1, 1)
-    assert taken(gates, [0.1, 0.3, 4.0, 5.0, 9.0, 10.1]) == [0.3, 0.3, 4.0, 5.0, 5.0, None]
+    assert judged_values(gates, [0.1, 0.3, 4.0, 5.0, 9.0, 10.1]) == [0.3, 0.3, 4.0, 5.0, 5.0, None]
 
 
 @given(
@@ -241,7 +250,7 @@ def test_whatever_comes_only_plausible_distances_leave(
 ) -> None:
     gates = FilterLimits(0.1, 8.0, 0.3, 6.0, jump, confirm, median)
     plausible = {min(max(value, 0.3), 6.0) for value in values if 0.1 <= value <= 8.0}
-    for distance in taken(gates, values):
+    for distance in judged_values(gates, values):
         assert distance is None or distance in plausible
 
 
@@ -250,4 +259,4 @@ def test_a_lasting_change_always_comes_through(
     before: float, after: float, confirm: int, median: int
 ) -> None:
     gates = FilterLimits(0.02, 10.0, None, None, 0.5, confirm, median)
-    assert taken(gates, [before] * 9 + [after] * (confirm + median))[-1] == after
+    assert judged_values(gates, [before] * 9 + [after] * (confirm + median))[-1] == after

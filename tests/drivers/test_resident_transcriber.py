@@ -14,11 +14,11 @@ from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.transcriber import TRANSCRIBER
 
-from tests.drivers.ears import ears
-from tests.drivers.heard import Heard, until
+from tests.drivers.microphones import microphone_opener
+from tests.drivers.published_messages import PublishedMessages, until
 from tests.drivers.resident_programs import ROOT, command, processes
 from tests.fakes.piped_command import PipedCommand
-from tests.fakes.sound import square, told
+from tests.fakes.sound import journal_entries, square
 from woz_tui.drivers.contract import SPEECH, Probe
 from woz_tui.protocol.messages import Notice, Reading, SpeechEnded, SpeechText
 from woz_tui.system.clock import RealClock
@@ -55,9 +55,11 @@ def pipe(tmp_path: Path) -> PipedCommand:
 
 @pytest.fixture
 async def begin(tmp_path: Path, pipe: PipedCommand, journal: Path) -> AsyncIterator[Begin]:
-    async with ears(tmp_path) as some:
+    async with microphone_opener(tmp_path) as some:
 
-        async def started(*behaviours: str, **settings: Any) -> tuple[Microphone, Heard]:
+        async def started(
+            *behaviours: str, **settings: Any
+        ) -> tuple[Microphone, PublishedMessages]:
             settings = {
                 **{"command": pipe.command, "threshold": 0.1, "hang_over": 0.04, "onset": 0.02},
                 **{"pre_roll": 0.0, "resident_transcriber": command(journal, *behaviours)},
@@ -70,89 +72,89 @@ async def begin(tmp_path: Path, pipe: PipedCommand, journal: Path) -> AsyncItera
         yield started
 
 
-async def texts(heard: Heard, pipe: PipedCommand, count: int) -> list[SpeechText]:
+async def texts(published: PublishedMessages, pipe: PipedCommand, count: int) -> list[SpeechText]:
     """What becomes of so many sentences, one after the other."""
     found = []
     for number in range(count):
         pipe.send(SPOKEN)
-        found.append(await heard.first(SpeechText, after=number))
+        found.append(await published.first(SpeechText, after=number))
     return found
 
 
 async def test_it_is_started_once_and_understands_sentence_after_sentence(
     begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
-    microphone, heard = await begin("ok", language="en")
-    await heard.state(TRANSCRIBER, "ready")
-    one, two = await texts(heard, pipe, 2)
+    microphone, published = await begin("ok", language="en")
+    await published.state(TRANSCRIBER, "ready")
+    one, two = await texts(published, pipe, 2)
     assert (one.segment, one.text, one.detail) == (1, SECOND, "")
     assert (two.segment, two.text, two.confidence) == (2, SECOND, 0.75)
-    ended = heard.all(SpeechEnded)[1]
+    ended = published.all(SpeechEnded)[1]
     (word,) = two.words
     assert (word.text, word.began - ended.began, word.ended - ended.began) == (
         "hello",
         100_000,
         300_000,
     )
-    assert len(told(journal, "start")) == 1
-    assert [line["language"] for line in told(journal, "request")] == ["en", "en"]
-    delays = [reading for reading in heard.all(Reading) if reading.sensor == TRANSCRIBER]
+    assert len(journal_entries(journal, "start")) == 1
+    assert [line["language"] for line in journal_entries(journal, "request")] == ["en", "en"]
+    delays = [reading for reading in published.all(Reading) if reading.sensor == TRANSCRIBER]
     assert [reading.unit for reading in delays] == ["s", "s"]
     assert delays[0].value == round(one.took_us / 1_000_000, 2)
     await microphone.close()
-    assert heard.all(Notice) == []
+    assert published.all(Notice) == []
 
 
 async def test_it_is_loaded_with_the_session_and_what_is_said_meanwhile_is_understood_later(
     begin: Begin, pipe: PipedCommand, tmp_path: Path
 ) -> None:
-    _, heard = await begin("slow", "ok")
-    await heard.state(TRANSCRIBER, "loading")
+    _, published = await begin("slow", "ok")
+    await published.state(TRANSCRIBER, "loading")
     pipe.send(SPOKEN)
-    await heard.first(SpeechEnded)
+    await published.first(SpeechEnded)
     (tmp_path / "loaded").touch()
-    assert (await heard.first(SpeechText)).text == SECOND
+    assert (await published.first(SpeechText)).text == SECOND
 
 
 async def test_one_that_dies_is_told_of_with_a_remedy_and_started_again(
     begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
-    _, heard = await begin("die", "ok")
-    lost, found = await texts(heard, pipe, 2)
+    _, published = await begin("die", "ok")
+    lost, speech_text = await texts(published, pipe, 2)
     assert lost.text == ""
     assert "out of memory" in lost.detail
-    assert found.text == SECOND
-    assert len(told(journal, "start")) == 2
-    (notice,) = heard.all(Notice)
+    assert speech_text.text == SECOND
+    assert len(journal_entries(journal, "start")) == 2
+    (notice,) = published.all(Notice)
     assert "out of memory" in notice.text
     assert str(journal) in notice.remedy, "it names the command"
-    assert heard.states(TRANSCRIBER) == ["loading", "ready", "stale", "loading", "ready"]
+    assert published.states(TRANSCRIBER) == ["loading", "ready", "stale", "loading", "ready"]
 
 
 async def test_one_that_dies_between_two_sentences_is_back_for_the_next(
     begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
-    _, heard = await begin("ok")
-    await texts(heard, pipe, 1)
-    await until(lambda: len(told(journal, "start")) == 1)
-    heard_before = len(heard.all(Notice))
+    _, published = await begin("ok")
+    await texts(published, pipe, 1)
+    await until(lambda: len(journal_entries(journal, "start")) == 1)
+    heard_before = len(published.all(Notice))
     for one in processes(journal):
         one.kill()
-    await heard.state(TRANSCRIBER, "stale")
-    assert len(heard.all(Notice)) == heard_before + 1
+    await published.state(TRANSCRIBER, "stale")
+    assert len(published.all(Notice)) == heard_before + 1
     pipe.send(SPOKEN)
-    assert (await heard.first(SpeechText, after=1)).text == SECOND
+    assert (await published.first(SpeechText, after=1)).text == SECOND
 
 
 @pytest.mark.parametrize("behaviour", ["hang", "babble"])
 async def test_one_that_does_not_answer_is_ended_and_started_again(
     behaviour: str, begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
-    _, heard = await begin(behaviour, "ok", transcribe_limit=3.0)
-    lost, found = await texts(heard, pipe, 2)
+    _, published = await begin(behaviour, "ok", transcribe_limit=3.0)
+    lost, speech_text = await texts(published, pipe, 2)
     assert "did not answer within 3 s" in lost.detail
     assert ("Segment 1 of 1" in lost.detail) == (behaviour == "babble")
-    assert found.text == SECOND
+    assert speech_text.text == SECOND
     assert len(processes(journal)) == 1
 
 
@@ -160,65 +162,65 @@ async def test_one_that_does_not_answer_is_ended_and_started_again(
 async def test_what_is_no_answer_is_passed_over(
     behaviour: str, begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
-    _, heard = await begin(behaviour)
-    assert [text.text for text in await texts(heard, pipe, 2)] == [SECOND, SECOND]
-    assert len(told(journal, "start")) == 1
-    assert heard.all(Notice) == []
+    _, published = await begin(behaviour)
+    assert [text.text for text in await texts(published, pipe, 2)] == [SECOND, SECOND]
+    assert len(journal_entries(journal, "start")) == 1
+    assert published.all(Notice) == []
 
 
 async def test_a_wrong_answer_and_an_error_cost_one_sentence(
     begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
-    _, heard = await begin("wrong", "error", "ok")
-    wrong, error, found = await texts(heard, pipe, 3)
+    _, published = await begin("wrong", "error", "ok")
+    wrong, error, speech_text = await texts(published, pipe, 3)
     assert "wrong answer" in wrong.detail
     assert "no such voice" in error.detail
-    assert found.text == SECOND
-    assert len(told(journal, "start")) == 1
+    assert speech_text.text == SECOND
+    assert len(journal_entries(journal, "start")) == 1
 
 
 async def test_a_line_that_never_ends_is_given_up_and_a_long_one_is_cut(
     begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
-    _, heard = await begin("endless", "long")
-    endless, long = await texts(heard, pipe, 2)
+    _, published = await begin("endless", "long")
+    endless, long = await texts(published, pipe, 2)
     assert "more than 1 MiB" in endless.detail
     assert long.text.startswith("x x x")
     assert len(long.text) == 2000
-    assert len(told(journal, "start")) == 2
+    assert len(journal_entries(journal, "start")) == 2
 
 
 async def test_one_that_does_not_come_up_holds_nothing_up(begin: Begin, pipe: PipedCommand) -> None:
-    _, heard = await begin("unloadable")
-    found = await texts(heard, pipe, 2)
+    _, published = await begin("unloadable")
+    found = await texts(published, pipe, 2)
     assert all("no model" in text.detail for text in found)
-    assert len(heard.all(Notice)) == 1
+    assert len(published.all(Notice)) == 1
 
 
 async def test_what_is_said_so_far_is_shown_while_they_speak(
     begin: Begin, pipe: PipedCommand, journal: Path
 ) -> None:
-    _, heard = await begin("ok", partial_texts=0.2)
-    await heard.state(TRANSCRIBER, "ready")
+    _, published = await begin("ok", partial_texts=0.2)
+    await published.state(TRANSCRIBER, "ready")
     pipe.send(square(0.24, 0.5))
 
     def so_far() -> list[str]:
-        return [reading.text for reading in heard.all(Reading) if reading.sensor == SPEECH]
+        return [reading.text for reading in published.all(Reading) if reading.sensor == SPEECH]
 
     await until(lambda: bool(so_far()))
     assert so_far() == [f"hello {44 + 10 * BLOCK}"]
-    assert heard.all(SpeechText) == []
+    assert published.all(SpeechText) == []
     pipe.send(square(0.1, 0.01))
-    final = await heard.first(SpeechText)
+    final = await published.first(SpeechText)
     assert final.text == f"hello {44 + 14 * BLOCK}"
     assert so_far()[1:] == [final.text], "it takes the place of the text so far"
-    assert [line["do"] for line in told(journal)] == ["start", "request", "request"]
+    assert [line["do"] for line in journal_entries(journal)] == ["start", "request", "request"]
 
 
 async def test_parts_of_an_answer_are_shown_before_it(begin: Begin, pipe: PipedCommand) -> None:
-    _, heard = await begin("parts")
-    await texts(heard, pipe, 1)
-    so_far = [reading.text for reading in heard.all(Reading) if reading.sensor == SPEECH]
+    _, published = await begin("parts")
+    await texts(published, pipe, 1)
+    so_far = [reading.text for reading in published.all(Reading) if reading.sensor == SPEECH]
     assert so_far == ["hel", SECOND]
 
 
@@ -232,8 +234,8 @@ async def test_doctor_loads_it(
         settings = MicrophoneSettings(
             command="cat sound.raw", resident_transcriber=command(journal, behaviour)
         )
-        _, found = await Microphone.examine(Probe("ear", settings, tmp_path))
-        assert found.level == level
+        _, finding = await Microphone.examine(Probe("ear", settings, tmp_path))
+        assert finding.level == level
         assert processes(journal) == []
 
 

@@ -15,10 +15,10 @@ from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.speech.text_parts import goes_on, spoken_parts
 
-from tests.drivers.heard import Ordered, until
+from tests.drivers.published_messages import BusJob, until
 from tests.drivers.resident_programs import ROOT, command, processes
-from tests.drivers.speech_desk import Desk, desk_in, said, say
-from tests.fakes.sound import told
+from tests.drivers.speech_rig import SpeechRig, desk_in, say, say_arguments
+from tests.fakes.sound import journal_entries
 from woz_tui.drivers.contract import DriverError, Probe, Scope
 from woz_tui.protocol.messages import (
     DriverConnected,
@@ -31,10 +31,10 @@ from woz_tui.protocol.messages import (
 
 
 @pytest.fixture
-async def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Desk]:
+async def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[SpeechRig]:
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    async with desk_in(tmp_path) as made:
-        yield made
+    async with desk_in(tmp_path) as speech_rig:
+        yield speech_rig
 
 
 @pytest.fixture
@@ -42,41 +42,45 @@ def journal(tmp_path: Path) -> Path:
     return tmp_path / "resident"
 
 
-async def opened(desk: Desk, journal: Path, *behaviours: str, **settings: Any) -> Speech:
+async def open_speech(
+    speech_rig: SpeechRig, journal: Path, *behaviours: str, **settings: Any
+) -> Speech:
     voice = command(journal, *behaviours)
-    return await desk.open(synthesise="", resident_voice=voice, **settings)
+    return await speech_rig.open(synthesise="", resident_voice=voice, **settings)
 
 
 async def test_it_is_loaded_once_and_speaks_with_the_voice_of_each_action(
-    desk: Desk, journal: Path
+    rig: SpeechRig, journal: Path
 ) -> None:
-    driver = await opened(desk, journal, "ok")
+    driver = await open_speech(rig, journal, "ok")
     first = await driver.perform(say("Hello there."))
     second = await driver.perform(
-        Ordered("say", {"text": "Guten Tag.", "language": "de", "speed": 90, "voice": "eva"})
+        BusJob("say", {"text": "Guten Tag.", "language": "de", "speed": 90, "voice": "eva"})
     )
     again = await driver.perform(say("Hello there."))
     assert (first["source"], first["words"]) == ("synthesised", [["hello", 0.0, 0.05]])
     assert (second["source"], second["seconds"]) == ("synthesised", 0.1)
     assert (again["source"], again["words"]) == ("cache", first["words"])
-    assert len(told(journal, "start")) == 1
-    assert desk.heard.states("synthesiser") == ["loading", "ready"]
-    delays = [one.value for one in desk.heard.all(Reading) if one.sensor == "synthesiser"]
+    assert len(journal_entries(journal, "start")) == 1
+    assert rig.published.states("synthesiser") == ["loading", "ready"]
+    delays = [one.value for one in rig.published.all(Reading) if one.sensor == "synthesiser"]
     assert delays == [pytest.approx(sent["delay"], abs=0.01) for sent in (first, second)]
     asked = [
         [line[name] for name in ("text", "voice", "language", "speed", "pitch")]
-        for line in told(journal, "request")
+        for line in journal_entries(journal, "request")
     ]
     assert asked == [["Hello there.", "", "", 160, 50], ["Guten Tag.", "eva", "de", 90, 50]]
-    assert len(desk.told("played")) == 3
+    assert len(rig.journal_entries("played")) == 3
 
 
 @pytest.mark.parametrize("behaviour", ["twice", "late", "nonsense", "parts", "raw"])
-async def test_what_is_no_answer_is_passed_over(behaviour: str, desk: Desk, journal: Path) -> None:
-    driver = await opened(desk, journal, behaviour)
+async def test_what_is_no_answer_is_passed_over(
+    behaviour: str, rig: SpeechRig, journal: Path
+) -> None:
+    driver = await open_speech(rig, journal, behaviour)
     for text in ("One", "Two"):
         assert (await driver.perform(say(text)))["seconds"] == 0.1
-    assert len(told(journal, "start")) == 1
+    assert len(journal_entries(journal, "start")) == 1
 
 
 @pytest.mark.parametrize(
@@ -90,19 +94,19 @@ async def test_what_is_no_answer_is_passed_over(behaviour: str, desk: Desk, jour
     ],
 )
 async def test_a_sentence_that_fails_says_why_and_the_next_one_is_spoken(
-    behaviour: str, what: str, desk: Desk, journal: Path
+    behaviour: str, what: str, rig: SpeechRig, journal: Path
 ) -> None:
-    driver = await opened(desk, journal, behaviour, "ok")
+    driver = await open_speech(rig, journal, behaviour, "ok")
     with pytest.raises(DriverError, match=what):
         await driver.perform(say("One"))
     assert (await driver.perform(say("Two")))["seconds"] == 0.1
 
 
 async def test_one_that_hangs_is_started_again(
-    desk: Desk, journal: Path, monkeypatch: pytest.MonkeyPatch
+    rig: SpeechRig, journal: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(synthesis, "_SYNTHESIS_S", 1.0)
-    driver = await opened(desk, journal, "hang", "ok")
+    driver = await open_speech(rig, journal, "hang", "ok")
     with pytest.raises(DriverError, match="did not answer"):
         await driver.perform(say("One"))
     monkeypatch.undo()
@@ -111,12 +115,12 @@ async def test_one_that_hangs_is_started_again(
     assert len(processes(journal)) == 1
 
 
-async def test_its_temporary_files_go_with_it(desk: Desk, journal: Path) -> None:
-    driver = await opened(desk, journal, "die", "ok")
+async def test_its_temporary_files_go_with_it(rig: SpeechRig, journal: Path) -> None:
+    driver = await open_speech(rig, journal, "die", "ok")
     with pytest.raises(DriverError, match="out of memory"):
         await driver.perform(say("One"))
     await driver.perform(say("Two"))
-    dead, running = (Path(str(line["temporary"])) for line in told(journal, "start"))
+    dead, running = (Path(str(line["temporary"])) for line in journal_entries(journal, "start"))
     assert not dead.exists()
     assert running.exists()
     await driver.close()
@@ -125,110 +129,119 @@ async def test_its_temporary_files_go_with_it(desk: Desk, journal: Path) -> None
 
 
 async def test_without_a_place_for_temporary_files_it_says_so_and_comes_when_there_is_one(
-    desk: Desk, journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rig: SpeechRig, journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     place = tmp_path / "temporary"
     monkeypatch.setattr("tempfile.tempdir", str(place))
-    driver = await opened(desk, journal, "ok")
-    with pytest.raises(DriverError, match=str(place)) as refused:
+    driver = await open_speech(rig, journal, "ok")
+    with pytest.raises(DriverError, match=str(place)) as raised:
         await driver.perform(say("One"))
-    assert "TMPDIR" in refused.value.remedy
+    assert "TMPDIR" in raised.value.remedy
     place.mkdir()
-    await desk.heard.state("synthesiser", "ready")
+    await rig.published.state("synthesiser", "ready")
     assert (await driver.perform(say("Two")))["seconds"] == 0.1
 
 
-async def test_its_death_is_the_drivers_health_until_it_is_back(desk: Desk, journal: Path) -> None:
-    driver = await opened(desk, journal, "ok")
+async def test_its_death_is_the_drivers_health_until_it_is_back(
+    rig: SpeechRig, journal: Path
+) -> None:
+    driver = await open_speech(rig, journal, "ok")
     await driver.perform(say("One"))
     (running,) = processes(journal)
     running.kill()
-    faulted = await desk.heard.first(DriverFaulted)
+    faulted = await rig.published.first(DriverFaulted)
     assert str(journal) in faulted.remedy, "it names the command"
-    await desk.heard.first(DriverConnected, after=1)
+    await rig.published.first(DriverConnected, after=1)
     assert (await driver.perform(say("Two")))["seconds"] == 0.1
 
 
 async def test_a_player_that_failed_is_told_until_it_plays_whatever_the_voice_does(
-    desk: Desk, journal: Path, tmp_path: Path
+    rig: SpeechRig, journal: Path, tmp_path: Path
 ) -> None:
     card = tmp_path / "card"
     player = f"test -e {card} || {{ echo no such device >&2; exit 1; }}"
-    driver = await opened(desk, journal, "ok", play=("sh", "-c", player, "{wav}"))
+    driver = await open_speech(rig, journal, "ok", play=("sh", "-c", player, "{wav}"))
     with pytest.raises(DriverError, match="no such device"):
         await driver.perform(say("One"))
     (running,) = processes(journal)
     running.kill()
-    await desk.heard.until(lambda: "stale" in desk.heard.states("synthesiser"))
-    await desk.heard.state("synthesiser", "ready")
-    assert isinstance(health := desk.heard.all(DriverHealth)[-1], DriverFaulted)
+    await rig.published.until(lambda: "stale" in rig.published.states("synthesiser"))
+    await rig.published.state("synthesiser", "ready")
+    assert isinstance(health := rig.published.all(DriverHealth)[-1], DriverFaulted)
     assert "no such device" in health.detail
     card.touch()
     await driver.perform(say("One"))
-    assert isinstance(desk.heard.all(DriverHealth)[-1], DriverConnected)
+    assert isinstance(rig.published.all(DriverHealth)[-1], DriverConnected)
 
 
 async def test_a_player_that_was_missing_for_a_while_is_found_again(
-    desk: Desk, journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rig: SpeechRig, journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.speech.driver._LOOK_S", 0.05)
     player = tmp_path / "player"
     player.write_text("#!/bin/sh\n")
     player.chmod(0o700)
-    driver = await opened(desk, journal, "ok", play=(str(player), "{wav}"))
-    await desk.heard.state("synthesiser", "ready")
+    driver = await open_speech(rig, journal, "ok", play=(str(player), "{wav}"))
+    await rig.published.state("synthesiser", "ready")
     player.rename(tmp_path / "away")
     (running,) = processes(journal)
     running.kill()
-    await desk.heard.until(lambda: "stale" in desk.heard.states("synthesiser"))
-    await desk.heard.state("synthesiser", "ready")
-    assert isinstance(desk.heard.all(DriverHealth)[-1], DriverLost)
+    await rig.published.until(lambda: "stale" in rig.published.states("synthesiser"))
+    await rig.published.state("synthesiser", "ready")
+    assert isinstance(rig.published.all(DriverHealth)[-1], DriverLost)
     (tmp_path / "away").rename(player)
-    await desk.heard.until(lambda: isinstance(desk.heard.all(DriverHealth)[-1], DriverConnected))
+    await rig.published.until(
+        lambda: isinstance(rig.published.all(DriverHealth)[-1], DriverConnected)
+    )
     await driver.perform(say("One"))
 
 
 async def test_what_cannot_be_prepared_is_prepared_when_it_is_back(
-    desk: Desk, journal: Path
+    rig: SpeechRig, journal: Path
 ) -> None:
-    driver = await opened(desk, journal, "ok", "die", "ok")
-    await driver.prepare_say(said("One", "Two", "Three"))
-    (notice,) = desk.heard.all(Notice)
+    driver = await open_speech(rig, journal, "ok", "die", "ok")
+    await driver.prepare_say(say_arguments("One", "Two", "Three"))
+    (notice,) = rig.published.all(Notice)
     assert "not prepared" in notice.text
 
     def ready() -> list[str]:
-        return [one.text for one in desk.heard.all(Reading) if one.sensor == "prepared"]
+        return [one.text for one in rig.published.all(Reading) if one.sensor == "prepared"]
 
-    await desk.heard.until(lambda: "3 of 3" in ready())
-    assert [line["text"] for line in told(journal, "request")] == ["One", "Two", "Two", "Three"]
+    await rig.published.until(lambda: "3 of 3" in ready())
+    assert [line["text"] for line in journal_entries(journal, "request")] == [
+        "One",
+        "Two",
+        "Two",
+        "Three",
+    ]
     assert (await driver.perform(say("Three")))["source"] == "cache"
 
 
 async def test_a_typed_sentence_waits_for_one_prepared_sentence_at_most(
-    desk: Desk, journal: Path, tmp_path: Path
+    rig: SpeechRig, journal: Path, tmp_path: Path
 ) -> None:
-    driver = await opened(desk, journal, "slow", "ok")
-    preparing = asyncio.ensure_future(driver.prepare_say(said("One", "Two", "Three")))
+    driver = await open_speech(rig, journal, "slow", "ok")
+    preparing = asyncio.ensure_future(driver.prepare_say(say_arguments("One", "Two", "Three")))
     typed = asyncio.ensure_future(driver.perform(say("Typed")))
     await asyncio.sleep(0)
     (tmp_path / "loaded").touch()
     await asyncio.gather(preparing, typed)
-    texts = [line["text"] for line in told(journal, "request")]
+    texts = [line["text"] for line in journal_entries(journal, "request")]
     assert texts.index("Typed") <= 1
 
 
 async def test_a_typed_text_is_heard_before_its_second_sentence_is_made(
-    desk: Desk, journal: Path
+    rig: SpeechRig, journal: Path
 ) -> None:
-    driver = await opened(desk, journal, "ok", "hang")
+    driver = await open_speech(rig, journal, "ok", "hang")
     speaking = asyncio.ensure_future(driver.perform(say("One more. Then another. The end.")))
-    await until(lambda: len(desk.told("played")) == 1)
-    await until(lambda: len(told(journal, "request")) == 2)
+    await until(lambda: len(rig.journal_entries("played")) == 1)
+    await until(lambda: len(journal_entries(journal, "request")) == 2)
     await driver.stop(Scope.ALL)
     with contextlib.suppress(asyncio.CancelledError):
         await speaking
     assert speaking.cancelled()
-    asked = [line["text"] for line in told(journal, "request")]
+    asked = [line["text"] for line in journal_entries(journal, "request")]
     assert asked == ["One more.", "Then another."]
 
 
@@ -260,9 +273,11 @@ def test_parts_grow_as_fast_as_they_are_spoken() -> None:
     assert len(spoken_parts(f"{PHRASES} {PHRASES}", 25, lambda letters: 1000)) == 3
 
 
-async def test_a_voice_that_is_quick_makes_a_sentence_as_a_whole(desk: Desk, journal: Path) -> None:
-    settings = desk.settings(synthesise="", resident_voice=command(journal, "ok"))
-    voice, choice = synthesis.SpeechSynthesis(settings, desk.folder), settings.choice()
+async def test_a_voice_that_is_quick_makes_a_sentence_as_a_whole(
+    rig: SpeechRig, journal: Path
+) -> None:
+    settings = rig.settings(synthesise="", resident_voice=command(journal, "ok"))
+    voice, choice = synthesis.SpeechSynthesis(settings, rig.folder), settings.choice()
     before = voice.parts(PHRASES, choice)
     assert len(before) > 1, "nobody knows how fast it is"
     for number in range(200):  # as many as a busy machine needs
@@ -276,9 +291,9 @@ async def test_a_voice_that_is_quick_makes_a_sentence_as_a_whole(desk: Desk, jou
     await voice.close()
 
 
-async def test_within_a_sentence_nobody_pauses(desk: Desk, journal: Path) -> None:
-    settings = desk.settings(synthesise="", resident_voice=command(journal, "pause"))
-    voice, choice = synthesis.SpeechSynthesis(settings, desk.folder), settings.choice()
+async def test_within_a_sentence_nobody_pauses(rig: SpeechRig, journal: Path) -> None:
+    settings = rig.settings(synthesise="", resident_voice=command(journal, "pause"))
+    voice, choice = synthesis.SpeechSynthesis(settings, rig.folder), settings.choice()
     parts = ["Welcome to the museum", "where I am,", "which is mine."]
     made = [await voice.part(parts, number, choice) for number in range(3)]
     assert [round(each.sound.seconds, 2) for each in made] == [0.13, 0.3, 0.3]
@@ -287,9 +302,9 @@ async def test_within_a_sentence_nobody_pauses(desk: Desk, journal: Path) -> Non
 
 
 async def test_its_sentences_are_one_utterance_and_a_prepared_one_is_made_whole(
-    desk: Desk, journal: Path
+    rig: SpeechRig, journal: Path
 ) -> None:
-    driver = await opened(desk, journal, "ok")
+    driver = await open_speech(rig, journal, "ok")
     whole = "Who is Dr. Who? One more."
     job = say(whole)
     sent = await driver.perform(job)
@@ -299,15 +314,15 @@ async def test_its_sentences_are_one_utterance_and_a_prepared_one_is_made_whole(
     assert [word for word, _, _ in heard] == ["hello", "hello"]
     assert heard[0][1] == 0.0
     assert heard[1][1] >= 0.1, "when the second sentence was heard"
-    await driver.prepare_say(said(whole))
+    await driver.prepare_say(say_arguments(whole))
     assert (await driver.perform(say(whole)))["source"] == "cache"
-    asked = [line["text"] for line in told(journal, "request")]
+    asked = [line["text"] for line in journal_entries(journal, "request")]
     assert asked == ["Who is Dr. Who?", "One more.", whole]
-    assert len(desk.told("played")) == 3
+    assert len(rig.journal_entries("played")) == 3
 
 
-async def test_the_stop_does_not_cost_its_loading(desk: Desk, journal: Path) -> None:
-    driver = await opened(desk, journal, "slow", "ok")
+async def test_the_stop_does_not_cost_its_loading(rig: SpeechRig, journal: Path) -> None:
+    driver = await open_speech(rig, journal, "slow", "ok")
     speaking = asyncio.ensure_future(driver.perform(say("One")))
     await asyncio.sleep(0)
     await driver.stop(Scope.ALL)
@@ -316,37 +331,35 @@ async def test_the_stop_does_not_cost_its_loading(desk: Desk, journal: Path) -> 
     assert speaking.cancelled()
     journal.with_name("loaded").touch()
     assert (await driver.perform(say("Two")))["seconds"] == 0.1
-    assert len(told(journal, "start")) == 1
+    assert len(journal_entries(journal, "start")) == 1
 
 
 async def test_one_that_does_not_come_up_fails_at_once_and_leaves_recordings(
-    desk: Desk, journal: Path
+    rig: SpeechRig, journal: Path
 ) -> None:
-    desk.wav("hello.wav", 0.2)
-    driver = await opened(desk, journal, "unloadable", recordings={"Hello": "hello.wav"})
+    rig.wav("hello.wav", 0.2)
+    driver = await open_speech(rig, journal, "unloadable", recordings={"Hello": "hello.wav"})
     with pytest.raises(DriverError, match="no model"):
         await driver.perform(say("Something else"))
     assert (await driver.perform(say("Hello")))["source"] == "recording"
 
 
-async def test_doctor_says_a_word_with_it(desk: Desk, journal: Path) -> None:
+async def test_doctor_says_a_word_with_it(rig: SpeechRig, journal: Path) -> None:
     for behaviour, level in (("ok", "ok"), ("unloadable", "error")):
         voice = command(journal, behaviour)
-        settings = desk.settings(
-            synthesise="", resident_voice=voice, cache=str(desk.folder / level)
-        )
-        found, _ = await Speech.examine(Probe("voice", settings, desk.folder))
-        assert found.level == level
+        settings = rig.settings(synthesise="", resident_voice=voice, cache=str(rig.folder / level))
+        finding, _ = await Speech.examine(Probe("voice", settings, rig.folder))
+        assert finding.level == level
         await until(lambda: processes(journal) == [])
 
 
 async def test_doctor_does_not_call_slow_loading_an_error(
-    desk: Desk, journal: Path, monkeypatch: pytest.MonkeyPatch
+    rig: SpeechRig, journal: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(doctor, "_PATIENCE_S", 0.2)
-    settings = desk.settings(synthesise="", resident_voice=command(journal, "slow"))
-    found, _ = await Speech.examine(Probe("voice", settings, desk.folder))
-    assert found.level == "warning"
+    settings = rig.settings(synthesise="", resident_voice=command(journal, "slow"))
+    finding, _ = await Speech.examine(Probe("voice", settings, rig.folder))
+    assert finding.level == "warning"
     assert processes(journal) == []
 
 

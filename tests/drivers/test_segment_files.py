@@ -13,7 +13,7 @@ from woz_drivers.microphone.transcriber import (
     Transcriber,
 )
 
-from tests.drivers.heard import until
+from tests.drivers.published_messages import until
 from woz_tui.protocol.messages import SpeechText
 from woz_tui.testing import RecordingContext
 
@@ -63,7 +63,7 @@ async def test_a_segment_that_cannot_be_read_costs_only_its_own_text(tmp_path: P
     await until(lambda: len(context.told) == 2)
     await transcriber.close()
     texts = [told for told in context.told if isinstance(told, SpeechText)]
-    assert [(told.text, told.detail) for told in texts] == [
+    assert [(speech_text.text, speech_text.detail) for speech_text in texts] == [
         ("", "ValueError: no such sound"),
         ("hello", ""),
     ]

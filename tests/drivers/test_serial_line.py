@@ -21,27 +21,27 @@ from woz_drivers.serial_line import (
     reason_of,
 )
 
-from tests.drivers.heard import PATIENCE_S, until
+from tests.drivers.published_messages import PATIENCE_S, until
 from tests.fakes.rangefinder import PluggedSensor
 from woz_tui.drivers.contract import DeviceLostError
 
 
-class Watched:
+class LineRig:
     """A line and what it told, as a list of words, bytes and troubles."""
 
     def __init__(self, port: Path) -> None:
-        self.told: asyncio.Queue[str | bytes | DeviceLostError] = asyncio.Queue()
+        self.reports: asyncio.Queue[str | bytes | DeviceLostError] = asyncio.Queue()
         self.line = SerialLine(
             str(port),
             115200,
-            on_open=lambda: self.told.put_nowait("open"),
-            on_bytes=self.told.put_nowait,
-            on_trouble=self.told.put_nowait,
+            on_open=lambda: self.reports.put_nowait("open"),
+            on_bytes=self.reports.put_nowait,
+            on_trouble=self.reports.put_nowait,
             poll_s=0.01,
         )
 
     async def next(self) -> str | bytes | DeviceLostError:
-        return await asyncio.wait_for(self.told.get(), PATIENCE_S)
+        return await asyncio.wait_for(self.reports.get(), PATIENCE_S)
 
     async def trouble(self) -> DeviceLostError:
         told = await self.next()
@@ -50,55 +50,55 @@ class Watched:
 
 
 @pytest.fixture
-async def watched(tmp_path: Path) -> AsyncIterator[Watched]:
-    one = Watched(tmp_path / "port")
+async def rig(tmp_path: Path) -> AsyncIterator[LineRig]:
+    one = LineRig(tmp_path / "port")
     yield one
     await one.line.close()
 
 
-async def test_waits_for_a_missing_port_and_reads_it(watched: Watched, tmp_path: Path) -> None:
-    watched.line.start()
-    assert (await watched.trouble()).what == f"{tmp_path}/port is not there"
+async def test_waits_for_a_missing_port_and_reads_it(rig: LineRig, tmp_path: Path) -> None:
+    rig.line.start()
+    assert (await rig.trouble()).what == f"{tmp_path}/port is not there"
     sensor = PluggedSensor(tmp_path / "port")
-    assert await watched.next() == "open"
-    assert watched.line.connected
+    assert await rig.next() == "open"
+    assert rig.line.connected
     sensor.send(b"R100\r")
-    assert await watched.next() == b"R100\r"
+    assert await rig.next() == b"R100\r"
     sensor.unplug()
 
 
 async def test_a_pulled_cable_is_told_once_and_the_port_opened_again(
-    watched: Watched, tmp_path: Path
+    rig: LineRig, tmp_path: Path
 ) -> None:
     sensor = PluggedSensor(tmp_path / "port")
-    watched.line.start()
+    rig.line.start()
     for _ in range(3):
-        assert await watched.next() == "open"
+        assert await rig.next() == "open"
         sensor.unplug()
-        lost = await watched.trouble()
+        lost = await rig.trouble()
         assert lost.what.startswith(f"{tmp_path}/port was lost")
-        assert not watched.line.connected
-        assert (await watched.trouble()).what.endswith("is not there")
+        assert not rig.line.connected
+        assert (await rig.trouble()).what.endswith("is not there")
         sensor.plug()
-    assert await watched.next() == "open"
+    assert await rig.next() == "open"
     sensor.send(b"again")
-    assert await watched.next() == b"again"
+    assert await rig.next() == b"again"
     sensor.unplug()
 
 
 async def test_an_occupied_port_is_named_and_taken_when_it_is_free(
-    watched: Watched, tmp_path: Path
+    rig: LineRig, tmp_path: Path
 ) -> None:
     sensor = PluggedSensor(tmp_path / "port")
     other = os.open(tmp_path / "port", os.O_RDWR | os.O_NOCTTY)
     fcntl.flock(other, fcntl.LOCK_EX)
-    watched.line.start()
-    busy = await watched.trouble()
+    rig.line.start()
+    busy = await rig.trouble()
     assert busy.what.startswith(f"{tmp_path}/port is in use by ")
     assert busy.what.endswith(f"({os.getpid()})")
     assert busy.remedy == "end the other program"
     os.close(other)
-    assert await watched.next() == "open"
+    assert await rig.next() == "open"
     with pytest.raises(serial.SerialException):
         serial.Serial(str(tmp_path / "port"), exclusive=True)
     sensor.unplug()
@@ -125,20 +125,20 @@ def test_who_holds_a_port_is_named_whatever_else_it_opens_and_closes(tmp_path: P
         os.close(held)
 
 
-async def test_a_file_is_no_port(watched: Watched, tmp_path: Path) -> None:
+async def test_a_file_is_no_port(rig: LineRig, tmp_path: Path) -> None:
     (tmp_path / "port").write_text("")
-    watched.line.start()
-    assert (await watched.trouble()).what == f"{tmp_path}/port is not a serial port"
+    rig.line.start()
+    assert (await rig.trouble()).what == f"{tmp_path}/port is not a serial port"
 
 
 async def test_writing_arrives_whole_even_when_the_device_reads_slowly(
-    watched: Watched, tmp_path: Path
+    rig: LineRig, tmp_path: Path
 ) -> None:
     sensor = PluggedSensor(tmp_path / "port")
-    watched.line.start()
-    assert await watched.next() == "open"
+    rig.line.start()
+    assert await rig.next() == "open"
     data = bytes(range(256)) * 200
-    watched.line.write(data)
+    rig.line.write(data)
     received = bytearray()
 
     def arrived() -> bool:
@@ -151,45 +151,43 @@ async def test_writing_arrives_whole_even_when_the_device_reads_slowly(
 
 
 async def test_a_device_that_never_reads_is_an_error_and_not_a_heap_of_memory(
-    watched: Watched, tmp_path: Path
+    rig: LineRig, tmp_path: Path
 ) -> None:
     sensor = PluggedSensor(tmp_path / "port")
-    watched.line.start()
-    assert await watched.next() == "open"
+    rig.line.start()
+    assert await rig.next() == "open"
     with pytest.raises(DeviceLostError, match="no more data"):
         for _ in range(1000):
-            watched.line.write(bytes(1000))
+            rig.line.write(bytes(1000))
     sensor.unplug()
 
 
-async def test_writing_to_a_missing_port_is_lost_with_the_remedy(watched: Watched) -> None:
+async def test_writing_to_a_missing_port_is_lost_with_the_remedy(rig: LineRig) -> None:
     with pytest.raises(DeviceLostError, match="not open yet"):
-        watched.line.write(b"x")
-    watched.line.start()
-    await watched.trouble()
+        rig.line.write(b"x")
+    rig.line.start()
+    await rig.trouble()
     with pytest.raises(DeviceLostError, match="is not there") as raised:
-        watched.line.write(b"x")
+        rig.line.write(b"x")
     assert raised.value.remedy
 
 
-async def test_writing_to_a_line_that_has_just_broken_is_lost(
-    watched: Watched, tmp_path: Path
-) -> None:
+async def test_writing_to_a_line_that_has_just_broken_is_lost(rig: LineRig, tmp_path: Path) -> None:
     sensor = PluggedSensor(tmp_path / "port")
-    watched.line.start()
-    assert await watched.next() == "open"
+    rig.line.start()
+    assert await rig.next() == "open"
     sensor.unplug()
     with pytest.raises(DeviceLostError, match="was lost") as raised:
-        watched.line.write(b"x")
+        rig.line.write(b"x")
     assert raised.value.remedy
 
 
-async def test_closing_lets_go_of_the_port(watched: Watched, tmp_path: Path) -> None:
+async def test_closing_lets_go_of_the_port(rig: LineRig, tmp_path: Path) -> None:
     sensor = PluggedSensor(tmp_path / "port")
-    watched.line.start()
-    assert await watched.next() == "open"
-    await watched.line.close()
-    assert not watched.line.connected
+    rig.line.start()
+    assert await rig.next() == "open"
+    await rig.line.close()
+    assert not rig.line.connected
     serial.Serial(str(tmp_path / "port"), exclusive=True).close()
     sensor.unplug()
 

@@ -22,9 +22,9 @@ from woz_tui.testing import PlainJob, RecordingContext
 
 
 @pytest.fixture
-async def it(tmp_path: Path) -> AsyncIterator[Rig]:
-    async with rig(tmp_path) as made:
-        yield made
+async def robot(tmp_path: Path) -> AsyncIterator[Rig]:
+    async with rig(tmp_path) as simulated_rig:
+        yield simulated_rig
 
 
 async def test_it_works_in_real_time(tmp_path: Path) -> None:
@@ -38,32 +38,32 @@ async def test_it_works_in_real_time(tmp_path: Path) -> None:
     assert max(abs(reading.value or 0) for reading in context.of("setpoint.pan")) <= 90
 
 
-async def test_a_gaze_arrives_when_the_head_is_there(it: Rig) -> None:
+async def test_a_gaze_arrives_when_the_head_is_there(robot: Rig) -> None:
     job = PlainJob("gaze", {"yaw": 60.0})
-    await it.perform(job)
-    await it.pace.advance(0.1)
+    await robot.perform(job)
+    await robot.pace.advance(0.1)
     assert job.arrivals == []
-    await it.pace.advance(3.0)
+    await robot.pace.advance(3.0)
     assert job.arrivals == [""]
-    assert it.context.latest("joint.pan") == pytest.approx(60.0, abs=0.5)
+    assert robot.context.latest("joint.pan") == pytest.approx(60.0, abs=0.5)
 
 
-async def test_a_gaze_whose_head_is_moved_otherwise_does_not_arrive(it: Rig) -> None:
+async def test_a_gaze_whose_head_is_moved_otherwise_does_not_arrive(robot: Rig) -> None:
     job = PlainJob("gaze", {"yaw": 60.0})
-    await it.perform(job)
-    it.begin("nudge", yaw=-20.0)
-    await it.pace.advance(3.0)
+    await robot.perform(job)
+    robot.begin("nudge", yaw=-20.0)
+    await robot.pace.advance(3.0)
     assert len(job.arrivals) == 1
     assert job.arrivals[0] != ""
 
 
-async def test_speaking_takes_time_by_its_length_and_says_so(it: Rig) -> None:
+async def test_speaking_takes_time_by_its_length_and_says_so(robot: Rig) -> None:
     job = PlainJob("say", {"text": "Good morning, Ann. Nice to see you."})
-    task = asyncio.create_task(it.perform(job))
-    await it.pace.advance(2.3)
+    task = asyncio.create_task(robot.perform(job))
+    await robot.pace.advance(2.3)
     assert not task.done()
     assert job.expected == [pytest.approx(35 / 14)]
-    await it.pace.advance(0.3)
+    await robot.pace.advance(0.3)
     assert task.result()["seconds"] == 2.5
 
 
@@ -93,124 +93,124 @@ def test_a_text_of_tags_that_are_never_closed_is_looked_through_quickly(begun: s
     assert utterance(text, 14.0).text == " ".join(text.split())
 
 
-async def test_every_move_moves_and_ends_where_it_began(it: Rig) -> None:
+async def test_every_move_moves_and_ends_where_it_began(robot: Rig) -> None:
     for name in MOVES:
-        it.context.readings.clear()
-        await it.do("play", move=name)
-        await it.pace.advance(0.2)
+        robot.context.readings.clear()
+        await robot.do("play", move=name)
+        await robot.pace.advance(0.2)
         angles = [
             reading.value or 0.0
             for joint in ("pan", "tilt", "hip")
-            for reading in it.context.of(f"joint.{joint}")
+            for reading in robot.context.of(f"joint.{joint}")
         ]
         assert max(map(abs, angles)) > 3, name
         assert all(
-            abs(it.context.latest(f"joint.{joint}")) < 0.1 for joint in ("pan", "tilt", "hip")
+            abs(robot.context.latest(f"joint.{joint}")) < 0.1 for joint in ("pan", "tilt", "hip")
         )
 
 
-async def test_amplitude_and_speed_change_a_move(it: Rig) -> None:
+async def test_amplitude_and_speed_change_a_move(robot: Rig) -> None:
     job = PlainJob("play", {"move": "nod", "speed": 2.0, "amplitude": 0.5})
-    task = asyncio.create_task(it.perform(job))
-    await it.pace.advance(3.0)
+    task = asyncio.create_task(robot.perform(job))
+    await robot.pace.advance(3.0)
     assert task.result()["seconds"] == 0.6
-    peak = max(reading.value or 0 for reading in it.context.of("setpoint.tilt"))
+    peak = max(reading.value or 0 for reading in robot.context.of("setpoint.tilt"))
     assert 5 < peak <= 9
 
 
 async def test_a_move_of_the_robot_file_takes_its_time(tmp_path: Path) -> None:
-    async with rig(tmp_path, SimulatedSettings(moves={"hop": 3.0})) as it:
-        task = it.begin("play", move="hop")
-        await it.pace.advance(2.9)
+    async with rig(tmp_path, SimulatedSettings(moves={"hop": 3.0})) as simulated_rig:
+        task = simulated_rig.begin("play", move="hop")
+        await simulated_rig.pace.advance(2.9)
         assert not task.done()
-        await it.pace.advance(0.2)
+        await simulated_rig.pace.advance(0.2)
         assert task.done()
 
 
-async def test_poses_are_clamped_and_what_was_reached_comes_back(it: Rig) -> None:
-    sent = await it.do("pose", joints={"pan": 400, "tilt": -10}, seconds=1.0)
+async def test_poses_are_clamped_and_what_was_reached_comes_back(robot: Rig) -> None:
+    sent = await robot.do("pose", joints={"pan": 400, "tilt": -10}, seconds=1.0)
     assert sent["joints"] == {"pan": 90.0, "tilt": -10.0}
-    sent = await it.do(
+    sent = await robot.do(
         "poses",
         poses=[{"joints": {"pan": 10}, "seconds": 0.2}, {"joints": {"pan": -20}, "seconds": 1}],
     )
     assert sent["joints"] == {"pan": pytest.approx(-20, abs=0.1)}
-    sent = await it.do("poses", poses=[{"joints": {"tilt": 12}, "seconds": 0.5}])
+    sent = await robot.do("poses", poses=[{"joints": {"tilt": 12}, "seconds": 0.5}])
     assert sent["joints"] == {"tilt": pytest.approx(12, abs=0.1)}
-    sent = await it.do("home")
+    sent = await robot.do("home")
     assert sent["joints"] == {name: pytest.approx(0, abs=0.1) for name in ("pan", "tilt", "hip")}
 
 
-async def test_gaze_ends_at_once_and_the_head_follows(it: Rig) -> None:
-    task = it.begin("gaze", yaw=45.0, pitch=100.0)
-    await it.pace.settle()
+async def test_gaze_ends_at_once_and_the_head_follows(robot: Rig) -> None:
+    task = robot.begin("gaze", yaw=45.0, pitch=100.0)
+    await robot.pace.settle()
     assert task.result() == {"yaw": 45.0, "pitch": 40.0}
-    await it.pace.advance(1.0)
-    assert it.context.latest("joint.pan") == pytest.approx(45, abs=0.1)
-    assert await it.do("gaze", pitch=5.0) == {"pitch": 5.0}
-    await it.pace.advance(1.0)
-    assert it.context.latest("joint.pan") == pytest.approx(45, abs=0.1)
+    await robot.pace.advance(1.0)
+    assert robot.context.latest("joint.pan") == pytest.approx(45, abs=0.1)
+    assert await robot.do("gaze", pitch=5.0) == {"pitch": 5.0}
+    await robot.pace.advance(1.0)
+    assert robot.context.latest("joint.pan") == pytest.approx(45, abs=0.1)
 
 
-async def test_nudges_add_up_from_where_the_head_is_going(it: Rig) -> None:
+async def test_nudges_add_up_from_where_the_head_is_going(robot: Rig) -> None:
     for _ in range(3):
-        await it.do("nudge", yaw=5.0)
-    await it.pace.advance(1.0)
-    assert it.context.latest("joint.pan") == pytest.approx(15, abs=0.1)
-    assert await it.do("hip", pitch=5.0) == {"pitch": 5.0}
+        await robot.do("nudge", yaw=5.0)
+    await robot.pace.advance(1.0)
+    assert robot.context.latest("joint.pan") == pytest.approx(15, abs=0.1)
+    assert await robot.do("hip", pitch=5.0) == {"pitch": 5.0}
     with pytest.raises(RejectedError, match="no joint for roll"):
-        await it.do("hip", roll=5.0)
+        await robot.do("hip", roll=5.0)
 
 
-async def test_limp_motors_refuse_to_move(it: Rig) -> None:
-    await it.do("torque", on=False)
+async def test_limp_motors_refuse_to_move(robot: Rig) -> None:
+    await robot.do("torque", on=False)
     with pytest.raises(RejectedError, match="motors are off") as caught:
-        await it.do("play", move="nod")
+        await robot.do("play", move="nod")
     assert "torque: on" in caught.value.remedy
-    await it.do("torque", on=True)
-    await it.do("play", move="nod")
+    await robot.do("torque", on=True)
+    await robot.do("play", move="nod")
 
 
-async def test_driving_takes_time_by_the_way_and_moves_the_base(it: Rig) -> None:
-    task = it.begin("drive", x=0.6, turn=45.0)
-    await it.pace.advance(1.0)
-    assert it.context.latest("base.x") == pytest.approx(0.3, abs=0.04)
-    await it.pace.advance(1.1)
+async def test_driving_takes_time_by_the_way_and_moves_the_base(robot: Rig) -> None:
+    task = robot.begin("drive", x=0.6, turn=45.0)
+    await robot.pace.advance(1.0)
+    assert robot.context.latest("base.x") == pytest.approx(0.3, abs=0.04)
+    await robot.pace.advance(1.1)
     assert task.result()["way"] == pytest.approx(0.6)
-    assert it.context.latest("base.heading") == pytest.approx(45)
+    assert robot.context.latest("base.heading") == pytest.approx(45)
 
 
-async def test_a_drive_to_nowhere_is_refused_as_by_robots(it: Rig) -> None:
+async def test_a_drive_to_nowhere_is_refused_as_by_robots(robot: Rig) -> None:
     with pytest.raises(RejectedError, match="no distance"):
-        await it.do("drive")
+        await robot.do("drive")
 
 
-async def test_sound_lasts_as_long_as_its_file(it: Rig, tmp_path: Path) -> None:
+async def test_sound_lasts_as_long_as_its_file(robot: Rig, tmp_path: Path) -> None:
     with wave.open(str(tmp_path / "beep.wav"), "wb") as sound:
         sound.setnchannels(1)
         sound.setsampwidth(2)
         sound.setframerate(8000)
         sound.writeframes(struct.pack("<h", 0) * 12000)
-    assert (await it.do("sound", file="beep.wav"))["seconds"] == 1.5
+    assert (await robot.do("sound", file="beep.wav"))["seconds"] == 1.5
     (tmp_path / "map.png").write_bytes(b"not a sound")
-    assert (await it.do("sound", file="map.png"))["seconds"] == 2.0
-    assert (await it.do("screen", file="https://example.org/"))["file"] == "https://example.org/"
-    assert (await it.do("screen", file="map.png"))["file"] == "map.png"
+    assert (await robot.do("sound", file="map.png"))["seconds"] == 2.0
+    assert (await robot.do("screen", file="https://example.org/"))["file"] == "https://example.org/"
+    assert (await robot.do("screen", file="map.png"))["file"] == "map.png"
 
 
-async def test_face_volume_and_mode(it: Rig) -> None:
-    assert await it.do("emotion", emotion="happy", intensity=0.8) == {
+async def test_face_volume_and_mode(robot: Rig) -> None:
+    assert await robot.do("emotion", emotion="happy", intensity=0.8) == {
         "emotion": "happy",
         "intensity": 0.8,
     }
-    assert await it.do("eyes", color="Orange") == {"color": "#ff8000", "animation": "steady"}
-    assert await it.do("eyes", color="#0f0", animation="blink") == {
+    assert await robot.do("eyes", color="Orange") == {"color": "#ff8000", "animation": "steady"}
+    assert await robot.do("eyes", color="#0f0", animation="blink") == {
         "color": "#00ff00",
         "animation": "blink",
     }
-    assert await it.do("volume", level=0.2) == {"level": 0.2}
-    assert (await it.do("say", text="Hi"))["volume"] == 0.2
-    assert await it.do("mode", mode="demo") == {"mode": "demo", "was": "normal"}
+    assert await robot.do("volume", level=0.2) == {"level": 0.2}
+    assert (await robot.do("say", text="Hi"))["volume"] == 0.2
+    assert await robot.do("mode", mode="demo") == {"mode": "demo", "was": "normal"}
 
 
 @pytest.mark.parametrize(
@@ -240,30 +240,30 @@ async def test_face_volume_and_mode(it: Rig) -> None:
     ],
 )
 async def test_nonsense_is_refused_with_a_remedy(
-    it: Rig, verb: str, args: dict[str, Json], what: str, remedy: str
+    robot: Rig, verb: str, args: dict[str, Json], what: str, remedy: str
 ) -> None:
     with pytest.raises(RejectedError) as caught:
-        await it.do(verb, **args)
+        await robot.do(verb, **args)
     assert caught.value.what.startswith(what)
     assert caught.value.remedy.startswith(remedy)
 
 
-async def test_a_missing_file_is_refused(it: Rig) -> None:
+async def test_a_missing_file_is_refused(robot: Rig) -> None:
     with pytest.raises(RejectedError, match="there is no file"):
-        await it.do("screen", file="nowhere.png")
+        await robot.do("screen", file="nowhere.png")
 
 
-async def test_readings_come_fast_while_it_moves_and_slowly_while_it_stands(it: Rig) -> None:
-    await it.pace.advance(5.0)
-    it.context.readings.clear()
-    await it.pace.advance(10.0)
-    assert len(it.context.of("joint.pan")) == 10
-    it.context.readings.clear()
-    it.begin("pose", joints={"pan": 60}, seconds=4.0)
-    await it.pace.advance(4.0)
-    assert 39 <= len(it.context.of("joint.pan")) <= 41
+async def test_readings_come_fast_while_it_moves_and_slowly_while_it_stands(robot: Rig) -> None:
+    await robot.pace.advance(5.0)
+    robot.context.readings.clear()
+    await robot.pace.advance(10.0)
+    assert len(robot.context.of("joint.pan")) == 10
+    robot.context.readings.clear()
+    robot.begin("pose", joints={"pan": 60}, seconds=4.0)
+    await robot.pace.advance(4.0)
+    assert 39 <= len(robot.context.of("joint.pan")) <= 41
     assert set(SimulatedRobot.sensors(SimulatedSettings())) == {
-        r.sensor for r in it.context.readings
+        r.sensor for r in robot.context.readings
     }
 
 
@@ -287,19 +287,19 @@ def test_a_robot_without_a_head_offers_no_gaze() -> None:
 
 
 async def visits(tmp_path: Path, speech: Callable[[Rig], Awaitable[Any]]) -> list[Any]:
-    async with rig(tmp_path, SimulatedSettings(visitor=True, seed=11)) as it:
-        await it.pace.advance(14.0)
-        await speech(it)
-        await it.pace.advance(5.0)
-        return [(r.sensor, r.value, r.text) for r in it.context.readings]
+    async with rig(tmp_path, SimulatedSettings(visitor=True, seed=11)) as simulated_rig:
+        await simulated_rig.pace.advance(14.0)
+        await speech(simulated_rig)
+        await simulated_rig.pace.advance(5.0)
+        return [(r.sensor, r.value, r.text) for r in simulated_rig.context.readings]
 
 
 async def test_the_same_seed_and_the_same_wizard_give_the_same_readings(tmp_path: Path) -> None:
-    async def greet(it: Rig) -> None:
-        await it.do("say", text="Hello, who are you?")
+    async def greet(simulated_rig: Rig) -> None:
+        await simulated_rig.do("say", text="Hello, who are you?")
 
-    async def silence(it: Rig) -> None:
-        await it.do("home")
+    async def silence(simulated_rig: Rig) -> None:
+        await simulated_rig.do("home")
 
     first = await visits(tmp_path, greet)
     assert first == await visits(tmp_path, greet)
@@ -311,13 +311,13 @@ async def test_the_same_seed_and_the_same_wizard_give_the_same_readings(tmp_path
 
 
 async def test_time_lapse_runs_everything_faster(tmp_path: Path) -> None:
-    async with rig(tmp_path, SimulatedSettings(visitor=True, speed=20)) as it:
-        task = it.begin("say", text="x" * 140)
-        await it.pace.advance(0.6)
+    async with rig(tmp_path, SimulatedSettings(visitor=True, speed=20)) as simulated_rig:
+        task = simulated_rig.begin("say", text="x" * 140)
+        await simulated_rig.pace.advance(0.6)
         assert task.done()
-        await it.pace.advance(2.0)
-        assert max(reading.value or 0 for reading in it.context.of("presence")) == 1
-        assert len(it.context.of("distance")) <= 28
+        await simulated_rig.pace.advance(2.0)
+        assert max(reading.value or 0 for reading in simulated_rig.context.of("presence")) == 1
+        assert len(simulated_rig.context.of("distance")) <= 28
 
 
 def test_a_voice_alone_leaves_the_body_to_another_driver() -> None:
@@ -326,7 +326,7 @@ def test_a_voice_alone_leaves_the_body_to_another_driver() -> None:
     assert SimulatedRobot.sensors(settings) == ()
 
 
-async def test_every_verb_that_it_offers_is_carried_out_by_something(it: Rig) -> None:
+async def test_every_verb_that_it_offers_is_carried_out_by_something(robot: Rig) -> None:
     """`fault` is no act of the robot but one against it."""
-    offered = {verb.name for verb in SimulatedRobot.verbs(it.robot.settings)}
-    assert offered - {"fault"} <= set(it.robot._performers), "name it in the table of `__init__`"
+    offered = {verb.name for verb in SimulatedRobot.verbs(robot.robot.settings)}
+    assert offered - {"fault"} <= set(robot.robot._performers), "name it in the table of `__init__`"

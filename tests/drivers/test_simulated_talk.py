@@ -23,7 +23,7 @@ from woz_drivers.simulated.simulated_microphone import (
 from woz_drivers.simulated.verbs import offered, sensors
 from woz_drivers.simulated.visitor import PEOPLE, STRANGERS, SimulatedVisitor, VisitPhase
 
-from tests.amounts import many
+from tests.example_counts import many
 from tests.fakes.simulated_rig import Rig, rig
 from woz_tui.drivers.contract import SPEECH, DriverError, RejectedError
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
@@ -42,14 +42,16 @@ def test_a_segment_has_pre_roll_hang_over_and_words() -> None:
         if tick == 20:
             hearing.words("How old is it?")
         told += hearing.add(LOUD if 20 <= tick < 35 else QUIET)
-    started, ended, text = told
-    assert (started.what, ended.what, text.what) == ("started", "ended", "text")
-    assert started.began == ended.began == pytest.approx((20 - PRE_ROLL) * TICK)
-    assert ended.ended == pytest.approx((35 + HANG_OVER) * TICK)
-    assert ended.t == pytest.approx(ended.ended), "told with the chunk that completes it"
-    assert ended.loudest == LOUD
+    started, speech_in_progress, text = told
+    assert (started.what, speech_in_progress.what, text.what) == ("started", "ended", "text")
+    assert started.began == speech_in_progress.began == pytest.approx((20 - PRE_ROLL) * TICK)
+    assert speech_in_progress.ended == pytest.approx((35 + HANG_OVER) * TICK)
+    assert speech_in_progress.t == pytest.approx(speech_in_progress.ended), (
+        "told with the chunk that completes it"
+    )
+    assert speech_in_progress.loudest == LOUD
     assert text.text == "How old is it?"
-    assert text.t == pytest.approx(ended.ended + UNDERSTOOD_AFTER * TICK)
+    assert text.t == pytest.approx(speech_in_progress.ended + UNDERSTOOD_AFTER * TICK)
 
 
 def test_what_a_visitor_says_is_heard_segment_by_segment() -> None:
@@ -208,9 +210,9 @@ def test_being_asked_for_a_name_is_not_too_much() -> None:
 
 
 @pytest.fixture
-async def it(tmp_path: Path) -> AsyncIterator[Rig]:
-    async with rig(tmp_path, VISITED) as made:
-        yield made
+async def robot(tmp_path: Path) -> AsyncIterator[Rig]:
+    async with rig(tmp_path, VISITED) as simulated_rig:
+        yield simulated_rig
 
 
 def test_speech_and_faces_are_there_with_a_visitor_only() -> None:
@@ -223,10 +225,10 @@ def test_speech_and_faces_are_there_with_a_visitor_only() -> None:
     assert "learn_face" not in {verb.name for verb in offered(alone)}
 
 
-async def test_speech_goes_out_as_messages_with_times_of_the_log(it: Rig) -> None:
+async def test_speech_goes_out_as_messages_with_times_of_the_log(robot: Rig) -> None:
     for _ in range(40):
-        await it.pace.advance(1.0)
-    told = it.context.told
+        await robot.pace.advance(1.0)
+    told = robot.context.told
     assert [type(one) for one in told[:3]] == [SpeechStarted, SpeechEnded, SpeechText]
     started, ended, text = told[:3]
     assert isinstance(started, SpeechStarted)
@@ -236,16 +238,16 @@ async def test_speech_goes_out_as_messages_with_times_of_the_log(it: Rig) -> Non
     assert 1_800_000 < ended.ended - ended.began < 6_000_000
     assert (ended.file, ended.detail) == ("", "")
     assert text.took_us == UNDERSTOOD_AFTER * 100_000
-    states = [state for sensor, state, _ in it.context.states if sensor == "loudness"]
+    states = [state for sensor, state, _ in robot.context.states if sensor == "loudness"]
     assert [state for state, _ in groupby(states)][:3] == ["quiet", "speaking", "quiet"]
 
 
-async def test_an_unplugged_microphone_ends_the_segment_and_says_why(it: Rig) -> None:
-    while not it.context.told:
-        await it.pace.advance(0.1)
-    await it.do("fault", kind="disconnect", seconds=3.0)
-    await it.pace.advance(8.0)
-    started, ended, *rest = it.context.told
+async def test_an_unplugged_microphone_ends_the_segment_and_says_why(robot: Rig) -> None:
+    while not robot.context.told:
+        await robot.pace.advance(0.1)
+    await robot.do("fault", kind="disconnect", seconds=3.0)
+    await robot.pace.advance(8.0)
+    started, ended, *rest = robot.context.told
     assert isinstance(started, SpeechStarted)
     assert isinstance(ended, SpeechEnded)
     assert ended.detail == "the sound stopped: unplugged (simulated fault)"
@@ -253,37 +255,37 @@ async def test_an_unplugged_microphone_ends_the_segment_and_says_why(it: Rig) ->
     assert all(one.segment > 1 for one in rest), "nothing more of that segment"
 
 
-async def test_a_face_is_learnt_by_a_verb(it: Rig) -> None:
+async def test_a_face_is_learnt_by_a_verb(robot: Rig) -> None:
     with pytest.raises(DriverError, match="nobody shows a face"):
-        await it.do("learn_face", name="V9")
+        await robot.do("learn_face", name="V9")
     for _ in range(20):
-        await it.pace.advance(0.5)
-    assert (await it.do("learn_face", name=" V9 ")) == {"name": "V9"}
-    await it.pace.advance(4.0)
-    assert "V9" in {reading.text for reading in it.context.of("identity")}
+        await robot.pace.advance(0.5)
+    assert (await robot.do("learn_face", name=" V9 ")) == {"name": "V9"}
+    await robot.pace.advance(4.0)
+    assert "V9" in {reading.text for reading in robot.context.of("identity")}
 
 
-async def test_a_face_is_forgotten_with_the_consent(it: Rig) -> None:
+async def test_a_face_is_forgotten_with_the_consent(robot: Rig) -> None:
     for _ in range(20):
-        await it.pace.advance(0.5)
-    await it.do("learn_face", name="V9")
-    assert (await it.do("face_consent", name="V9", given=True)) == {"name": "V9", "given": True}
-    told = [await it.do("face_consent", name=" v9 ", given=False) for _ in range(2)]
+        await robot.pace.advance(0.5)
+    await robot.do("learn_face", name="V9")
+    assert (await robot.do("face_consent", name="V9", given=True)) == {"name": "V9", "given": True}
+    told = [await robot.do("face_consent", name=" v9 ", given=False) for _ in range(2)]
     assert [each["deleted"] for each in told] == [True, False]
-    before = len(it.context.of("identity"))
-    await it.pace.advance(4.0)
-    assert "V9" not in {reading.text for reading in it.context.of("identity")[before:]}
+    before = len(robot.context.of("identity"))
+    await robot.pace.advance(4.0)
+    assert "V9" not in {reading.text for reading in robot.context.of("identity")[before:]}
     with pytest.raises(RejectedError, match="needs a name"):
-        await it.do("face_consent", name=" ", given=False)
+        await robot.do("face_consent", name=" ", given=False)
 
 
-async def test_a_face_without_a_name_or_with_somebody_elses_is_refused(it: Rig) -> None:
+async def test_a_face_without_a_name_or_with_somebody_elses_is_refused(robot: Rig) -> None:
     for _ in range(20):
-        await it.pace.advance(0.5)
+        await robot.pace.advance(0.5)
     with pytest.raises(RejectedError, match="needs a name"):
-        await it.do("learn_face", name="  ")
+        await robot.do("learn_face", name="  ")
     with pytest.raises(RejectedError, match="somebody else"):
-        await it.do("learn_face", name="V1")  # V2 stands there
+        await robot.do("learn_face", name="V1")  # V2 stands there
     with pytest.raises(RejectedError, match="cannot learn_face"):
-        async with rig(it.context.folder) as alone:
+        async with rig(robot.context.folder) as alone:
             await alone.do("learn_face", name="V9")

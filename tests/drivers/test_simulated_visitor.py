@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from woz_drivers.simulated.senses import DOOR, SENSORS, WALL, Sample
 from woz_drivers.simulated.visitor import SimulatedVisitor, VisitPhase
 
-from tests.amounts import many
+from tests.example_counts import many
 
 HOUR = 3600.0
 

@@ -45,7 +45,10 @@ async def test_the_voice(tmp_path: Path) -> None:
     voice = SpeechSynthesis(settings, tmp_path)
     try:
         for text in ("Hello", "Hi"):
-            made = await voice.utterance(text)
-            assert (made.sound.rate, made.sound.seconds) == (16_000, 0.05 * len(text))
+            prepared_utterance = await voice.utterance(text)
+            assert (prepared_utterance.sound.rate, prepared_utterance.sound.seconds) == (
+                16_000,
+                0.05 * len(text),
+            )
     finally:
         await voice.close()

@@ -38,7 +38,7 @@ LOUD_WITHOUT_A_VOICE = {
 }
 
 
-def found(sound: Samples, speech: str) -> list[tuple[str, float]]:
+def speech_changes(sound: Samples, speech: str) -> list[tuple[str, float]]:
     """What begins and ends in a sound, each with the seconds from the sound's first."""
     settings = MicrophoneSettings(rate=RATE, speech=speech, hang_over=0.6)
     assert settings.problems() == []
@@ -52,7 +52,7 @@ def found(sound: Samples, speech: str) -> list[tuple[str, float]]:
     return events
 
 
-def spoken(text: str) -> Samples:
+def spoken_samples(text: str) -> Samples:
     """`text` as espeak-ng says it, at `RATE`."""
     made = subprocess.run(["espeak-ng", "--stdout", text], capture_output=True, check=True)
     with wave.open(io.BytesIO(made.stdout)) as file:
@@ -65,17 +65,17 @@ def spoken(text: str) -> Samples:
 @pytest.mark.parametrize("sound", LOUD_WITHOUT_A_VOICE)
 def test_loud_sound_without_a_voice_is_speech_by_loudness_alone(sound: str) -> None:
     samples = np.concatenate([QUIET, LOUD_WITHOUT_A_VOICE[sound], QUIET])
-    assert found(samples, "voice") == []
-    assert found(samples, "loud") != []
+    assert speech_changes(samples, "voice") == []
+    assert speech_changes(samples, "loud") != []
 
 
 @pytest.mark.espeak
 @pytest.mark.parametrize("noise", [0.001, 0.02], ids=["in silence", "in noise"])
 @pytest.mark.parametrize("text", ["Yes.", "I would like to see the whale, please."])
 def test_a_voice_is_speech_from_its_first_word_on(text: str, noise: float) -> None:
-    sound = np.concatenate([QUIET, spoken(text), QUIET, QUIET])
+    sound = np.concatenate([QUIET, spoken_samples(text), QUIET, QUIET])
     sound = sound + RANDOM.normal(0, noise, len(sound))
-    (start, began), (end, ended) = found(sound, "voice")
+    (start, began), (end, ended) = speech_changes(sound, "voice")
     assert (start, end) == ("SpeechStart", "SpeechEnd")
     assert 1.0 < began < 1.4, "pre-roll keeps what comes before"
     assert began < ended <= len(sound) / RATE
@@ -83,8 +83,10 @@ def test_a_voice_is_speech_from_its_first_word_on(text: str, noise: float) -> No
 
 @pytest.mark.espeak
 def test_after_a_long_hum_a_voice_is_still_heard() -> None:
-    sound = np.concatenate([hum(5.0), QUIET, QUIET, spoken("Where is the exit?"), QUIET, QUIET])
-    assert [kind for kind, _ in found(sound, "voice")] == ["SpeechStart", "SpeechEnd"]
+    sound = np.concatenate(
+        [hum(5.0), QUIET, QUIET, spoken_samples("Where is the exit?"), QUIET, QUIET]
+    )
+    assert [kind for kind, _ in speech_changes(sound, "voice")] == ["SpeechStart", "SpeechEnd"]
 
 
 def test_what_is_missing_is_said_before_the_session(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,7 @@ from woz_tui.drivers.contract import DeviceLostError, DriverError, Health
 from woz_tui.testing import RecordingContext, until
 
 
-class Parrot(WebRobot):
+class EchoRobot(WebRobot):
     """Says everything twice."""
 
     def routes(self) -> Sequence[web.AbstractRouteDef]:
@@ -45,7 +45,7 @@ class Parrot(WebRobot):
         return web.json_response(await request.json())
 
 
-class Desk:
+class LineRig:
     """A line with everything that it reported."""
 
     def __init__(self, place: str) -> None:
@@ -80,98 +80,98 @@ class Desk:
 
 
 @pytest.fixture
-async def robot() -> AsyncIterator[Parrot]:
-    async with Parrot() as robot:
+async def robot() -> AsyncIterator[EchoRobot]:
+    async with EchoRobot() as robot:
         yield robot
 
 
 @asynccontextmanager
-async def connected(robot: Parrot) -> AsyncIterator[Desk]:
-    desk = Desk(robot.address)
-    desk.line.start()
+async def connected_line(robot: EchoRobot) -> AsyncIterator[LineRig]:
+    line_rig = LineRig(robot.address)
+    line_rig.line.start()
     try:
-        await until(lambda: desk.line.ready)
-        yield desk
+        await until(lambda: line_rig.line.ready)
+        yield line_rig
     finally:
-        await desk.line.close()
+        await line_rig.line.close()
 
 
 @pytest.fixture
-async def desk(robot: Parrot) -> AsyncIterator[Desk]:
-    async with connected(robot) as desk:
-        yield desk
+async def rig(robot: EchoRobot) -> AsyncIterator[LineRig]:
+    async with connected_line(robot) as line_rig:
+        yield line_rig
 
 
-async def test_messages_go_both_ways_and_requests_are_answered(desk: Desk) -> None:
-    await desk.line.send({"word": "Lora"})
-    await until(lambda: desk.messages.count({"word": "Lora"}) == 2)
-    assert await desk.line.request("POST", "/api/echo", json={"a": 1}) == {"a": 1}
-    assert await desk.line.request("POST", "/api/empty") is None
-    await desk.line.probe()
-    assert desk.context.healths[-1][:2] == (Health.CONNECTED, "parrot 1.0")
+async def test_messages_go_both_ways_and_requests_are_answered(rig: LineRig) -> None:
+    await rig.line.send({"word": "Lora"})
+    await until(lambda: rig.messages.count({"word": "Lora"}) == 2)
+    assert await rig.line.request("POST", "/api/echo", json={"a": 1}) == {"a": 1}
+    assert await rig.line.request("POST", "/api/empty") is None
+    await rig.line.probe()
+    assert rig.context.healths[-1][:2] == (Health.CONNECTED, "parrot 1.0")
 
 
-async def test_what_is_not_understood_is_reported_once_and_left_out(desk: Desk) -> None:
-    await desk.line.send({"nonsense": 1})
-    await desk.line.send({"word": "still there"})
-    await until(lambda: desk.messages.count({"word": "still there"}) == 2)
-    assert len(desk.context.notices) == 1
+async def test_what_is_not_understood_is_reported_once_and_left_out(rig: LineRig) -> None:
+    await rig.line.send({"nonsense": 1})
+    await rig.line.send({"word": "still there"})
+    await until(lambda: rig.messages.count({"word": "still there"}) == 2)
+    assert len(rig.context.notices) == 1
 
 
 async def test_refusals_and_odd_answers_are_errors_of_the_request_alone(
-    robot: Parrot, desk: Desk
+    robot: EchoRobot, rig: LineRig
 ) -> None:
     robot.faults.refused["/api/echo"] = "no voice today"
     with pytest.raises(AnswerError, match="no voice today"):
-        await desk.line.request("POST", "/api/echo", json={})
+        await rig.line.request("POST", "/api/echo", json={})
     for odd in ("picture", "deep"):
         with pytest.raises(DriverError, match="JSON"):
-            await desk.line.request("POST", f"/api/{odd}")
-    assert desk.line.ready
+            await rig.line.request("POST", f"/api/{odd}")
+    assert rig.line.ready
 
 
 @pytest.mark.parametrize("ends", ["drops", "closes"])
-async def test_a_lost_robot_is_found_again(robot: Parrot, desk: Desk, ends: str) -> None:
+async def test_a_lost_robot_is_found_again(robot: EchoRobot, rig: LineRig, ends: str) -> None:
     if ends == "drops":
         robot.drop()
     else:
         await robot.close()
         await robot.start()
-    await until(lambda: desk.lost != [])
-    await until(lambda: desk.line.ready)
-    states = [health for health, *_ in desk.context.healths]
+    await until(lambda: rig.lost != [])
+    await until(lambda: rig.line.ready)
+    states = [health for health, *_ in rig.context.healths]
     assert states[-1] is Health.CONNECTED
     assert Health.LOST in states
 
 
 async def test_a_silent_robot_is_lost_and_what_is_under_way_ends(
-    robot: Parrot, desk: Desk, monkeypatch: pytest.MonkeyPatch
+    robot: EchoRobot, rig: LineRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(web_socket_line, "_SILENCE_S", 0.2)
     monkeypatch.setattr(web_socket_line, "_PING_S", 0.02)
     robot.freeze()
     with pytest.raises(DeviceLostError):
-        await desk.line.probe(within=20)
-    await until(lambda: not desk.line.ready)
+        await rig.line.probe(within=20)
+    await until(lambda: not rig.line.ready)
     with pytest.raises(DeviceLostError):
-        await desk.line.send({"word": "late"})
+        await rig.line.send({"word": "late"})
     robot.thaw()
-    await until(lambda: desk.line.ready)
+    await until(lambda: rig.line.ready)
     assert ("message", {"word": "late"}) not in robot.calls
 
 
-async def test_who_refuses_to_get_ready_is_lost_with_its_reason(robot: Parrot) -> None:
-    desk = Desk(robot.address)
-    desk.refuses = "wrong key"
-    desk.line.start()
-    await until(lambda: any(health[1] == "wrong key" for health in desk.context.healths))
-    desk.refuses = ""
-    await until(lambda: desk.line.ready)
-    await desk.line.close()
+async def test_who_refuses_to_get_ready_is_lost_with_its_reason(robot: EchoRobot) -> None:
+    line_rig = LineRig(robot.address)
+    line_rig.refuses = "wrong key"
+    line_rig.line.start()
+    await until(lambda: any(health[1] == "wrong key" for health in line_rig.context.healths))
+    line_rig.refuses = ""
+    await until(lambda: line_rig.line.ready)
+    await line_rig.line.close()
 
 
 async def test_a_robot_that_is_lost_while_it_refuses_leaves_no_error_behind(
-    robot: Parrot,
+    robot: EchoRobot,
 ) -> None:
     complaints: list[str] = []
     loop = asyncio.get_running_loop()
@@ -182,7 +182,7 @@ async def test_a_robot_that_is_lost_while_it_refuses_leaves_no_error_behind(
     assert complaints == []
 
 
-async def lost_and_refusing(robot: Parrot) -> None:
+async def lost_and_refusing(robot: EchoRobot) -> None:
     """A line whose reading and whose preparation fail in the same moment."""
     said = asyncio.Event()
 
@@ -211,68 +211,68 @@ async def lost_and_refusing(robot: Parrot) -> None:
     await line.close()
 
 
-async def test_another_server_at_the_address_is_told_from_none(robot: Parrot) -> None:
-    desk = Desk(robot.address)
-    desk.path = "/elsewhere"
-    desk.line.start()
-    await until(lambda: any("404" in health[1] for health in desk.context.healths))
+async def test_another_server_at_the_address_is_told_from_none(robot: EchoRobot) -> None:
+    line_rig = LineRig(robot.address)
+    line_rig.path = "/elsewhere"
+    line_rig.line.start()
+    await until(lambda: any("404" in health[1] for health in line_rig.context.healths))
     await robot.close()
-    desk.path = "/events"
-    await until(lambda: any("refused" in health[1] for health in desk.context.healths))
-    await desk.line.close()
-    assert not desk.line.ready
+    line_rig.path = "/events"
+    await until(lambda: any("refused" in health[1] for health in line_rig.context.healths))
+    await line_rig.line.close()
+    assert not line_rig.line.ready
 
 
-async def test_closing_leaves_no_task_behind(robot: Parrot) -> None:
+async def test_closing_leaves_no_task_behind(robot: EchoRobot) -> None:
     before = asyncio.all_tasks()
-    async with connected(robot):
+    async with connected_line(robot):
         pass
     await until(lambda: not robot.sockets)
     assert {task for task in asyncio.all_tasks() - before if "parrot" in task.get_name()} == set()
 
 
 async def test_a_robot_that_takes_nothing_more_is_lost_and_found_again(
-    robot: Parrot, desk: Desk, monkeypatch: pytest.MonkeyPatch
+    robot: EchoRobot, rig: LineRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(web_socket_line, "_SEND_S", 0.05)
     monkeypatch.setattr(web_socket_line, "_SILENCE_S", 1000.0)
     robot.freeze()
     with pytest.raises(DeviceLostError):
         while True:
-            await desk.line.send({"word": "x" * 1_000_000})
-    await until(lambda: desk.lost != [])
+            await rig.line.send({"word": "x" * 1_000_000})
+    await until(lambda: rig.lost != [])
     robot.thaw()
-    await until(lambda: desk.line.ready)
+    await until(lambda: rig.line.ready)
 
 
-async def test_it_is_not_ready_any_more_when_the_loss_is_told(robot: Parrot) -> None:
-    desk = Desk(robot.address)
+async def test_it_is_not_ready_any_more_when_the_loss_is_told(robot: EchoRobot) -> None:
+    line_rig = LineRig(robot.address)
     states: list[bool] = []
-    desk.line._on_lost = lambda error: states.append(desk.line.ready)
-    desk.line.start()
-    await until(lambda: desk.line.ready)
+    line_rig.line._on_lost = lambda error: states.append(line_rig.line.ready)
+    line_rig.line.start()
+    await until(lambda: line_rig.line.ready)
     robot.drop()
     await until(lambda: states != [])
-    await until(lambda: desk.line.ready)
-    await desk.line.close()
+    await until(lambda: line_rig.line.ready)
+    await line_rig.line.close()
     assert states == [False, False]
-    assert not desk.line.ready
+    assert not line_rig.line.ready
     with pytest.raises(DeviceLostError):
-        desk.line.need()
+        line_rig.line.need()
 
 
-async def test_a_slow_answer_to_a_probe_costs_no_connection(robot: Parrot, desk: Desk) -> None:
+async def test_a_slow_answer_to_a_probe_costs_no_connection(robot: EchoRobot, rig: LineRig) -> None:
     robot.freeze()
     with pytest.raises(DriverError) as raised:
-        await desk.line.probe(within=0.05)
+        await rig.line.probe(within=0.05)
     assert not isinstance(raised.value, DeviceLostError)
     robot.thaw()
-    await desk.line.probe()
-    assert desk.lost == []
+    await rig.line.probe()
+    assert rig.lost == []
 
 
 async def test_a_name_that_no_host_has_is_told_as_such() -> None:
-    desk = Desk("no-such-robot.invalid:80")
-    desk.line.start()
-    await until(lambda: any("no host" in health[1] for health in desk.context.healths))
-    await desk.line.close()
+    line_rig = LineRig("no-such-robot.invalid:80")
+    line_rig.line.start()
+    await until(lambda: any("no host" in health[1] for health in line_rig.context.healths))
+    await line_rig.line.close()

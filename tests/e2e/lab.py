@@ -276,7 +276,7 @@ def end_session(terminal: FakeTerminal) -> None:
 
 
 @contextlib.contextmanager
-def stopped(process: psutil.Process) -> Iterator[None]:
+def stopped_process(process: psutil.Process) -> Iterator[None]:
     """Nothing of `process` runs inside; it is continued whatever happens."""
     process.suspend()
     try:

@@ -9,7 +9,7 @@ import psutil
 import pytest
 
 from tests.e2e import scenes
-from tests.e2e.lab import Lab, Log, end_session, stopped, until
+from tests.e2e.lab import Lab, Log, end_session, stopped_process, until
 from tests.fakes.terminal import FakeTerminal
 
 pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
@@ -92,7 +92,7 @@ def test_ended_while_driving(lab: Lab, terminal: FakeTerminal, how: str) -> None
 def test_frozen_and_thawed(lab: Lab, terminal: FakeTerminal) -> None:
     log = lab.log
     drive, say = drive_and_talk(terminal, log)
-    with stopped(psutil.Process(terminal.process.pid)):
+    with stopped_process(psutil.Process(terminal.process.pid)):
         log.wait("command.stopped", command=drive)
     assert_only_driving_stopped(log, drive, say)
     terminal.wait_for(lambda _: terminal.written.count(b"\x1b[?1049h") == 2)
@@ -142,8 +142,8 @@ def test_a_second_console_watches_and_a_third_takes_over(lab: Lab, terminal: Fak
     terminal.wait_text("WATCHING")
     assert "WATCHING" not in third.text
     third.send("h")
-    asked = log.wait("action.requested", 2)
-    assert asked.fields["console"] == log.lines("console.attached")[-1].fields["console"]
+    log_line = log.wait("action.requested", 2)
+    assert log_line.fields["console"] == log.lines("console.attached")[-1].fields["console"]
     terminal.send("h")
     terminal.wait_text("only watches")
     second.send("\x1b")
@@ -182,6 +182,6 @@ def test_the_drive_goes_on_without_the_voice_and_ends_without_the_body(lab: Lab)
     log.wait("action.requested", action="Hello", console=console)
     assert not log.lines("stop.pressed")
     assert not log.lines("command.stopped")
-    with stopped(psutil.Process(body.process.pid)):
+    with stopped_process(psutil.Process(body.process.pid)):
         log.wait("stop.pressed", scope="drive")
         log.wait("command.stopped", command=drive)

@@ -51,8 +51,8 @@ def test_a_profile_is_chosen_holds_and_is_left_again(lab: Lab) -> None:
     terminal.send("\x1b[A")
     terminal.send("\x1b[A")
     terminal.send("\r")
-    changed = log.wait("profile.changed", 3)
-    assert (changed.fields["profile"], changed.fields["source"]) == ("", "key")
+    log_line = log.wait("profile.changed", 3)
+    assert (log_line.fields["profile"], log_line.fields["source"]) == ("", "key")
     terminal.wait_for(
         lambda screen: "guest" not in screen.splitlines()[0] and " h    Hello" in screen
     )

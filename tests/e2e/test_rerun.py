@@ -84,7 +84,7 @@ def _pan(servos: Servos, begin: int) -> float:
     return goals[-1] if goals else 90.0
 
 
-def _begun(lab: Lab, original: Log) -> tuple[subprocess.Popen[bytes], Log]:
+def _begin_rerun(lab: Lab, original: Log) -> tuple[subprocess.Popen[bytes], Log]:
     """`woz replay LOG --robot --headless`, and its log as soon as there is one."""
     before = lab.log.path
     process = lab.woz("replay", str(original.path), "--robot", "--headless", "--yes")
@@ -92,7 +92,7 @@ def _begun(lab: Lab, original: Log) -> tuple[subprocess.Popen[bytes], Log]:
     return process, lab.log
 
 
-def _again(lab: Lab, log: Path, *words: str) -> subprocess.CompletedProcess[bytes]:
+def _rerun(lab: Lab, log: Path, *words: str) -> subprocess.CompletedProcess[bytes]:
     """`woz replay LOG --robot --headless`, to its end."""
     process = lab.woz("replay", str(log), "--robot", "--headless", "--yes", *words)
     out, err = process.communicate(timeout=WAIT_S)
@@ -107,7 +107,7 @@ def turns(notes: list[Note], servo: int) -> list[float]:
     return [b for a, b, c in middle if (b - a) * (c - b) < 0] + steps[-1:]
 
 
-def sent(log: Log) -> list[tuple[str, Any]]:
+def sent_commands(log: Log) -> list[tuple[str, Any]]:
     """What really went to the driver, of what was done."""
     return [
         (_verb(log, str(line.fields["command"])), line.fields["sent"])
@@ -126,7 +126,7 @@ def test_the_servos_go_through_the_same_setpoints_in_the_same_order_twice(
     journals, logs = [list(servos.journal)], [original]
     for _ in range(2):
         before = len(servos.journal)
-        done = _again(lab, original.path)
+        done = _rerun(lab, original.path)
         assert done.returncode == 0, (done.stdout, done.stderr)
         journals.append(servos.journal[before:])
         logs.append(lab.log)
@@ -142,11 +142,13 @@ def test_the_servos_go_through_the_same_setpoints_in_the_same_order_twice(
             assert held
             assert set(map(round, held)) <= set(map(round, now))
     for log in logs[1:]:
-        assert [verb for verb, _ in sent(log)] == [verb for verb, _ in sent(original)]
-        assert sent(log)[1:4] == sent(original)[1:4]
-        (ended,) = log.lines("rerun.ended")
-        assert ended.fields["reason"] == "done"
-        assert ended.fields["sent_again"] == len(original.lines("command.dispatched"))
+        assert [verb for verb, _ in sent_commands(log)] == [
+            verb for verb, _ in sent_commands(original)
+        ]
+        assert sent_commands(log)[1:4] == sent_commands(original)[1:4]
+        (log_line,) = log.lines("rerun.ended")
+        assert log_line.fields["reason"] == "done"
+        assert log_line.fields["sent_again"] == len(original.lines("command.dispatched"))
         (started,) = log.lines("rerun.started")
         assert started.fields["original"] == original.path.stem
         assert log.lines("session.start")[0].fields["participant"] == ""
@@ -166,22 +168,22 @@ def test_the_servos_go_through_the_same_setpoints_in_the_same_order_twice(
 def test_a_stop_on_the_way_ends_it_and_nothing_moves_after(
     lab: Lab, servos: Servos, original: Log
 ) -> None:
-    process, log = _begun(lab, original)
+    process, log = _begin_rerun(lab, original)
     begin = len(servos.journal)
     servos.witness(log)
     log.wait("rerun.sent", 3)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=WAIT_S)
     assert process.returncode == 130, (out, err)
-    (ended,) = log.lines("rerun.ended")
-    assert ended.fields["reason"] == "stopped"
+    (log_line,) = log.lines("rerun.ended")
+    assert log_line.fields["reason"] == "stopped"
     stop = log.lines("stop.confirmed")[0]
     # On a crowded machine servos take longer to say that they hold than a stop is waited for.
     assert [*stop.fields["confirmed"], *stop.fields["missing"]] == ["head"]
     after = [n for n in servos.journal[begin:] if n.goal and n.witness >= log.end_of(stop)]
     for servo in scenes.JOINTS:  # then the tick under way at most, and where it is held
         assert len({note.value for note in after if note.id == servo}) <= 2
-    assert len(log.lines("command.requested")) == ended.fields["sent_again"]
+    assert len(log.lines("command.requested")) == log_line.fields["sent_again"]
     assert log.lines("session.end")
 
 
@@ -199,8 +201,8 @@ def test_in_the_console_escape_ends_it_and_the_session_stays(
     log.wait("rerun.sent", 2)
     terminal.send("\x1b")
     terminal.wait_text("STOPPED")
-    ended = log.wait("rerun.ended")
-    assert ended.fields["reason"] == "stopped"
+    log_line = log.wait("rerun.ended")
+    assert log_line.fields["reason"] == "stopped"
     terminal.send("\x12")
     log.wait("stop.released")
     sent_before = len(log.lines("command.requested"))
@@ -213,16 +215,16 @@ def test_in_the_console_escape_ends_it_and_the_session_stays(
 def test_a_lost_driver_is_named_and_the_re_run_goes_on(
     lab: Lab, servos: Servos, original: Log
 ) -> None:
-    process, log = _begun(lab, original)
+    process, log = _begin_rerun(lab, original)
     log.wait("command.done", 2)
     servos.order("pull")
     out, err = process.communicate(timeout=WAIT_S)
     assert process.returncode == 1, (out, err)
     servos.order("plug")
     assert b"head.pose failed" in out
-    (ended,) = log.lines("rerun.ended")
-    assert ended.fields["reason"] == "done"
-    assert ended.fields["sent_again"] == len(original.lines("command.dispatched"))
+    (log_line,) = log.lines("rerun.ended")
+    assert log_line.fields["reason"] == "done"
+    assert log_line.fields["sent_again"] == len(original.lines("command.dispatched"))
 
 
 def test_without_its_driver_it_does_not_begin(lab: Lab, servos: Servos, original: Log) -> None:
@@ -233,8 +235,8 @@ def test_without_its_driver_it_does_not_begin(lab: Lab, servos: Servos, original
     assert process.wait(WAIT_S) == 0
     servos.order("plug")
     log = lab.log
-    (ended,) = log.lines("rerun.ended")
-    assert str(ended.fields["reason"]).startswith("not begun: head is not connected")
+    (log_line,) = log.lines("rerun.ended")
+    assert str(log_line.fields["reason"]).startswith("not begun: head is not connected")
     assert not log.lines("command.requested")
     assert str(log.lines("session.end")[0].fields["reason"]).startswith("the re-run: not begun")
 
@@ -245,7 +247,7 @@ def test_a_changed_experiment_is_refused_with_the_difference(
     experiment = lab.folder / "bench.yaml"
     text, before = experiment.read_text(), lab.log.path
     experiment.write_text(text.replace("pan: 40", "pan: 45"))
-    done = _again(lab, original.path)
+    done = _rerun(lab, original.path)
     assert done.returncode == 1
     assert b"+++ bench.yaml (now)" in done.stderr
     assert b"--changed" in done.stderr
@@ -267,6 +269,6 @@ def test_a_missing_verb_is_named_before_anything_moves(
     out, _ = dry.communicate(timeout=WAIT_S)
     assert dry.returncode == 1
     assert b"not possible now: there is no driver 'head'" in out
-    refused = _again(lab, original.path, "--changed", "--experiment", str(other))
+    refused = _rerun(lab, original.path, "--changed", "--experiment", str(other))
     assert refused.returncode == 1
     assert b"no command that can be sent again" in refused.stderr

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from tests.e2e import crashes, scenes
-from tests.e2e.lab import Lab, Log, stopped, until
+from tests.e2e.lab import Lab, Log, stopped_process, until
 from tests.e2e.program import Program
 from tests.e2e.servos import TORQUE, Servos
 from tests.fakes.terminal import FakeTerminal
@@ -137,7 +137,7 @@ def test_what_waited_while_it_stood_still_is_not_played_and_the_stop_is(lab: Lab
     with Program(lab.socket()) as program, Program(lab.socket()) as stamping:
         now_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
         assert stamping.welcome["boot_id"]
-        with stopped(robot):
+        with stopped_process(robot):
             asked = [
                 (program, program.send("action", action="Long story")),
                 (program, program.send("verb", verb="play", args={"move": "nod"})),

@@ -69,7 +69,7 @@ WRITTEN = ("pineapple", "rhubarb")
 SENSED = ("identity", "direction")
 
 
-class Ear:
+class ListeningClient:
     """A client that reads all bytes that it is sent."""
 
     def __init__(self, path: Path, **hello: object) -> None:
@@ -117,11 +117,11 @@ class Ear:
         return [line for line in self._lines if line["kind"] == kind]
 
 
-def found(text: str, words: tuple[str, ...]) -> list[str]:
+def words_in(text: str, words: tuple[str, ...]) -> list[str]:
     return [word for word in words if word in text]
 
 
-def play(wizard: Ear, program: Ear, file: Path) -> None:
+def play(wizard: ListeningClient, program: ListeningClient, file: Path) -> None:
     """A trial, with everything that could tell the condition."""
     proposal = wizard.ask("proposal", participant="P01")
     assert proposal["data"] == {**_mapping(proposal["data"]), "order": ["Lemon", "Orange"]}
@@ -166,38 +166,42 @@ def test_every_byte_for_every_role(lab: Lab) -> None:
         lab.file(name, "a picture")
     lab.host(file)
     path = lab.socket()
-    wizard = Ear(path, role="wizard")
-    watcher = Ear(path, role="watcher")
-    guest = Ear(path, role="participant")
-    program = Ear(path, role="program", name="stimulus", sees="all")
-    modest = Ear(path, role="program", name="dashboard", sees="wizard")
+    wizard = ListeningClient(path, role="wizard")
+    watcher = ListeningClient(path, role="watcher")
+    guest = ListeningClient(path, role="participant")
+    program = ListeningClient(path, role="program", name="stimulus", sees="all")
+    modest = ListeningClient(path, role="program", name="dashboard", sees="wizard")
     play(wizard, program, file)
     until(lambda: any(line.get("text") for line in program.lines("sample")), "somebody known")
     late = {
-        "wizard": Ear(path, role="wizard"),  # there is one already: it watches
-        "watcher": Ear(path, role="watcher", stream="nothing"),
-        "participant": Ear(path, role="participant"),
+        "wizard": ListeningClient(path, role="wizard"),  # there is one already: it watches
+        "watcher": ListeningClient(path, role="watcher", stream="nothing"),
+        "participant": ListeningClient(path, role="participant"),
     }
-    everything = Ear(path, role="program", stream="nothing")  # of protocol 1: its role says it
+    everything = ListeningClient(
+        path, role="program", stream="nothing"
+    )  # of protocol 1: its role says it
     with Program(path) as ending:
         ending.ask("end", reason="pineapple is over")
-    until(lambda: all(ear.lines("session.end") for ear in (wizard, watcher, program)), "the end")
+    until(
+        lambda: all(client.lines("session.end") for client in (wizard, watcher, program)), "the end"
+    )
 
     blind = {"wizard now": wizard, "watcher now": watcher, "guest now": guest, "modest": modest}
-    for who, ear in {**blind, **late}.items():
-        assert not found(ear.text, CONDITION + WRITTEN), who
-    for ear in (program, everything):
-        assert "zanzibar" in ear.text
-        assert "marmalade" in ear.text
-    told = set(found(program.text, CONDITION + WRITTEN))
+    for who, client in {**blind, **late}.items():
+        assert not words_in(client.text, CONDITION + WRITTEN), who
+    for client in (program, everything):
+        assert "zanzibar" in client.text
+        assert "marmalade" in client.text
+    told = set(words_in(program.text, CONDITION + WRITTEN))
     assert {*CONDITION[:2], "turnip", "otter", "leek", "stork", *WRITTEN} <= told
     # Nor does a length: neither what is left of it, nor how long it took.
     seen = wizard.lines("command.requested")
     untold = [line["command"] for line in seen if "condition" in _listed(line.get("tells"))]
     assert len(untold) >= 8
-    for ear in (*blind.values(), *late.values()):
-        assert not [line for line in ear.lines("command.progress") if line["command"] in untold]
-        done = [line for line in ear.lines("command.done") if line["command"] in untold]
+    for client in (*blind.values(), *late.values()):
+        assert not [line for line in client.lines("command.progress") if line["command"] in untold]
+        done = [line for line in client.lines("command.done") if line["command"] in untold]
         assert not any(line["duration_us"] for line in done)
     assert [line for line in program.lines("command.progress") if line["command"] in untold]
     # What does not differ is shown: other texts, gestures beside what is kept, lengths.
@@ -206,14 +210,16 @@ def test_every_byte_for_every_role(lab: Lab) -> None:
         assert part in texts
     assert [line for line in wizard.lines("command.progress") if line["command"] not in untold]
     # The perception: values of a program are not the wizard's.
-    for ear in (wizard, watcher, modest):
-        kept = [line for line in ear.lines("sample") if line["sensor"] in SENSED]
+    for client in (wizard, watcher, modest):
+        kept = [line for line in client.lines("sample") if line["sensor"] in SENSED]
         assert kept
         assert not any(line.get("value") or line.get("text") for line in kept)
-        near = [line for line in ear.lines("sample") if line["sensor"] in ("distance", "loudness")]
+        near = [
+            line for line in client.lines("sample") if line["sensor"] in ("distance", "loudness")
+        ]
         assert {line.get("text", "") for line in near} <= {"", "near", "far", "loud", "quiet"}
         assert not any(line.get("value") or line.get("raw") for line in near)
-        assert not ear.lines("speech.text")
+        assert not client.lines("speech.text")
     assert any(line.get("value") for line in program.lines("sample"))
     known = {
         str(line["text"])
@@ -222,8 +228,8 @@ def test_every_byte_for_every_role(lab: Lab) -> None:
     }
     spoken = {str(line["text"]) for line in program.lines("speech.text") if line.get("text")}
     assert known
-    for ear in (wizard, watcher, guest, modest):
-        assert not [word for word in known | spoken if f'"{word.casefold()}"' in ear.text]
+    for client in (wizard, watcher, guest, modest):
+        assert not [word for word in known | spoken if f'"{word.casefold()}"' in client.text]
     assert not guest.lines("sample")
     assert not guest.lines("command.requested")
     assert guest.lines("trial.started")
@@ -232,7 +238,9 @@ def test_every_byte_for_every_role(lab: Lab) -> None:
     assert [line.get("name", "") for line in seers] == ["stimulus", "", ""]
     # The log has everything, and a replay as the wizard has what the wizard had.
     raw = lab.log.path.read_bytes().decode().casefold()
-    assert not {*WRITTEN, "zanzibar", "turnip"} - set(found(raw, CONDITION + WRITTEN))
+    assert not {*WRITTEN, "zanzibar", "turnip"} - set(words_in(raw, CONDITION + WRITTEN))
     lines = [line for line in log_reader.read(lab.log.path) if line.message is not None]
-    assert not found(repr(Recording(lines, KeptSamples(())).lines).casefold(), CONDITION + WRITTEN)
+    assert not words_in(
+        repr(Recording(lines, KeptSamples(())).lines).casefold(), CONDITION + WRITTEN
+    )
     assert "turnip" in repr(Recording(lines, KeptSamples(()), reveal=True).lines).casefold()

@@ -63,9 +63,9 @@ def press(
     terminal.send(key)
     request = log.wait("command.requested", count + 1)
     if label:
-        (asked,) = log.lines("action.requested", run=request.fields["run"])
-        assert asked.fields["action"] == label
-        assert asked.seq < request.seq
+        (log_line,) = log.lines("action.requested", run=request.fields["run"])
+        assert log_line.fields["action"] == label
+        assert log_line.seq < request.seq
     return str(request.fields["command"]), begin
 
 

@@ -86,8 +86,8 @@ def test_it_ends_what_runs_and_nothing_begins_until_it_is_released(
     log.wait("command.progress")
     terminal.send("\x1bh")
     log.wait("action.stopped", action="Long story")
-    refused = log.wait("action.refused", action="Hello")
-    assert refused.fields["reason"] == "the stop is pressed"
+    log_line = log.wait("action.refused", action="Hello")
+    assert log_line.fields["reason"] == "the stop is pressed"
     terminal.wait_for(lambda text: "STOPPED by key" in text and "confirmed: robot" in text)
     terminal.send("\x12")
     log.wait("stop.released")

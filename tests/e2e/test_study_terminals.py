@@ -83,8 +83,8 @@ def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     guest.send(DOWN)  # so that the next enter cannot be the last one, held
     guest.send("\r")
     guest.wait_text("Thank you!")
-    ended = log.wait("questionnaire.ended")
-    assert (ended.fields["reason"], ended.fields["answered"]) == ("done", 3)
+    log_line = log.wait("questionnaire.ended")
+    assert (log_line.fields["reason"], log_line.fields["answered"]) == ("done", 3)
     answers = [line.fields for line in log.lines("questionnaire.answered")]
     assert [(each["item"], each.get("value"), each.get("text", "")) for each in answers] == [
         ("pleasant", 6, ""),

@@ -65,7 +65,7 @@ def test_a_dumb_terminal_is_refused(lab: Lab, command: str) -> None:
     assert lab.sockets() == []
 
 
-def said(process: subprocess.Popen[bytes]) -> str:
+def error_text(process: subprocess.Popen[bytes]) -> str:
     """What it wrote on standard error until it ended."""
     return process.communicate(timeout=WAIT_S)[1].decode()
 
@@ -74,7 +74,7 @@ def said(process: subprocess.Popen[bytes]) -> str:
 def test_without_a_terminal_it_is_refused(lab: Lab, command: str) -> None:
     file = lab.file("guide.yaml", scenes.guide())
     process = lab.woz(*([command, str(file)] if command == "run" else [command]))
-    assert "needs a terminal" in said(process)
+    assert "needs a terminal" in error_text(process)
     assert process.returncode == 2
     assert lab.sockets() == []
 
@@ -112,7 +112,7 @@ def test_a_second_robot_process_on_one_socket_is_refused(lab: Lab) -> None:
     file = lab.file("guide.yaml", scenes.guide())
     lab.host(file, "--session", "S01")
     second = lab.woz("host", str(file), *lab.session("--session", "S01"))
-    words = said(second)
+    words = error_text(second)
     assert "is running" in words
     assert "Traceback" not in words
     assert second.returncode == 1

@@ -18,8 +18,8 @@ import deno
 import pytest
 from hypothesis import HealthCheck, given, settings
 
+from tests.export.export_runs import course_to, export_logs
 from tests.export.logs import Timed, courses, start, visit, write
-from tests.export.out import course_to, exported
 from woz_tui.export import bids
 from woz_tui.protocol import messages as m
 
@@ -138,8 +138,8 @@ def test_a_time_far_off_fills_no_disk(tmp_path: Path) -> None:
     course: list[Timed] = [(0, start()), (1, m.reading("distance", 1.5))]
     course += [(10**9, m.reading("distance", 2.5))]
     log = write(tmp_path / "recordings", course)
-    (told,) = exported(log, "bids", tmp_path / "out", samples=True)
-    assert "values after a gap of more than an hour were left out" in told.notes
+    (session_summary,) = export_logs(log, "bids", tmp_path / "out", samples=True)
+    assert "values after a gap of more than an hour were left out" in session_summary.notes
     (path,) = (tmp_path / "out").rglob("*_physio.tsv.gz")
     assert len(gzip.decompress(path.read_bytes()).splitlines()) == 51
 
@@ -151,8 +151,8 @@ def test_times_that_lead_far_off_in_small_steps_fill_no_disk(
     course: list[Timed] = [(0, start())]
     course += [(seconds, m.reading("distance", 1.5)) for seconds in range(0, 100, 2)]
     log = write(tmp_path / "recordings", course)
-    (told,) = exported(log, "bids", tmp_path / "out", samples=True)
-    assert any("left out" in note for note in told.notes)
+    (session_summary,) = export_logs(log, "bids", tmp_path / "out", samples=True)
+    assert any("left out" in note for note in session_summary.notes)
     (path,) = (tmp_path / "out").rglob("*_physio.tsv.gz")
     assert len(gzip.decompress(path.read_bytes()).splitlines()) == 501
 
@@ -165,7 +165,7 @@ def test_many_sessions_are_one_valid_dataset(tmp_path: Path) -> None:
     for number, (participant, code) in enumerate(others):
         course = [(0.0, start(participant, code)), *visit()[1:]]
         write(folder, course, f"2026-03-0{3 + number}T10-00-00_{code}")
-    told = exported(folder, "bids", tmp_path / "out")
+    told = export_logs(folder, "bids", tmp_path / "out")
     validated(tmp_path / "out")
     subjects = [row["participant_id"] for row in table(tmp_path / "out" / "participants.tsv")]
     assert subjects == ["sub-P07", "sub-P08", "sub-unknown01", "sub-unknown02"]
@@ -201,11 +201,11 @@ def test_a_code_that_was_corrected_at_once_took_no_part(tmp_path: Path) -> None:
         (60, m.Note(text="late")),
     ]
     log = write(tmp_path / "recordings", course)
-    (told,) = exported(log, "bids", tmp_path / "out", samples=True)
-    assert told.participants == ["P01"]
+    (session_summary,) = export_logs(log, "bids", tmp_path / "out", samples=True)
+    assert session_summary.participants == ["P01"]
     (path,) = (tmp_path / "out").rglob("*_physio.tsv.gz")
     assert "sub-P01" in path.parts
-    exported(log, "eaf", tmp_path / "eaf", redact=True)
+    export_logs(log, "eaf", tmp_path / "eaf", redact=True)
     assert (tmp_path / "eaf" / "P01_S01.eaf").exists()
 
 
@@ -220,7 +220,7 @@ def test_trainings_and_re_runs_are_no_subjects(tmp_path: Path) -> None:
             "2026-03-03T10-00-00_TRAINING_T01",
         ),
     ]
-    _, rerun, training = exported(logs, "bids", tmp_path / "out")
+    _, rerun, training = export_logs(logs, "bids", tmp_path / "out")
     assert ("re-run" in str(rerun.notes), "training" in str(training.notes)) == (True, True)
     subjects = [row["participant_id"] for row in table(tmp_path / "out" / "participants.tsv")]
     assert subjects == ["sub-P07"]

@@ -11,8 +11,8 @@ from typing import Any
 
 from hypothesis import HealthCheck, given, settings
 
+from tests.export.export_runs import course_to, export_logs
 from tests.export.logs import STEM, Timed, courses, session_of, start, visit, write
-from tests.export.out import course_to, exported
 from woz_tui.analysis.tables import EVENTS, FIGURES, SAMPLES
 from woz_tui.export.csv_files import CsvExporter
 from woz_tui.protocol import messages as m
@@ -104,11 +104,11 @@ def test_a_visit_in_tables(tmp_path: Path) -> None:
 
 
 def test_a_sentence_of_its_own_can_be_a_mistake(tmp_path: Path) -> None:
-    said = m.Command(command="c1", verb="say", driver="voice", args={}, source="palette")
+    command = m.Command(command="c1", verb="say", driver="voice", args={}, source="palette")
     part = m.Command(command="c2", run="r1", verb="say", driver="voice", args={}, source="key")
     course: list[Timed] = [
         (0, start()),
-        (1, said),
+        (1, command),
         (2, m.Mistake(run="c1", action="say")),
         (3, m.ActionRequested(run="r1", action="Hello", source="key")),
         (3, part),
@@ -170,7 +170,7 @@ def test_samples_are_there_when_asked_for(tmp_path: Path) -> None:
 def test_several_sessions_stand_in_the_same_tables_under_names_of_their_own(tmp_path: Path) -> None:
     one = write(tmp_path / "monday", visit())
     two = write(tmp_path / "tuesday", visit())
-    exported([one, two, one.parent], "csv", tmp_path / "out")
+    export_logs([one, two, one.parent], "csv", tmp_path / "out")
     check_dictionary(tmp_path / "out")
     sessions = read_back(tmp_path / "out" / "sessions.csv")
     assert [row["log"] for row in sessions] == [STEM, f"{STEM}-2"], "each session once"

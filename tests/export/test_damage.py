@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.amounts import many
+from tests.example_counts import many
+from tests.export.export_runs import export_logs
 from tests.export.logs import SHA, STEM, Timed, start, visit, write
-from tests.export.out import exported
 from tests.export.test_bids import validated
 from tests.export.test_csv import check_dictionary, read_back
 from tests.export.test_eaf import checked, properties
@@ -37,13 +37,13 @@ def damaged(folder: Path) -> Path:
 @pytest.mark.parametrize("to", FORMATS)
 def test_damage_is_told_wherever_somebody_looks(tmp_path: Path, to: str) -> None:
     out = tmp_path / "out"
-    (told,) = exported(damaged(tmp_path / "recordings"), to, out)
-    assert TOLD in told.session.damage
+    (session_summary,) = export_logs(damaged(tmp_path / "recordings"), to, out)
+    assert TOLD in session_summary.session.damage
     assert f"damage: {TOLD}" in (out / "README.md").read_text(encoding="utf-8")
 
 
 def test_damage_is_in_the_tables(tmp_path: Path) -> None:
-    exported(damaged(tmp_path / "recordings"), "csv", tmp_path / "out")
+    export_logs(damaged(tmp_path / "recordings"), "csv", tmp_path / "out")
     (session,) = read_back(tmp_path / "out" / "sessions.csv")
     assert TOLD in session["damage"]
     package = json.loads((tmp_path / "out" / "datapackage.json").read_text(encoding="utf-8"))
@@ -51,14 +51,14 @@ def test_damage_is_in_the_tables(tmp_path: Path) -> None:
 
 
 def test_damage_is_in_the_sidecars(tmp_path: Path) -> None:
-    exported(damaged(tmp_path / "recordings"), "bids", tmp_path / "out")
+    export_logs(damaged(tmp_path / "recordings"), "bids", tmp_path / "out")
     validated(tmp_path / "out")
     (path,) = (tmp_path / "out").rglob("*_events.json")
     assert TOLD in json.loads(path.read_text(encoding="utf-8"))["Log"]["Damage"]
 
 
 def test_damage_is_in_the_properties(tmp_path: Path) -> None:
-    exported(damaged(tmp_path / "recordings"), "eaf", tmp_path / "out")
+    export_logs(damaged(tmp_path / "recordings"), "eaf", tmp_path / "out")
     assert ("damage", TOLD) in properties(tmp_path / "out" / f"{STEM}.eaf")
 
 
@@ -88,15 +88,15 @@ def test_a_log_with_nothing_in_it_is_exported_and_told(
 ) -> None:
     log = tmp_path / f"{STEM}.jsonl"
     log.write_bytes(content)
-    (told,) = exported(log, to, tmp_path / "out", samples=True)
-    assert told.session.damage
+    (session_summary,) = export_logs(log, to, tmp_path / "out", samples=True)
+    assert session_summary.session.damage
 
 
 def test_an_empty_log_is_valid_everywhere(tmp_path: Path) -> None:
     log = tmp_path / f"{STEM}.jsonl"
     log.touch()
     for to in FORMATS:
-        exported(log, to, tmp_path / to)
+        export_logs(log, to, tmp_path / to)
     check_dictionary(tmp_path / "csv")
     checked(tmp_path / "eaf" / f"{STEM}.eaf")
     validated(tmp_path / "bids")
@@ -107,7 +107,7 @@ def test_an_empty_log_is_valid_everywhere(tmp_path: Path) -> None:
 def test_times_far_off_harm_nobody(tmp_path: Path, to: str) -> None:
     course: list[Timed] = [(0, start()), (1, m.StopPressed(source="key"))]
     log = write(tmp_path / "recordings", [*course, (9e12, m.Note(text="in 285,000 years"))])
-    exported(log, to, tmp_path / "out", samples=True)
+    export_logs(log, to, tmp_path / "out", samples=True)
     if to == "eaf":
         checked(tmp_path / "out" / f"{STEM}.eaf")
     if to == "textgrid":
@@ -135,7 +135,7 @@ def test_whatever_happens_to_its_bytes_a_log_is_exported(
         content = content or bytearray(b"\n")
     log.write_bytes(content)
     for to in FORMATS:
-        exported(log, to, tmp_path / to, force=True, redact=data.draw(st.booleans()))
+        export_logs(log, to, tmp_path / to, force=True, redact=data.draw(st.booleans()))
     (path,) = (tmp_path / "eaf").glob("*.eaf")
     checked(path)
     check_dictionary(tmp_path / "csv")

@@ -16,8 +16,8 @@ import pytest
 import xmlschema
 from hypothesis import HealthCheck, given, settings
 
+from tests.export.export_runs import course_to, export_logs
 from tests.export.logs import STEM, Timed, courses, session_of, speak, start, visit, write
-from tests.export.out import course_to, exported
 from woz_tui.export.eaf import SHORTEST_MS, in_milliseconds
 from woz_tui.export.tiers import tiers_of
 from woz_tui.protocol import messages as m
@@ -117,7 +117,7 @@ def test_slots_are_in_order_and_no_two_annotations_share_one(tmp_path: Path) -> 
 
 def test_the_header_says_who_when_and_what_is_wrong(tmp_path: Path) -> None:
     log = write(tmp_path / "recordings", visit(), ended=False)
-    exported(log, "eaf", tmp_path / "out")
+    export_logs(log, "eaf", tmp_path / "out")
     path = checked(tmp_path / "out" / f"{STEM}.eaf")
     root = ET.parse(path).getroot()
     assert (root.get("AUTHOR"), root.get("DATE")) == ("W2", "2026-03-01T10:00:00+00:00")
@@ -126,25 +126,25 @@ def test_the_header_says_who_when_and_what_is_wrong(tmp_path: Path) -> None:
     assert ("damage", "the session has no end: it is still running, or it was interrupted") in told
 
 
-def _spoken(folder: Path) -> Path:
+def _log_with_speech(folder: Path) -> Path:
     """A log whose visitor speaks twice, from 1 s and from 3 s, half a second each."""
     for number, level in ((1, 1000), (2, -2000)):
         speak(folder / f"{STEM}.media", f"speech-{number}.wav", 0.5, level)
     course: list[Timed] = [(0, start())]
     for number, began in ((1, 1_000_000), (2, 3_000_000)):
-        ended = m.SpeechEnded(
+        speech_ended = m.SpeechEnded(
             driver="ears",
             segment=number,
             began=began,
             ended=began + 500_000,
             file=f"{STEM}.media/speech-{number}.wav",
         )
-        course.append((began / 1e6 + 0.6, ended))
+        course.append((began / 1e6 + 0.6, speech_ended))
     return write(folder, [*course, (5, m.Note(text="end"))])
 
 
 def test_the_visitors_voice_runs_along(tmp_path: Path) -> None:
-    exported(_spoken(tmp_path / "recordings"), "eaf", tmp_path / "out")
+    export_logs(_log_with_speech(tmp_path / "recordings"), "eaf", tmp_path / "out")
     path = checked(tmp_path / "out" / f"{STEM}.eaf")
     (linked,) = media(path)
     assert linked["RELATIVE_MEDIA_URL"] == f"./{STEM}.wav"
@@ -158,17 +158,17 @@ def test_the_visitors_voice_runs_along(tmp_path: Path) -> None:
 
 
 def test_a_voice_can_stay_at_home(tmp_path: Path) -> None:
-    exported(_spoken(tmp_path / "recordings"), "eaf", tmp_path / "out", sound=False)
+    export_logs(_log_with_speech(tmp_path / "recordings"), "eaf", tmp_path / "out", sound=False)
     assert media(tmp_path / "out" / f"{STEM}.eaf") == []
     assert list((tmp_path / "out").glob("*.wav")) == []
 
 
 def test_sound_that_is_none_is_told(tmp_path: Path) -> None:
-    log = _spoken(tmp_path / "recordings")
+    log = _log_with_speech(tmp_path / "recordings")
     (tmp_path / "recordings" / f"{STEM}.media" / "speech-2.wav").write_bytes(b"RIFF")
-    (told,) = exported(log, "eaf", tmp_path / "out")
-    assert any("speech-2.wav cannot be read" in note for note in told.notes)
-    assert ("note", told.notes[0]) in properties(tmp_path / "out" / f"{STEM}.eaf")
+    (session_summary,) = export_logs(log, "eaf", tmp_path / "out")
+    assert any("speech-2.wav cannot be read" in note for note in session_summary.notes)
+    assert ("note", session_summary.notes[0]) in properties(tmp_path / "out" / f"{STEM}.eaf")
 
 
 @pytest.mark.parametrize("to", ["eaf", "textgrid"])
@@ -181,10 +181,12 @@ def test_sound_outside_of_the_logs_folder_is_left_out_and_named(
     name = {"up": "../secret.wav", "absolute": str(secret), "link": "linked.wav"}[way]
     recordings.mkdir()
     (recordings / "linked.wav").symlink_to(secret)
-    ended = m.SpeechEnded(driver="ears", segment=1, began=0, ended=500_000, file=name)
-    (told,) = exported(write(recordings, [(0, start()), (1, ended)]), to, tmp_path / "out")
+    speech_ended = m.SpeechEnded(driver="ears", segment=1, began=0, ended=500_000, file=name)
+    (session_summary,) = export_logs(
+        write(recordings, [(0, start()), (1, speech_ended)]), to, tmp_path / "out"
+    )
     assert not list((tmp_path / "out").glob("*.wav"))
-    assert any(PurePath(name).name in note for note in told.notes)
+    assert any(PurePath(name).name in note for note in session_summary.notes)
 
 
 @pytest.mark.parametrize(("offset", "origin"), [(0.0, None), (12.5, "12500")])
@@ -193,7 +195,7 @@ def test_a_video_opens_in_sync(tmp_path: Path, offset: float, origin: str | None
     video.parent.mkdir()
     video.touch()
     log = write(tmp_path / "recordings", visit())
-    exported(log, "eaf", tmp_path / "out", media=video, offset=round(offset * 1_000_000))
+    export_logs(log, "eaf", tmp_path / "out", media=video, offset=round(offset * 1_000_000))
     path = checked(tmp_path / "out" / f"{STEM}.eaf")
     (linked,) = media(path)
     assert linked["RELATIVE_MEDIA_URL"] == "./../videos/visit%207.mp4"
@@ -206,8 +208,8 @@ def test_a_video_that_began_later_has_its_own_time(tmp_path: Path) -> None:
     video = tmp_path / "visit.mp4"
     video.touch()
     log = write(tmp_path / "recordings", visit())
-    (told,) = exported(log, "eaf", tmp_path / "out", media=video, offset=-3_000_000)
+    (session_summary,) = export_logs(log, "eaf", tmp_path / "out", media=video, offset=-3_000_000)
     tiers = read_back(tmp_path / "out" / f"{STEM}.eaf")
     assert tiers["visitor speech"] == [(550, 1900, "What is this?")]
     assert tiers["engagement"] == [(0, 8000, "Engaged")], "Idle was over when the video began"
-    assert "left out" in told.notes[0]
+    assert "left out" in session_summary.notes[0]

@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from tests.export import secrets as told_secrets
+from tests.export import secret_log as told_secrets
+from tests.export.export_runs import export_logs
 from tests.export.logs import STEM, Timed, session_of, speak, start, visit, write
-from tests.export.out import exported
-from tests.export.secrets import Secrets
+from tests.export.secret_log import Secrets
 from tests.export.test_csv import read_back
 from tests.protocol.examples import messages as examples
 from woz_tui.analysis.session_reading import ReportExtras, read_report
@@ -67,7 +67,7 @@ def _field(path: str) -> str:
 def test_no_secret_of_any_message_gets_out(tmp_path: Path, to: str) -> None:
     secrets = Secrets()
     log = told_secrets.write(tmp_path / "recordings", secrets)
-    exported(log, to, tmp_path / "out", redact=True, samples=True)
+    export_logs(log, to, tmp_path / "out", redact=True, samples=True)
     leaked = secrets.leaked(content(tmp_path / "out"))
     assert {_field(path) for _, path in leaked} <= promised()
     for field in ("was", "part"):
@@ -87,7 +87,7 @@ def anna() -> list[Timed]:
     return [
         (0, start()),
         (1, m.EngagementAdopted(settings={"model": "Anna"})),
-        (2, moved("Wait", "Engaged")),
+        (2, engagement_changed("Wait", "Engaged")),
         (3, m.TrialStarted(trial=1)),
         (3, m.ActionRequested(run="r1", action="Hello", source="key")),
         (3, m.Command(command="c1", run="r1", verb="say", args=sent, source="key")),
@@ -108,16 +108,16 @@ def anna() -> list[Timed]:
     ]
 
 
-def moved(was: str, now: str) -> m.EngagementChanged:
+def engagement_changed(was: str, now: str) -> m.EngagementChanged:
     return m.EngagementChanged(was=was, now=now, outcome="went", why="Anna", verdicts={})
 
 
 @pytest.mark.parametrize("to", FORMATS)
 def test_no_end_of_anything_tells_a_secret(tmp_path: Path, to: str) -> None:
     log = write(tmp_path / "recordings", anna())
-    exported(log, to, tmp_path / "open")
+    export_logs(log, to, tmp_path / "open")
     assert "Anna" in content(tmp_path / "open")
-    exported(log, to, tmp_path / "out", redact=True)
+    export_logs(log, to, tmp_path / "out", redact=True)
     assert "Anna" not in content(tmp_path / "out")
 
 
@@ -136,10 +136,10 @@ def test_without_redaction_all_of_it_is_there(tmp_path: Path) -> None:
     """So the search for secrets finds what is there to be found."""
     secrets = Secrets()
     log = told_secrets.write(tmp_path / "recordings", secrets)
-    exported(log, "jsonl", tmp_path / "out")
+    export_logs(log, "jsonl", tmp_path / "out")
     anew = {("session.start", "format"), ("checkpoint", "sha256"), ("session.end", "sha256")}
     assert secrets.leaked(content(tmp_path / "out")) == set(secrets.told.values()) - anew
-    exported(log, "csv", tmp_path / "csv", samples=True)
+    export_logs(log, "csv", tmp_path / "csv", samples=True)
     texts = {path for kind, path in secrets.leaked(content(tmp_path / "csv")) if kind == "note"}
     assert texts == {"text", "tells", "console"}
 
@@ -147,7 +147,7 @@ def test_without_redaction_all_of_it_is_there(tmp_path: Path) -> None:
 def test_the_copy_of_a_log_has_all_that_is_promised(tmp_path: Path) -> None:
     secrets = Secrets()
     log = told_secrets.write(tmp_path / "recordings", secrets)
-    exported(log, "jsonl", tmp_path / "out", redact=True)
+    export_logs(log, "jsonl", tmp_path / "out", redact=True)
     leaked = {path for _, path in secrets.leaked(content(tmp_path / "out"))}
     fixed = {place for places in KEPT_AT.values() for place in places}  # no secret is such a word
     everywhere = {field for field in promised() - fixed if "." not in field}
@@ -157,9 +157,9 @@ def test_the_copy_of_a_log_has_all_that_is_promised(tmp_path: Path) -> None:
 @pytest.mark.parametrize("to", FORMATS)
 def test_no_date_is_left(tmp_path: Path, to: str) -> None:
     log = write(tmp_path / "recordings", visit())
-    exported(log, to, tmp_path / "out", redact=True, samples=True)
+    export_logs(log, to, tmp_path / "out", redact=True, samples=True)
     assert "2026" not in content(tmp_path / "out")
-    exported(log, to, tmp_path / "dated", samples=True)
+    export_logs(log, to, tmp_path / "dated", samples=True)
     assert "2026" in content(tmp_path / "dated")
 
 
@@ -169,14 +169,14 @@ def test_no_voice_is_left(tmp_path: Path, to: str) -> None:
     file = f"{STEM}.media/speech-1.wav"
     spoken = m.SpeechEnded(driver="ears", segment=1, began=0, ended=1_000_000, file=file)
     log = write(tmp_path / "recordings", [(0, start()), (2, spoken)])
-    exported(log, to, tmp_path / "out", redact=True)
+    export_logs(log, to, tmp_path / "out", redact=True)
     assert list((tmp_path / "out").glob("*.wav")) == []
     assert "speech-1" not in content(tmp_path / "out")
 
 
 def test_a_redacted_log_is_whole_and_says_what_it_is(tmp_path: Path) -> None:
     log = write(tmp_path / "recordings", visit())
-    exported(log, "jsonl", tmp_path / "out", redact=True)
+    export_logs(log, "jsonl", tmp_path / "out", redact=True)
     copy = tmp_path / "out" / "P07_S01.jsonl"
     assert (
         verify(copy).sentences() == verify(log).sentences() == ["1 request(s) without an end: r3"]
@@ -258,8 +258,8 @@ def test_figures_are_the_same_without_words(tmp_path: Path) -> None:
     ]
     log = write(tmp_path / "in", course)
     for name, redact in (("open", False), ("kept", True)):
-        exported(log, "csv", tmp_path / name, redact=redact)
-        exported(log, "jsonl", tmp_path / f"{name}-log", redact=redact)
+        export_logs(log, "csv", tmp_path / name, redact=redact)
+        export_logs(log, "jsonl", tmp_path / f"{name}-log", redact=redact)
     for table in ("conditions", "actions", "engagement", "wizards"):
         first, second = (
             [{**row, "log": ""} for row in read_back(tmp_path / name / f"{table}.csv")]

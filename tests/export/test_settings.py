@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from tests.analysis.test_differences import COURSES
+from tests.analysis.test_setting_differences import COURSES
+from tests.export.export_runs import course_to, export_logs
 from tests.export.logs import STEM, Timed, session_of, start, write
-from tests.export.out import course_to, exported
 from tests.export.test_bids import table
 from tests.export.test_csv import Rows, check_dictionary, plain, read_back
 from tests.export.test_eaf import read_back as read_eaf
-from tests.export.test_textgrid import check_cover, filled
+from tests.export.test_textgrid import check_cover, tier_annotations
 from tests.export.test_textgrid import read_back as read_grid
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.export.redaction import PLACEHOLDER, redacted
@@ -23,7 +23,7 @@ from woz_tui.protocol.messages import Json
 BLINKS = "blinking darkens the eyes"
 
 
-def shown(
+def settings_shown(
     wanted: dict[str, Json] | None = None, *conflicts: str, **values: Json
 ) -> m.SettingsShown:
     return m.SettingsShown(
@@ -35,9 +35,14 @@ def drifting() -> list[Timed]:
     """Blinking comes on in the trial; the robot is lost after it, and blinks when it is back."""
     return [
         (0, start()),
-        (1, shown(robot="tcp://10.0.0.7", blinking=False, volume=-0.5)),
+        (1, settings_shown(robot="tcp://10.0.0.7", blinking=False, volume=-0.5)),
         (2, m.TrialStarted(trial=1, condition="cold")),
-        (3, shown({"blinking": False}, BLINKS, robot="tcp://10.0.0.7", blinking=True, volume=-0.5)),
+        (
+            3,
+            settings_shown(
+                {"blinking": False}, BLINKS, robot="tcp://10.0.0.7", blinking=True, volume=-0.5
+            ),
+        ),
         (6, m.TrialEnded(trial=1, outcome="done")),
         (7, m.DriverLost(driver="pepper")),
         (9, m.DriverConnected(driver="pepper")),
@@ -97,7 +102,7 @@ def test_praat_reads_the_tiers(tmp_path: Path) -> None:
     grid = read_grid(course_to(tmp_path, "textgrid", drifting()) / f"{STEM}.TextGrid")
     check_cover(grid)
     words = "pepper blinking true, wanted false"
-    assert filled(grid.getTier("settings that differ")) == [
+    assert tier_annotations(grid.getTier("settings that differ")) == [
         (3, 6, words),
         (6, 7, words),
         (9, 10, words),
@@ -143,7 +148,7 @@ def test_a_log_that_is_torn_is_exported_up_to_its_last_line(tmp_path: Path) -> N
     log = write(tmp_path / "recordings", drifting(), ended=False)
     lines = log.read_bytes().splitlines(keepends=True)
     log.write_bytes(b"".join(lines[:5]) + lines[5][:30])
-    exported(log, "csv", tmp_path / "out")
+    export_logs(log, "csv", tmp_path / "out")
     rows = of(read_back(tmp_path / "out" / "settings.csv"), "blinking")
     assert rows[-1] == ("1", "3.000000", "3.000000", "true", "false", "true", "true")
 
@@ -151,8 +156,8 @@ def test_a_log_that_is_torn_is_exported_up_to_its_last_line(tmp_path: Path) -> N
 def test_a_setting_that_is_named_no_more_is_changed_and_not_lost(tmp_path: Path) -> None:
     course: list[Timed] = [
         (0, start()),
-        (1, shown({"blinking": False}, blinking=True, volume=0.5)),
-        (2, shown(volume=0.5)),
+        (1, settings_shown({"blinking": False}, blinking=True, volume=0.5)),
+        (2, settings_shown(volume=0.5)),
         (3, m.Note(text="over")),
     ]
     session = session_of(tmp_path, course)
@@ -180,7 +185,7 @@ def test_published_settings_keep_numbers_words_and_colours_and_no_address(tmp_pa
         driver="pepper", values=values, wanted=wanted, conflicts=["Anna fights Ben"]
     )
     out = tmp_path / "out"
-    exported(write(tmp_path / "in", [(0, start()), (1, told)]), "csv", out, redact=True)
+    export_logs(write(tmp_path / "in", [(0, start()), (1, told)]), "csv", out, redact=True)
     rows = read_back(out / "settings.csv")
     assert {row["setting"]: (plain(row["value"]), row["wanted"]) for row in rows} == {
         "robot": (PLACEHOLDER, ""),

@@ -13,8 +13,8 @@ from praatio.data_classes.interval_tier import IntervalTier
 from praatio.data_classes.point_tier import PointTier
 from praatio.data_classes.textgrid import Textgrid
 
+from tests.export.export_runs import course_to, export_logs
 from tests.export.logs import STEM, Timed, courses, session_of, speak, start, visit, write
-from tests.export.out import course_to, exported
 from woz_tui.export.textgrid import for_praat
 from woz_tui.protocol import messages as m
 from woz_tui.system.text_cleaning import one_line
@@ -24,7 +24,7 @@ def read_back(path: Path) -> Textgrid:
     return textgrid.openTextgrid(str(path), includeEmptyIntervals=True, reportingMode="error")
 
 
-def filled(tier: IntervalTier | PointTier) -> list[tuple[float, float, str]]:
+def tier_annotations(tier: IntervalTier | PointTier) -> list[tuple[float, float, str]]:
     """What was annotated: beginning, end, text."""
     if isinstance(tier, PointTier):
         # praatio leaves quotes of points doubled, as Praat writes them; those of intervals not.
@@ -35,7 +35,7 @@ def filled(tier: IntervalTier | PointTier) -> list[tuple[float, float, str]]:
 
 def test_a_visit_comes_back(tmp_path: Path) -> None:
     grid = read_back(course_to(tmp_path, "textgrid", visit()) / f"{STEM}.TextGrid")
-    tiers = {name: filled(grid.getTier(name)) for name in grid.tierNames}
+    tiers = {name: tier_annotations(grid.getTier(name)) for name in grid.tierNames}
     assert tiers["engagement"] == [(0, 1, "Idle"), (1, 11, "Engaged")]
     assert tiers["panel Gestures"] == [(6, 6.001, "Nod [refused]"), (11, 11.001, "Dance [open]")]
     assert tiers["robot speech"] == [(2.011, 3.5, 'Hello, "dear"␉visitor!␊Ça va? <&>')]
@@ -72,7 +72,7 @@ def test_any_course_covers_its_time_and_comes_back(tmp_path: Path, course: list[
             (s.begin / 1e6, s.begin / 1e6 if tier.points else s.end / 1e6, one_line(s.text).strip())
             for s in tier.spans
         ]
-        assert filled(grid.getTier(one_line(tier.name))) == spans
+        assert tier_annotations(grid.getTier(one_line(tier.name))) == spans
 
 
 def test_pympi_reads_the_same(tmp_path: Path) -> None:
@@ -83,22 +83,22 @@ def test_pympi_reads_the_same(tmp_path: Path) -> None:
         spans = [(*row[:-1], row[-1].replace('""', '"')) for row in tier.get_all_intervals()]
         ours = grid.getTier(tier.name)
         if isinstance(ours, PointTier):
-            assert spans == [(time, text) for time, _, text in filled(ours)]
+            assert spans == [(time, text) for time, _, text in tier_annotations(ours)]
         else:
-            assert [span for span in spans if span[2]] == filled(ours)
+            assert [span for span in spans if span[2]] == tier_annotations(ours)
 
 
 def test_sound_and_grid_last_equally_long(tmp_path: Path) -> None:
     recordings = tmp_path / "recordings"
     speak(recordings / f"{STEM}.media", "speech-1.wav", 2)
-    ended = m.SpeechEnded(
+    speech_ended = m.SpeechEnded(
         driver="ears",
         segment=1,
         began=1_000_000,
         ended=3_000_000,
         file=f"{STEM}.media/speech-1.wav",
     )
-    exported(write(recordings, [(0, start()), (3, ended)]), "textgrid", tmp_path / "out")
+    export_logs(write(recordings, [(0, start()), (3, speech_ended)]), "textgrid", tmp_path / "out")
     with wave.open(str(tmp_path / "out" / f"{STEM}.wav")) as file:
         seconds = file.getnframes() / file.getframerate()
     assert read_back(tmp_path / "out" / f"{STEM}.TextGrid").maxTimestamp == seconds == 3

@@ -31,7 +31,7 @@ import time
 import wave
 from pathlib import Path
 
-from tests.fakes.sound import RATE, square, told
+from tests.fakes.sound import RATE, journal_entries, square
 
 
 def _tell(journal: Path, **what: object) -> None:
@@ -114,7 +114,7 @@ def main() -> None:
     _write({"ready": True, "name": "fake"})
     for line in sys.stdin:
         request = json.loads(line)
-        count = len(told(journal, "request"))
+        count = len(journal_entries(journal, "request"))
         _tell(journal, do="request", **request)
         usable = [one for one in behaviours if one != "slow"]
         _behave(usable[min(count, len(usable) - 1)], journal, request)

@@ -30,7 +30,7 @@ def square(seconds: float, level: float) -> bytes:
     return half * round(seconds * RATE / 8)
 
 
-def told(journal: Path, what: str = "") -> list[dict[str, object]]:
+def journal_entries(journal: Path, what: str = "") -> list[dict[str, object]]:
     """What the scripts wrote to the journal, all or those that `do` one thing."""
     if not journal.exists():
         return []

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tests.session.rig import Puppet, experiment
+from tests.session.rig import ScriptedDriver, experiment
 from woz_tui.config.experiment import Experiment, SessionSettings
 from woz_tui.drivers.contract import Driver
 from woz_tui.host.request_handlers import RequestHandlers
@@ -73,7 +73,7 @@ class Peer:
         self.writer.close()
 
 
-class Served:
+class ServedSession:
     """The host, its session and where to connect."""
 
     def __init__(self, host: SessionServer, path: Path, lines: list[m.AnyMessage]) -> None:
@@ -109,14 +109,14 @@ class Served:
 
         return await asyncio.wait_for(look(), WAIT_S)
 
-    def puppet(self) -> Puppet:
+    def driver(self) -> ScriptedDriver:
         driver = self.session.drivers["robot"]
-        assert isinstance(driver, Puppet)
+        assert isinstance(driver, ScriptedDriver)
         return driver
 
 
 @contextlib.asynccontextmanager
-async def served(
+async def served_session(
     tmp_path: Path,
     settings: SessionSettings | None = None,
     load: Callable[[], Experiment] | None = None,
@@ -127,7 +127,7 @@ async def served(
     clock: RealClock | None = None,
     read: Reader | None = None,
     disk: LogDisk | None = None,
-) -> AsyncIterator[Served]:
+) -> AsyncIterator[ServedSession]:
     """A host that serves until the block ends."""
     clock = clock or RealClock()
     recorder = Recorder(tmp_path / "recordings", "made", clock, spill=tmp_path / "more", disk=disk)
@@ -137,7 +137,7 @@ async def served(
     made = replace(made, session=settings) if settings else made
     session = Session(
         made,
-        catalogue or {"puppet": Puppet},
+        catalogue or {"puppet": ScriptedDriver},
         SessionIdentity(participant="P07", condition="warm"),
         recorder,
         clock,
@@ -150,7 +150,7 @@ async def served(
     )
     await session.open()
     host.listen(bind(path))
-    place = Served(host, path, lines)
+    place = ServedSession(host, path, lines)
     try:
         yield place
     finally:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import Peer, Served, served
+from tests.host.rig import Peer, ServedSession, served_session
 from woz_tui.config.experiment import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
@@ -47,14 +47,14 @@ DRIVE = {"left-stick-y": 1.0, "left-bumper": 1.0}
 @asynccontextmanager
 async def session(
     folder: Path, hold: float = 5.0, text: str = FILE
-) -> AsyncIterator[tuple[Served, Peer]]:
+) -> AsyncIterator[tuple[ServedSession, Peer]]:
     """A session with a wizard who watches, and a program that reads a gamepad. `hold`: as long as
     it may be, so that a busy machine loses nothing.
     """
     (folder / "it.yaml").write_text(text.replace("{hold}", str(hold)))
     catalogue = plugins.installed()
-    made = load(folder / "it.yaml", catalogue)
-    async with served(folder, made=made, catalogue=catalogue) as place:
+    experiment = load(folder / "it.yaml", catalogue)
+    async with served_session(folder, made=experiment, catalogue=catalogue) as place:
         wizard, hands = await place.connect(), await place.connect()
         await wizard.hello("wizard")
         await hands.hello("program", sees="wizard", stream="actions")

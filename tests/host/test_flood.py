@@ -11,7 +11,7 @@ from typing import get_args
 
 import pytest
 
-from tests.host.rig import WAIT_S, Peer, Served, served
+from tests.host.rig import WAIT_S, Peer, ServedSession, served_session
 from tests.session.rig import experiment
 from tools import ROOT
 from woz_tui.config.experiment import Experiment
@@ -27,7 +27,7 @@ def deaf(peer: Peer) -> Peer:
     return peer
 
 
-async def lost(host: Served, why: str) -> None:
+async def lost(host: ServedSession, why: str) -> None:
     gone = await host.published(lambda line: isinstance(line, m.ConsoleLost))
     assert isinstance(gone, m.ConsoleLost)
     assert gone.why == why
@@ -40,7 +40,7 @@ async def turns(what: Callable[[], object], times: int) -> None:
 
 
 async def test_who_reads_no_acks_is_let_go_of(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = deaf(await host.connect())
         await peer.say(kind="hello", role="program")
         await host.published(lambda line: isinstance(line, m.ConsoleAttached))
@@ -50,7 +50,7 @@ async def test_who_reads_no_acks_is_let_go_of(tmp_path: Path) -> None:
 
 
 async def test_who_asks_and_never_reads_is_let_go_of(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         deaf(peer)
@@ -69,7 +69,7 @@ async def test_who_asks_and_never_reads_is_let_go_of(tmp_path: Path) -> None:
 
 async def test_a_closed_connection_to_somebody_frozen_does_not_linger(tmp_path: Path) -> None:
     """Otherwise a console that hangs would keep the session from being abandoned."""
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         deaf(peer)
@@ -81,7 +81,7 @@ async def test_a_closed_connection_to_somebody_frozen_does_not_linger(tmp_path: 
 
 
 async def test_a_flood_of_one_disturbs_no_other(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         wizard, program = await host.connect(), await host.connect()
         await wizard.hello("wizard")
         await program.hello(stream="nothing")
@@ -97,7 +97,7 @@ async def test_a_flood_of_one_disturbs_no_other(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("end", [b"", b'{"kind":"marker","te'])
 async def test_what_was_asked_before_leaving_is_done(tmp_path: Path, end: bytes) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         peer.writer.write(b'{"kind":"marker","text":"a"}\n' * 200 + b'{"kind":"stop"}\n' + end)
@@ -107,7 +107,7 @@ async def test_what_was_asked_before_leaving_is_done(tmp_path: Path, end: bytes)
 
 
 async def test_the_last_line_of_the_log_reaches_everybody(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello()
         await peer.say(kind="end", reason="enough")
@@ -118,7 +118,7 @@ async def test_the_last_line_of_the_log_reaches_everybody(tmp_path: Path) -> Non
 
 
 async def test_no_request_is_too_deep_to_be_answered(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         for depth in range(880, 1000, 4):
@@ -134,7 +134,7 @@ async def test_no_request_is_too_deep_to_be_answered(tmp_path: Path) -> None:
 
 
 async def test_a_stop_overtakes_what_its_connection_asked_before(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         markers = b'{"kind":"marker","text":"no \\"stop\\""}\n' * 1000
@@ -148,7 +148,7 @@ async def test_a_stop_overtakes_what_its_connection_asked_before(tmp_path: Path)
 
 
 async def test_a_stop_that_came_in_pieces_overtakes_too(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         peer.writer.write(b'{"kind":"marker"}\n' * 1000 + b'{"kind":"st')
@@ -171,7 +171,7 @@ async def test_a_stop_that_came_in_pieces_overtakes_too(tmp_path: Path) -> None:
 async def test_no_release_that_was_sent_before_a_stop_releases_it(
     tmp_path: Path, asked: list[str], pressed: bool
 ) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         lines = {kind: b'{"kind":"%b"}\n' % kind.encode() for kind in asked}
@@ -186,7 +186,7 @@ async def test_no_release_that_was_sent_before_a_stop_releases_it(
 
 
 async def test_one_turn_has_few_requests_however_many_ask(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peers = [await host.connect() for _ in range(10)]
         for peer in peers:
             await peer.hello(stream="nothing")
@@ -201,7 +201,7 @@ async def test_one_turn_has_few_requests_however_many_ask(tmp_path: Path) -> Non
 
 
 async def test_who_asks_one_thing_waits_for_no_flood(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         floods, one = [await host.connect() for _ in range(5)], await host.connect()
         for peer in [*floods, one]:
             await peer.hello(stream="nothing")
@@ -212,7 +212,7 @@ async def test_who_asks_one_thing_waits_for_no_flood(tmp_path: Path) -> None:
         assert len([line for line in host.lines if isinstance(line, m.Marker)]) < 10_000
 
 
-class File:
+class CountedFile:
     """An experiment file that counts how often it is read, each time until it is told."""
 
     def __init__(self, tmp_path: Path) -> None:
@@ -232,8 +232,8 @@ class File:
 
 
 async def test_reloads_of_one_client_that_wait_are_one_reading(tmp_path: Path) -> None:
-    file = File(tmp_path)
-    async with served(tmp_path, load=file.load) as host:
+    file = CountedFile(tmp_path)
+    async with served_session(tmp_path, load=file.load) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         peer.writer.write(b'{"kind":"reload","ref":1}\n')
@@ -248,8 +248,8 @@ async def test_reloads_of_one_client_that_wait_are_one_reading(tmp_path: Path) -
 
 
 async def test_what_waits_for_a_client_that_left_is_not_worked_on(tmp_path: Path) -> None:
-    file = File(tmp_path)
-    async with served(tmp_path, load=file.load) as host:
+    file = CountedFile(tmp_path)
+    async with served_session(tmp_path, load=file.load) as host:
         peer, other = await host.connect(), await host.connect()
         await peer.hello(stream="nothing")
         await other.hello(stream="nothing")
@@ -263,7 +263,7 @@ async def test_what_waits_for_a_client_that_left_is_not_worked_on(tmp_path: Path
 
 
 async def test_of_a_client_that_left_only_what_the_log_is_for_is_done(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         one = b'{"kind":"action","action":"Hello"}\n{"kind":"marker"}\n'
@@ -276,7 +276,7 @@ async def test_of_a_client_that_left_only_what_the_log_is_for_is_done(tmp_path: 
 
 async def test_a_stop_counts_whose_sender_left_before_it_was_read(tmp_path: Path) -> None:
     """It is noticed by writing to it; what it sent is still to be read then."""
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         made = host.host._clients[0]
@@ -295,7 +295,7 @@ async def test_who_is_closed_and_then_reads_leaves_no_error(
     monkeypatch.setattr(client_connection, "LINGER_S", 60.0)
     loop, errors = asyncio.get_running_loop(), list[str]()
     loop.set_exception_handler(lambda _, context: errors.append(str(context)))
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = deaf(await host.connect())
         await peer.say(kind="hello", role="program", stream="nothing")
         await host.published(lambda line: isinstance(line, m.ConsoleAttached))

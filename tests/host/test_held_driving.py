@@ -11,7 +11,7 @@ from typing import Literal
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import HERE, Stage, action, call, experiment, together
+from tests.session.rig import HERE, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, Wait
 from woz_tui.host.client_connection import ClientConnection, RequestScheduler
 from woz_tui.host.dead_man_switch import DeadManSwitch
@@ -33,7 +33,7 @@ class Wizard:
     """A wizard's console at a session whose robot drives for five seconds at a command."""
 
     def __init__(self, folder: Path, line: Line, driving: Setting) -> None:
-        self.stage = Stage(folder, made=driving_experiment(folder, driving))
+        self.stage = SessionRig(folder, made=driving_experiment(folder, driving))
         session = self.stage.session
         self.client = self._client("con1", "wizard", line)
         self.program = self._client("con2", "program", "")
@@ -69,7 +69,7 @@ class Wizard:
 
     def drives(self) -> int:
         """How often the robot was told to drive."""
-        return [verb for verb, _ in self.stage.puppet().calls].count("drive")
+        return [verb for verb, _ in self.stage.driver().calls].count("drive")
 
     def ends(self) -> list[tuple[str, float, str]]:
         """How drives ended, after how many seconds, and why."""

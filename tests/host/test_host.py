@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.host.rig import Peer, served
-from tests.session.rig import Puppet
+from tests.host.rig import Peer, served_session
+from tests.session.rig import ScriptedDriver
 from woz_tui.config.experiment import SessionSettings
 from woz_tui.host.experiment_view import ExperimentView, joint_limits
 from woz_tui.protocol import messages as m
@@ -17,7 +17,7 @@ from woz_tui.system.session_sockets import SessionSocketError, bind
 
 
 async def test_hello_gives_the_whole_picture_and_then_the_stream(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         welcome = await peer.hello()
         assert welcome["title"] == "Made by hand"
@@ -35,7 +35,7 @@ async def test_hello_gives_the_whole_picture_and_then_the_stream(tmp_path: Path)
 
 
 async def test_what_was_acknowledged_is_in_the_file(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         reply = await peer.ask("action", action="Hello")
@@ -58,7 +58,7 @@ async def test_what_was_acknowledged_is_in_the_file(tmp_path: Path) -> None:
 async def test_nonsense_is_answered_and_harms_nothing(
     tmp_path: Path, line: bytes, reason: str
 ) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         peer.writer.write(line)
         reply = await peer.kind("reply")
@@ -69,7 +69,7 @@ async def test_nonsense_is_answered_and_harms_nothing(
 
 
 async def test_a_line_without_end_is_cut_off(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         peer.writer.write(b"x" * (1 << 21))
         assert "at most" in (await peer.kind("reply"))["reason"]
@@ -78,7 +78,7 @@ async def test_a_line_without_end_is_cut_off(tmp_path: Path) -> None:
 
 
 async def test_stop_needs_no_hello_and_is_confirmed_by_name(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         watcher = await host.connect()
         await watcher.hello("watcher")
         stranger = await host.connect()
@@ -91,7 +91,7 @@ async def test_stop_needs_no_hello_and_is_confirmed_by_name(tmp_path: Path) -> N
 
 
 async def test_a_second_wizard_watches_until_it_takes_over(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         first, second = await host.connect(), await host.connect()
         assert (await first.hello("wizard"))["role"] == "wizard"
         assert (await second.hello("wizard"))["role"] == "watcher"
@@ -106,7 +106,7 @@ async def test_a_second_wizard_watches_until_it_takes_over(tmp_path: Path) -> No
 
 
 async def test_who_watches_can_play_once_the_other_one_is_gone(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         first, second = await host.connect(), await host.connect()
         await first.hello("wizard")
         await second.hello("wizard", take_over=True)
@@ -129,7 +129,7 @@ async def drive(peer: Peer) -> None:
 
 
 async def test_driving_ends_with_the_console_and_the_rest_goes_on(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         watcher, wizard = await host.connect(), await host.connect()
         await watcher.hello("watcher")
         await wizard.hello("wizard")
@@ -139,8 +139,8 @@ async def test_driving_ends_with_the_console_and_the_rest_goes_on(tmp_path: Path
         stopped = await watcher.kind("command.stopped")
         assert stopped["command"] == "c00001"
         assert (await watcher.kind("command.done"))["command"] == "c00002"
-        assert ("stop", {"scope": "drive"}) in host.puppet().calls
-        assert ("stop", {"scope": "all"}) not in host.puppet().calls
+        assert ("stop", {"scope": "drive"}) in host.driver().calls
+        assert ("stop", {"scope": "all"}) not in host.driver().calls
 
 
 @pytest.mark.parametrize("way", ["silent", "line"])
@@ -149,7 +149,7 @@ async def test_driving_ends_when_beats_stay_away_or_the_line_is_dead(
 ) -> None:
     # Where the line is dead nobody waits for beats.
     dead_man = 1.0 if way == "silent" else 20.0
-    async with served(tmp_path, SessionSettings(dead_man=dead_man)) as host:
+    async with served_session(tmp_path, SessionSettings(dead_man=dead_man)) as host:
         wizard = await host.connect()
         await wizard.hello("wizard")
         await drive(wizard)
@@ -163,7 +163,7 @@ async def test_driving_ends_when_beats_stay_away_or_the_line_is_dead(
 
 
 async def test_nobody_drives_without_a_wizard(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         program = await host.connect()
         await program.hello()
         await program.ask("verb", verb="drive", args={"x": 1.0})
@@ -175,7 +175,7 @@ async def test_nobody_drives_without_a_wizard(tmp_path: Path) -> None:
 async def test_why_nobody_drives_is_about_who_plays_and_not_about_who_comes(
     tmp_path: Path,
 ) -> None:
-    async with served(tmp_path, SessionSettings(dead_man=60)) as host:
+    async with served_session(tmp_path, SessionSettings(dead_man=60)) as host:
         wizard, program = await host.connect(), await host.connect()
         await wizard.hello("wizard")
         await wizard.say(kind="beat", line_ok=False)
@@ -188,7 +188,7 @@ async def test_why_nobody_drives_is_about_who_plays_and_not_about_who_comes(
 
 
 async def test_a_silent_wizard_is_given_up_and_can_come_back(tmp_path: Path) -> None:
-    async with served(tmp_path, SessionSettings(dead_man=0.1)) as host:
+    async with served_session(tmp_path, SessionSettings(dead_man=0.1)) as host:
         wizard = await host.connect()
         await wizard.hello("wizard")
         lost = await host.published(lambda line: isinstance(line, m.ConsoleLost))
@@ -199,7 +199,7 @@ async def test_a_silent_wizard_is_given_up_and_can_come_back(tmp_path: Path) -> 
 
 
 async def test_a_session_without_any_console_is_abandoned(tmp_path: Path) -> None:
-    async with served(tmp_path, SessionSettings(abandon_after=0.3)) as host:
+    async with served_session(tmp_path, SessionSettings(abandon_after=0.3)) as host:
         peer = await host.connect()
         await peer.hello()
         peer.leave()
@@ -210,7 +210,7 @@ async def test_a_session_without_any_console_is_abandoned(tmp_path: Path) -> Non
 async def test_without_its_wizard_a_session_is_not_kept_by_programs(
     tmp_path: Path, listens: bool
 ) -> None:
-    async with served(tmp_path, SessionSettings(abandon_after=0.3)) as host:
+    async with served_session(tmp_path, SessionSettings(abandon_after=0.3)) as host:
         wizard, stays = await host.connect(), await host.connect()
         await wizard.hello("wizard")
         if listens:  # as `woz listen`, which shows nothing
@@ -233,7 +233,7 @@ async def test_without_its_wizard_a_session_is_not_kept_by_programs(
 async def test_a_session_that_only_programs_play_goes_on_as_long_as_one_is_there(
     tmp_path: Path,
 ) -> None:
-    async with served(tmp_path, SessionSettings(abandon_after=2.0)) as host:
+    async with served_session(tmp_path, SessionSettings(abandon_after=2.0)) as host:
         program, watcher = await host.connect(), await host.connect()
         await program.hello("program")
         await watcher.hello("watcher")
@@ -247,7 +247,7 @@ async def test_a_session_that_only_programs_play_goes_on_as_long_as_one_is_there
 
 
 async def test_a_client_that_never_reads_loses_samples_not_acks(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         slow = await host.connect()
         await slow.hello()
         slow.writer.transport.pause_reading()  # type: ignore[attr-defined]
@@ -264,7 +264,7 @@ async def test_a_client_that_never_reads_loses_samples_not_acks(tmp_path: Path) 
 
 
 async def test_reload_and_preflight_answer_with_data(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello()
         reply = await peer.ask("reload", dry_run=True)
@@ -276,7 +276,7 @@ async def test_reload_and_preflight_answer_with_data(tmp_path: Path) -> None:
 
 
 async def test_the_rest_of_the_requests(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello()
         assert (await peer.ask("mistake"))["reason"] == "nothing has been played yet"
@@ -309,13 +309,13 @@ def test_the_socket_is_private_and_a_dead_one_is_replaced(tmp_path: Path) -> Non
 
 
 async def test_a_verb_has_its_variables_filled_in(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.hello()
         reply = await peer.ask("verb", verb="say", args={"text": "Hello {participant} {{x}}"})
         assert reply["ok"]
         await peer.kind("command.done")
-        assert host.puppet().calls[-1] == ("say", {"text": "Hello P07 {x}"})
+        assert host.driver().calls[-1] == ("say", {"text": "Hello P07 {x}"})
         refused = await peer.ask("verb", verb="say", args={"text": "Hello {nobody}"})
         assert not refused["ok"]
         assert "{nobody} has no value yet" in refused["reason"]
@@ -323,20 +323,20 @@ async def test_a_verb_has_its_variables_filled_in(tmp_path: Path) -> None:
 
 
 async def test_the_welcome_tells_the_joints_limits(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         assert (await peer.hello())["settings"]["joints"] == {"pan": [-90.0, 60.0]}
 
 
 async def test_the_welcome_tells_the_variables_values(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         told = (await peer.hello())["settings"]["values"]
         assert told == host.session.values()
 
 
 async def test_two_robots_joints_of_one_name_keep_their_limits_apart(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         session = host.session
         pan = replace(session.experiment.drivers[0], sensors=("joint.pan",))
         drivers = [replace(pan, name=f"{robot}.head") for robot in ("left", "right")]
@@ -345,7 +345,7 @@ async def test_two_robots_joints_of_one_name_keep_their_limits_apart(tmp_path: P
         assert joint_limits(ExperimentView.of(session)) == {"left.pan": span, "right.pan": span}
 
 
-class Shapeless(Puppet):
+class FailingOutlineDriver(ScriptedDriver):
     """A stranger's driver whose outline fails."""
 
     @classmethod
@@ -354,8 +354,8 @@ class Shapeless(Puppet):
 
 
 async def test_an_outline_that_fails_keeps_nobody_from_attaching(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
-        host.session.catalogue = {"puppet": Shapeless}
+    async with served_session(tmp_path) as host:
+        host.session.catalogue = {"puppet": FailingOutlineDriver}
         peer = await host.connect()
         welcome = await peer.hello()
         assert welcome["settings"]["outlines"] == {}

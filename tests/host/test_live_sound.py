@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import WAIT_S, Peer, Served, served
+from tests.host.rig import WAIT_S, Peer, ServedSession, served_session
 from tests.session.rig import experiment
 from woz_tui.bus import bus
 from woz_tui.config.loading import load
@@ -45,38 +45,40 @@ def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-async def host(tmp_path: Path) -> AsyncIterator[Served]:
-    async with served(tmp_path) as place:
+async def host(tmp_path: Path) -> AsyncIterator[ServedSession]:
+    async with served_session(tmp_path) as place:
         yield place
 
 
-def microphone(host: Served) -> SoundWindow:
+def microphone(host: ServedSession) -> SoundWindow:
     """The driver `robot` has one."""
     host.session.feeds.feed("robot", LISTENED)
     return SoundWindow(host.session.feeds.feed("robot", SOUND), RATE)
 
 
-def loudspeaker(host: Served, on: bool = False) -> SoundReader:
+def loudspeaker(host: ServedSession, on: bool = False) -> SoundReader:
     """The driver `robot` takes a live voice; what it gets of it."""
     host.session.feeds.feed("robot", VOICE_STATE).put(VoiceState(RATE, on))
     return SoundReader(host.session.feeds.feed("robot", VOICE))
 
 
-def now(host: Served) -> int:
+def now(host: ServedSession) -> int:
     return host.session.clock.now_us()
 
 
-async def asked(peer: Peer, **fields: Any) -> dict[str, Any]:
+async def ask_for_sound(peer: Peer, **fields: Any) -> dict[str, Any]:
     """Ask for sound; the answer, whatever it is."""
     ref = len(peer.seen) + 500
     await peer.say(kind="sound", ref=ref, **fields)
     return await peer.until(lambda line: line["kind"] in ("sound", "reply") and line["ref"] == ref)
 
 
-async def heard(host: Served, peer: Peer, window: SoundWindow, **fields: Any) -> dict[str, Any]:
+async def ask_and_speak(
+    host: ServedSession, peer: Peer, window: SoundWindow, **fields: Any
+) -> dict[str, Any]:
     """Ask, and have a word said when the microphone has been told that somebody listens."""
     before = host.session.feeds.feed("robot", LISTENED).latest().serial
-    waiting = asyncio.ensure_future(asked(peer, **fields))
+    waiting = asyncio.ensure_future(ask_for_sound(peer, **fields))
     while host.session.feeds.feed("robot", LISTENED).latest().serial == before:  # noqa: ASYNC110
         await asyncio.sleep(0.002)
     window.add(WORD, now(host))
@@ -84,28 +86,28 @@ async def heard(host: Served, peer: Peer, window: SoundWindow, **fields: Any) ->
 
 
 @pytest.mark.parametrize("role", ["wizard", "watcher"])
-async def test_who_sees_the_robot_hears_it(host: Served, role: str) -> None:
+async def test_who_sees_the_robot_hears_it(host: ServedSession, role: str) -> None:
     window = microphone(host)
     window.add(b"\7\7" * 320, now(host))
     peer = await host.connect()
     await peer.hello(role)
     asked_us = now(host)
-    line = await heard(host, peer, window)
+    line = await ask_and_speak(host, peer, window)
     assert (line["driver"], line["microphones"], line["rate"]) == ("robot", ["robot"], RATE)
     assert base64.b64decode(line["data"]) == WORD, "nothing of before somebody listened"
     wish = host.session.feeds.feed("robot", LISTENED).latest().value
     assert isinstance(wish, SoundListened)
     assert asked_us <= wish.until_us - 2_500_000 <= now(host)
-    again = await heard(host, peer, window, after=line["end"])
+    again = await ask_and_speak(host, peer, window, after=line["end"])
     assert (again["end"], again.get("lost", 0)) == (960, 0)
 
 
 @pytest.mark.parametrize("role", ["participant", "program"])
-async def test_nobody_else_does(host: Served, role: str) -> None:
+async def test_nobody_else_does(host: ServedSession, role: str) -> None:
     microphone(host)
     peer = await host.connect()
     await peer.hello(role)
-    line = await asked(peer)
+    line = await ask_for_sound(peer)
     assert (line["kind"], line.get("ok")) == ("reply", False)
     assert line["reason"]
     assert host.session.feeds.feed("robot", LISTENED).latest().serial == 0, "no one was woken"
@@ -115,11 +117,11 @@ async def test_nobody_else_does(host: Served, role: str) -> None:
 async def test_what_perception_keeps_is_not_heard(tmp_path: Path, kept: str) -> None:
     made = experiment(tmp_path)
     made = replace(made, study=Study(perception=PerceptionLimits(hide=(kept,))))
-    async with served(tmp_path, made=made) as host:
+    async with served_session(tmp_path, made=made) as host:
         microphone(host)
         peer = await host.connect()
         await peer.hello("wizard")
-        line = await asked(peer)
+        line = await ask_for_sound(peer)
         assert (line["kind"], line.get("ok")) == ("reply", False)
 
 
@@ -129,34 +131,34 @@ async def test_a_blind_wizard_hears_no_words_that_tell_the_condition(
 ) -> None:
     design = Design(blind={"warm": "A", "cold": "B"})
     made = replace(experiment(tmp_path), study=Study(design=design), by_condition=texts)
-    async with served(tmp_path, made=made) as host:
+    async with served_session(tmp_path, made=made) as host:
         window = microphone(host)
         peer = await host.connect()
         await peer.hello("wizard")
-        line = await (asked(peer) if texts else heard(host, peer, window))
+        line = await (ask_for_sound(peer) if texts else ask_and_speak(host, peer, window))
         assert line["kind"] == ("reply" if texts else "sound")
 
 
-async def test_two_hear_the_same(host: Served) -> None:
+async def test_two_hear_the_same(host: ServedSession) -> None:
     window = microphone(host)
     one, other = await host.connect(), await host.connect()
     await one.hello("wizard")
     await other.hello("watcher")
-    waiting = asyncio.gather(asked(one), asked(other))
+    waiting = asyncio.gather(ask_for_sound(one), ask_for_sound(other))
     while host.session.feeds.feed("robot", LISTENED).latest().serial < 2:  # noqa: ASYNC110
         await asyncio.sleep(0.002)
     window.add(WORD, now(host))
     assert [base64.b64decode(line["data"]) for line in await waiting] == [WORD, WORD]
 
 
-async def test_who_asks_late_loses_sound_and_is_told(host: Served) -> None:
+async def test_who_asks_late_loses_sound_and_is_told(host: ServedSession) -> None:
     window = microphone(host)
     peer = await host.connect()
     await peer.hello("wizard")
-    first = await heard(host, peer, window)
+    first = await ask_and_speak(host, peer, window)
     for _ in range(100):
         window.add(WORD, now(host))
-    line = await asked(peer, after=first["end"])
+    line = await ask_for_sound(peer, after=first["end"])
     assert len(base64.b64decode(line["data"])) == 2 * 640, "the newest 40 ms"
     assert line["lost"] == 98 * 320
     peer.leave()
@@ -166,24 +168,26 @@ async def test_who_asks_late_loses_sound_and_is_told(host: Served) -> None:
 
 
 async def test_no_sound_is_said_after_a_moment(
-    host: Served, monkeypatch: pytest.MonkeyPatch
+    host: ServedSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sound_service, "WAIT_S", 0.1)
     microphone(host)
     peer = await host.connect()
     await peer.hello("wizard")
-    line = await asked(peer)
+    line = await ask_for_sound(peer)
     assert line["kind"] == "sound"
     assert "data" not in line
     assert line["why"]
 
 
-async def test_the_log_says_who_listens_from_when_to_when_and_has_no_sound(host: Served) -> None:
+async def test_the_log_says_who_listens_from_when_to_when_and_has_no_sound(
+    host: ServedSession,
+) -> None:
     window = microphone(host)
     peer = await host.connect()
     await peer.hello("watcher")
-    line = await heard(host, peer, window)
-    await heard(host, peer, window, after=line["end"])
+    line = await ask_and_speak(host, peer, window)
+    await ask_and_speak(host, peer, window, after=line["end"])
     joined = [each for each in host.lines if isinstance(each, m.ListenerJoined)]
     assert [(each.console, each.driver) for each in joined] == [("con1", "robot")]
     peer.leave()
@@ -203,7 +207,7 @@ async def test_the_log_says_who_listens_from_when_to_when_and_has_no_sound(host:
     ],
 )
 async def test_a_session_without_one(
-    host: Served, kind: str, fields: dict[str, Any], words: str, hint: str
+    host: ServedSession, kind: str, fields: dict[str, Any], words: str, hint: str
 ) -> None:
     peer = await host.connect()
     await peer.hello("wizard")
@@ -213,7 +217,7 @@ async def test_a_session_without_one(
     assert hint in reply["hint"]
 
 
-async def test_another_driver_has_none(host: Served) -> None:
+async def test_another_driver_has_none(host: ServedSession) -> None:
     microphone(host)
     peer = await host.connect()
     await peer.hello("wizard")
@@ -230,7 +234,7 @@ def voice(pcm: bytes = WORD, **more: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("role", ["wizard", "program"])
-async def test_a_voice_reaches_the_loudspeaker(host: Served, role: str) -> None:
+async def test_a_voice_reaches_the_loudspeaker(host: ServedSession, role: str) -> None:
     reader = loudspeaker(host, on=True)
     peer = await host.connect()
     await peer.hello(role)
@@ -248,7 +252,7 @@ async def test_a_voice_reaches_the_loudspeaker(host: Served, role: str) -> None:
 
 
 @pytest.mark.parametrize("role", ["watcher", "participant"])
-async def test_who_may_not_play_may_not_talk(host: Served, role: str) -> None:
+async def test_who_may_not_play_may_not_talk(host: ServedSession, role: str) -> None:
     reader = loudspeaker(host, on=True)
     peer = await host.connect()
     await peer.hello(role)
@@ -256,7 +260,7 @@ async def test_who_may_not_play_may_not_talk(host: Served, role: str) -> None:
     assert reader.take() is None
 
 
-async def test_one_talks_at_a_time(host: Served) -> None:
+async def test_one_talks_at_a_time(host: ServedSession) -> None:
     reader = loudspeaker(host)
     one, other = await host.connect(), await host.connect()
     await one.hello("program")
@@ -283,7 +287,9 @@ async def test_one_talks_at_a_time(host: Served) -> None:
         (voice() | {"data": "%%%"}, "base64"),
     ],
 )
-async def test_a_voice_that_cannot_be(host: Served, fields: dict[str, Any], words: str) -> None:
+async def test_a_voice_that_cannot_be(
+    host: ServedSession, fields: dict[str, Any], words: str
+) -> None:
     reader = loudspeaker(host)
     peer = await host.connect()
     await peer.hello("program")
@@ -313,19 +319,19 @@ panels:
 
 
 @contextlib.asynccontextmanager
-async def speaking(tmp_path: Path) -> AsyncIterator[tuple[Served, Peer, Path]]:
+async def speaking(tmp_path: Path) -> AsyncIterator[tuple[ServedSession, Peer, Path]]:
     """A wizard who plays *Talk*, and where a voice is heard."""
     heard_in, file = tmp_path / "heard", tmp_path / "live.yaml"
     file.write_text(FILE.format(heard=heard_in))
     catalogue = installed()
-    async with served(tmp_path, made=load(file, catalogue), catalogue=catalogue) as host:
+    async with served_session(tmp_path, made=load(file, catalogue), catalogue=catalogue) as host:
         await host.published(lambda line: isinstance(line, m.DriverConnected))
         wizard = await host.connect()
         await wizard.hello("wizard")
         yield host, wizard, heard_in
 
 
-async def talk_on(host: Served, wizard: Peer) -> str:
+async def talk_on(host: ServedSession, wizard: Peer) -> str:
     """*Talk* is played and on; its run."""
     reply = await wizard.ask("action", action="Talk", source="key", key="t")
     assert reply["ok"]
@@ -333,7 +339,7 @@ async def talk_on(host: Served, wizard: Peer) -> str:
     return str(reply["run"])
 
 
-async def ended(host: Served, run: str) -> m.AnyMessage:
+async def action_end(host: ServedSession, run: str) -> m.AnyMessage:
     return await host.published(lambda line: isinstance(line, m.ActionEnd) and line.run == run)
 
 
@@ -346,7 +352,7 @@ async def test_a_key_a_voice_and_the_key_again_are_an_action_in_the_log(tmp_path
         while not heard_in.exists() or heard_in.read_bytes() != WORD:  # noqa: ASYNC110
             await asyncio.sleep(0.005)
         assert (await wizard.ask("action", action="Talk off", source="key", key="u"))["ok"]
-        assert isinstance(await ended(host, run), m.ActionDone)
+        assert isinstance(await action_end(host, run), m.ActionDone)
         (done,) = [line for line in host.lines if isinstance(line, m.Done) and "by" in line.sent]
         assert (done.sent["by"], done.sent["played"], done.sent["dropped"]) == ("con2", 0.02, 0.0)
 
@@ -355,7 +361,7 @@ async def test_a_stop_ends_it_and_a_release_does_not_begin_it(tmp_path: Path) ->
     async with speaking(tmp_path) as (host, wizard, heard_in):
         run = await talk_on(host, wizard)
         await wizard.ask("stop")
-        assert isinstance(await ended(host, run), m.ActionStopped)
+        assert isinstance(await action_end(host, run), m.ActionStopped)
         confirmed = await host.published(lambda line: isinstance(line, m.StopConfirmed))
         assert isinstance(confirmed, m.StopConfirmed)
         assert confirmed.confirmed == ["voice"]
@@ -370,7 +376,7 @@ async def test_nobody_talks_while_no_wizard_watches(tmp_path: Path) -> None:
     async with speaking(tmp_path) as (host, wizard, _):
         run = await talk_on(host, wizard)
         wizard.leave()
-        assert isinstance(await ended(host, run), m.ActionStopped)
+        assert isinstance(await action_end(host, run), m.ActionStopped)
         program = await host.connect()
         await program.hello("program")
         await program.ask("action", action="Talk")
@@ -387,7 +393,7 @@ async def test_a_locked_panel_keeps_it_off(tmp_path: Path) -> None:
         assert not any(isinstance(line, m.Dispatched) for line in host.lines)
 
 
-async def test_who_is_far_away_asks_for_several_pieces_at_once(host: Served) -> None:
+async def test_who_is_far_away_asks_for_several_pieces_at_once(host: ServedSession) -> None:
     window = microphone(host)
     peer = await host.connect()
     await peer.hello("watcher")

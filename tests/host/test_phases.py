@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
 
-from tests.host.rig import Served, served
+from tests.host.rig import ServedSession, served_session
 from tests.session.rig import experiment
 from woz_tui.config.experiment import Phase
 from woz_tui.protocol import messages as m
@@ -18,22 +18,24 @@ PHASES = (
 )
 
 
-def hosted(tmp_path: Path, scenario: Callable[[Served], Awaitable[None]]) -> list[m.AnyMessage]:
+def hosted(
+    tmp_path: Path, scenario: Callable[[ServedSession], Awaitable[None]]
+) -> list[m.AnyMessage]:
     async def go() -> list[m.AnyMessage]:
         made = replace(experiment(tmp_path), phases=PHASES)
-        async with served(tmp_path, made=made) as host:
+        async with served_session(tmp_path, made=made) as host:
             await scenario(host)
             return host.lines
 
     return asyncio.run(go())
 
 
-def begun(lines: list[m.AnyMessage]) -> list[tuple[str, str]]:
+def phases_begun(lines: list[m.AnyMessage]) -> list[tuple[str, str]]:
     return [(line.phase, line.source) for line in lines if isinstance(line, m.PhaseChanged)]
 
 
 def test_a_wizard_goes_on_and_a_newcomer_is_told_where(tmp_path: Path) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         wizard = await host.connect()
         welcome = await wizard.hello("wizard")
         names = [phase["name"] for phase in welcome["settings"]["phases"]]
@@ -51,17 +53,17 @@ def test_a_wizard_goes_on_and_a_newcomer_is_told_where(tmp_path: Path) -> None:
         assert told["settings"]["phases"] == []
         assert not [line for line in told["state"] if line["kind"] == "phase.changed"]
 
-    assert begun(hosted(tmp_path, scenario)) == [("opening", "session"), ("ride", "key")]
+    assert phases_begun(hosted(tmp_path, scenario)) == [("opening", "session"), ("ride", "key")]
 
 
 def test_an_old_press_changes_no_phase(tmp_path: Path) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         wizard = await host.connect()
         await wizard.hello("wizard")
         for late in ({"age_us": 60_000_000}, {"stale": True}):
             assert not (await wizard.ask("phase", source="key", **late))["ok"]
 
     lines = hosted(tmp_path, scenario)
-    assert begun(lines) == [("opening", "session")]
+    assert phases_begun(lines) == [("opening", "session")]
     notices = [line.text for line in lines if isinstance(line, m.Notice)]
     assert sum("Phase not changed" in text for text in notices) == 2

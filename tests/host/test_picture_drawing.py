@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
 
-from tests.console.camera.filmed import Pixels, room
+from tests.console.camera.camera_pictures import Pixels, room_picture
 from tests.console.camera.sixel_reader import read_sixel
 from woz_tui.host.picture_encoding import encoded, fitting, png, quantised, scaled, sixels
 from woz_tui.protocol.camera_pictures import Picture
@@ -79,21 +79,21 @@ def test_a_png_is_one_to_others(made: Pixels, most: int) -> None:
 
 
 def test_a_room_in_64_colours_still_looks_like_it() -> None:
-    made = room(320, 240)
+    made = room_picture(320, 240)
     back = read_sixel(sixels(made))
     assert np.abs(back.astype(int) - made).mean() < 6
 
 
 @pytest.mark.parametrize("wanted", ["rgb", "png"])
 def test_nothing_is_enlarged_that_the_terminal_can_enlarge(wanted: str) -> None:
-    made = room(20, 15)
+    made = room_picture(20, 15)
     width, height, data = encoded(Picture(0, 20, 15, made.tobytes()), 640, 480, wanted)  # type: ignore[arg-type]
     assert (width, height) == (20, 15)
     assert len(base64.b64decode(data)) < 2000
 
 
 def test_a_sixel_picture_fills_the_room() -> None:
-    made = room(20, 15)
+    made = room_picture(20, 15)
     width, height, data = encoded(Picture(0, 20, 15, made.tobytes()), 200, 900, "sixel")
     assert (width, height) == (200, 150)
     assert read_sixel(data).shape == (150, 200, 3)

@@ -21,7 +21,7 @@ import pytest
 from tests.export.logs import speak
 from tests.fakes.ports import free_port
 from tests.fakes.terminal import ROOT
-from tests.host.rude import installed
+from tests.host.rude_driver import installed
 from tests.network.other_computer import listens
 from woz_tui.cli.host_start import Launch
 from woz_tui.log.file_names import current_path, session_code
@@ -200,7 +200,7 @@ def test_who_holds_up_the_process_is_named_with_call_and_line_of_code(
         stalled = host.logged("process.stalled", driver="voice")
         assert stalled.get("call", "") == call
         if code:  # else nobody could look
-            assert stalled["place"].startswith("rude.py:")
+            assert stalled["place"].startswith("rude_driver.py:")
             assert code in stalled["place"]
         assert stalled["cause"] == "blocked"
         assert stalled["duration_us"] >= (seconds - 0.2) * 1e6

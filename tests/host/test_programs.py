@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import Peer, Served, served
-from tests.session.rig import Puppet, experiment
+from tests.host.rig import Peer, ServedSession, served_session
+from tests.session.rig import ScriptedDriver, experiment
 from woz_tui.config.experiment import Experiment, Phase, Profile, SessionSettings
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.drivers.contract import Job
@@ -21,13 +21,13 @@ from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import PROTOCOL, Welcome
 
 
-async def program(host: Served, name: str = "stimulus") -> Peer:
+async def program(host: ServedSession, name: str = "stimulus") -> Peer:
     peer = await host.connect()
     await peer.hello("program", protocol=PROTOCOL, name=name)
     return peer
 
 
-class Reader(Puppet):
+class LogReadingDriver(ScriptedDriver):
     """Looks into the log when it is told to move."""
 
     log: Path
@@ -38,15 +38,15 @@ class Reader(Puppet):
 
 
 async def test_it_is_in_the_log_with_its_source_before_it_moves(tmp_path: Path) -> None:
-    async with served(tmp_path, catalogue={"puppet": Reader}) as host:
-        Reader.log = host.session.recorder.path
+    async with served_session(tmp_path, catalogue={"puppet": LogReadingDriver}) as host:
+        LogReadingDriver.log = host.session.recorder.path
         peer = await program(host)
         await peer.ask("verb", verb="say", args={"text": "Hello"})
         await peer.kind("command.done")
         await peer.ask("action", action="Hello")
         await peer.kind("action.done")
-        assert host.puppet().calls == [("say", {"logged": True})] * 2
-        lines = [json.loads(line) for line in Reader.log.read_text().splitlines()]
+        assert host.driver().calls == [("say", {"logged": True})] * 2
+        lines = [json.loads(line) for line in LogReadingDriver.log.read_text().splitlines()]
         requested = [line for line in lines if line["kind"].endswith(".requested")]
         assert [line["source"] for line in requested] == ["program"] * 3
         assert [line.get("console") for line in requested] == ["con1", "con1", None]
@@ -83,7 +83,7 @@ async def test_the_log_names_the_connection_of_everything_asked_for(
 ) -> None:
     made = limited(tmp_path)
     made = replace(made, phases=tuple(replace(each, after=()) for each in reversed(made.phases)))
-    async with served(tmp_path, made=made) as host:
+    async with served_session(tmp_path, made=made) as host:
         peer = await program(host)
         reply = await peer.ask(kind, **fields)
         assert reply["ok"], reply
@@ -92,7 +92,7 @@ async def test_the_log_names_the_connection_of_everything_asked_for(
 
 
 async def test_nobody_is_named_for_what_the_robot_does_by_itself(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await program(host)
         await peer.ask("marker", text="onset")
         host.session.mark("by a driver", "midi")
@@ -102,7 +102,7 @@ async def test_nobody_is_named_for_what_the_robot_does_by_itself(tmp_path: Path)
 
 @pytest.mark.parametrize("source", ["engagement", "replay", "phase", "midi"])
 async def test_a_program_cannot_claim_that_the_robot_did_it(tmp_path: Path, source: str) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await program(host)
         await peer.ask("verb", verb="play", args={"move": "nod"}, source=source)
         await peer.ask("action", action="Hello", source=source)
@@ -115,7 +115,7 @@ async def test_a_program_cannot_claim_that_the_robot_did_it(tmp_path: Path, sour
 
 async def test_a_profile_binds_a_program(tmp_path: Path) -> None:
     made = replace(limited(tmp_path), phases=())
-    async with served(tmp_path, made=made) as host:
+    async with served_session(tmp_path, made=made) as host:
         peer = await program(host)
         await peer.ask("profile", profile="child")
         assert (await peer.ask("action", action="Hello"))["ok"]
@@ -132,7 +132,7 @@ async def test_locks_and_phases_bind_a_program(tmp_path: Path) -> None:
     made = limited(tmp_path)
     speech, base = made.panels
     made = replace(made, panels=(speech, replace(base, covers=("play",))))
-    async with served(tmp_path, made=made) as host:
+    async with served_session(tmp_path, made=made) as host:
         peer = await program(host)
         assert "in the phase" in (await peer.ask("action", action="Hello"))["reason"]
         await peer.ask("lock", panel="Base", locked=True)
@@ -145,7 +145,7 @@ async def test_locks_and_phases_bind_a_program(tmp_path: Path) -> None:
 
 
 async def test_the_stop_and_the_dead_mans_switch_bind_a_program(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer, wizard = await program(host), await host.connect()
         drive = {"verb": "drive", "args": {"x": 1.0}}
         assert "no wizard" in (await peer.ask("verb", **drive))["reason"]
@@ -180,7 +180,7 @@ async def seen_by_wizard(wizard: Peer, welcome: dict[str, Any]) -> list[tuple[st
 
 
 async def test_the_wizards_screen_says_which_program_asked(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         wizard = await host.connect()
         welcome = await wizard.hello("wizard", protocol=PROTOCOL)
         peer = await program(host)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.host.rig import Served, served
-from tests.replay.again import written
-from tests.replay.test_plan import END, LOG, START, command, dispatched, done
+from tests.host.rig import ServedSession, served_session
+from tests.replay.rerun_rig import write_log
+from tests.replay.test_rerun_plan import END, LOG, START, command, dispatched, done_message
 from tests.session.rig import experiment
 from woz_tui.host import rerun_session as host_rerun
 from woz_tui.host.rerun_session import RerunOptions, RerunSession, read_plan
@@ -22,19 +22,21 @@ def log_of(tmp_path: Path, driver: str, count: int = 1) -> Path:
     for n in range(count):
         asked = command(f"c{n}", "play", driver, args={"move": "nod"})
         lines += [(1 + 0.6 * n, asked), (1 + 0.6 * n, dispatched(f"c{n}"))]
-    lines += [(100 + n, done(f"c{n}")) for n in range(count)]
-    return written(tmp_path / "original" / LOG, [*lines, (900, END)])
+    lines += [(100 + n, done_message(f"c{n}")) for n in range(count)]
+    return write_log(tmp_path / "original" / LOG, [*lines, (900, END)])
 
 
-def begun(it: Served, log: Path, *, headless: bool = True, wait_s: float = 20.0) -> RerunSession:
+def begin_rerun(
+    host: ServedSession, log: Path, *, headless: bool = True, wait_s: float = 20.0
+) -> RerunSession:
     options = RerunOptions(log, headless, wait_s=wait_s)
-    rerun = RerunSession(it.host, read_plan(options, it.session.experiment), options)
+    rerun = RerunSession(host.host, read_plan(options, host.session.experiment), options)
     rerun.begin_when_ready()
     return rerun
 
 
-async def ended(it: Served) -> m.RerunEnded:
-    over = await it.published(lambda message: isinstance(message, m.RerunEnded))
+async def rerun_ended(host: ServedSession) -> m.RerunEnded:
+    over = await host.published(lambda message: isinstance(message, m.RerunEnded))
     assert isinstance(over, m.RerunEnded)
     return over
 
@@ -47,34 +49,34 @@ def soon(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def test_a_driver_that_does_not_come_is_named_and_nothing_is_sent(tmp_path: Path) -> None:
-    async with served(tmp_path, made=experiment(tmp_path, ("robot", "broken"))) as it:
-        begun(it, log_of(tmp_path, "broken"), wait_s=0.05)
-        over = await ended(it)
+    async with served_session(tmp_path, made=experiment(tmp_path, ("robot", "broken"))) as host:
+        begin_rerun(host, log_of(tmp_path, "broken"), wait_s=0.05)
+        over = await rerun_ended(host)
         why = "it did not open: OSError: no such device"
         assert over.reason == f"not begun: broken is not connected ({why})"
         assert over.sent_again == 0
-        assert not [line for line in it.lines if isinstance(line, m.RerunStarted | m.Command)]
-        notices = [line.text for line in it.lines if isinstance(line, m.Notice)]
+        assert not [line for line in host.lines if isinstance(line, m.RerunStarted | m.Command)]
+        notices = [line.text for line in host.lines if isinstance(line, m.Notice)]
         assert notices == ["the re-run waits for broken", f"the re-run has {over.reason}"]
-        assert await it.host.serve() == f"the re-run: {over.reason}"
+        assert await host.host.serve() == f"the re-run: {over.reason}"
 
 
 async def test_it_begins_when_the_driver_comes_and_is_not_given_up_then(tmp_path: Path) -> None:
-    async with served(tmp_path, made=experiment(tmp_path, ("robot", "broken"))) as it:
-        begun(it, log_of(tmp_path, "broken", 3), wait_s=0.5)
-        assert not [line for line in it.lines if isinstance(line, m.RerunStarted)]
-        it.session.hub.publish(m.DriverConnected(driver="broken", detail="plugged in"))
-        over = await ended(it)  # more than a second later
+    async with served_session(tmp_path, made=experiment(tmp_path, ("robot", "broken"))) as host:
+        begin_rerun(host, log_of(tmp_path, "broken", 3), wait_s=0.5)
+        assert not [line for line in host.lines if isinstance(line, m.RerunStarted)]
+        host.session.hub.publish(m.DriverConnected(driver="broken", detail="plugged in"))
+        over = await rerun_ended(host)  # more than a second later
         assert (over.reason, over.sent_again) == ("done", 3)
 
 
 async def test_with_a_console_the_session_stays_open(tmp_path: Path) -> None:
-    async with served(tmp_path) as it:
-        wizard = await it.connect()
+    async with served_session(tmp_path) as host:
+        wizard = await host.connect()
         await wizard.hello("wizard")
-        begun(it, log_of(tmp_path, "robot"), headless=False)
-        assert (await ended(it)).reason == "done"
-        over = asyncio.ensure_future(it.host.serve())
+        begin_rerun(host, log_of(tmp_path, "robot"), headless=False)
+        assert (await rerun_ended(host)).reason == "done"
+        over = asyncio.ensure_future(host.host.serve())
         await wizard.ask("marker", text="and now for myself")
         await wizard.ask("action", action="Hello", source="key")
         assert not over.done()
@@ -86,11 +88,11 @@ async def test_a_wizard_has_time_for_a_hand_on_the_stop(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, headless: bool, lead_us: int
 ) -> None:
     monkeypatch.setattr(host_rerun, "WARNING_US", 300_000)
-    async with served(tmp_path) as it:
-        wizard = await it.connect()
+    async with served_session(tmp_path) as host:
+        wizard = await host.connect()
         await wizard.hello("wizard")
-        begun(it, log_of(tmp_path, "robot"), headless=headless)
-        await ended(it)
-        (started,) = (line for line in it.lines if isinstance(line, m.RerunStarted))
-        (sent,) = (line for line in it.lines if isinstance(line, m.RerunSent))
-        assert lead_us <= sent.due - started.t < lead_us + 200_000
+        begin_rerun(host, log_of(tmp_path, "robot"), headless=headless)
+        await rerun_ended(host)
+        (started,) = (line for line in host.lines if isinstance(line, m.RerunStarted))
+        (rerun_sent,) = (line for line in host.lines if isinstance(line, m.RerunSent))
+        assert lead_us <= rerun_sent.due - started.t < lead_us + 200_000

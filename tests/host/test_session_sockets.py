@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.host.rig import Peer, Served, served
+from tests.host.rig import Peer, ServedSession, served_session
 from woz_tui.cli import main
 from woz_tui.cli.session_choice import find_session
 from woz_tui.config.experiment import Experiment
@@ -19,7 +19,7 @@ from woz_tui.system import session_sockets
 from woz_tui.system.session_sockets import SessionSocketError, answers, bind, folder, inode
 
 
-async def back(host: Served, peer: Peer) -> None:
+async def back(host: ServedSession, peer: Peer) -> None:
     """The socket is there again with one of the next pulses; some may have come before."""
     for _ in range(20):
         await peer.kind("pulse")
@@ -28,14 +28,14 @@ async def back(host: Served, peer: Peer) -> None:
     raise AssertionError("it never came back")
 
 
-async def greeted(host: Served) -> None:
+async def greeted(host: ServedSession) -> None:
     peer = await host.connect()
     assert (await peer.hello())["title"] == "Made by hand"
     peer.leave()
 
 
 async def test_a_socket_that_was_removed_is_there_again(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         before = await host.connect()
         await before.hello()
         host.path.unlink()
@@ -48,7 +48,7 @@ async def test_a_socket_that_was_removed_is_there_again(tmp_path: Path) -> None:
 async def test_a_logout_takes_the_folder_and_the_next_login_brings_it_back(tmp_path: Path) -> None:
     runtime = tmp_path / "1000"
     runtime.mkdir()
-    async with served(tmp_path, path=runtime / "woz" / "S01.sock") as host:
+    async with served_session(tmp_path, path=runtime / "woz" / "S01.sock") as host:
         before = await host.connect()
         await before.hello()
         shutil.rmtree(runtime)
@@ -60,7 +60,7 @@ async def test_a_logout_takes_the_folder_and_the_next_login_brings_it_back(tmp_p
 
 
 async def test_a_socket_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         host.path.unlink()
         other = bind(host.path)
     assert host.path.is_socket()
@@ -104,7 +104,7 @@ def test_a_crowd_at_the_door_does_not_look_like_a_dead_process(tmp_path: Path) -
 async def test_misspelt_words_are_no_defaults(
     tmp_path: Path, request_: dict[str, str], reason: str
 ) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         peer = await host.connect()
         await peer.say(**request_)
         assert reason in (await peer.kind("reply"))["reason"]
@@ -114,7 +114,7 @@ async def test_a_reload_that_fails_in_an_unforeseen_way_is_answered(tmp_path: Pa
     def load() -> Experiment:
         raise PluginError("the driver 'arm' cannot be loaded")
 
-    async with served(tmp_path, load=load) as host:
+    async with served_session(tmp_path, load=load) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         reply = await peer.ask("reload")
@@ -130,7 +130,7 @@ async def test_a_reload_of_a_broken_file_says_which_file_to_check(tmp_path: Path
         report.raise_errors()
         raise AssertionError
 
-    async with served(tmp_path, load=load) as host:
+    async with served_session(tmp_path, load=load) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
         reply = await peer.ask("reload")

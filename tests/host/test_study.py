@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import Peer, Served, served
-from tests.session.studied import had, log, renamed, studied
+from tests.host.rig import Peer, ServedSession, served_session
+from tests.session.study_rig import had, log, renamed, study_experiment
 from woz_tui.config.experiment import SessionSettings
 from woz_tui.protocol import messages as m
 
@@ -21,21 +21,21 @@ TITLE = "Made by hand"
 
 def hosted(
     tmp_path: Path,
-    scenario: Callable[[Served], Awaitable[None]],
+    scenario: Callable[[ServedSession], Awaitable[None]],
     settings: SessionSettings | None = None,
 ) -> list[m.AnyMessage]:
     """Plays the scenario with a host; what was published."""
 
     async def go() -> list[m.AnyMessage]:
-        made = studied(tmp_path)
-        async with served(tmp_path, settings, made=made) as host:
+        experiment = study_experiment(tmp_path)
+        async with served_session(tmp_path, settings, made=experiment) as host:
             await scenario(host)
             return host.lines
 
     return asyncio.run(go())
 
 
-async def wizard(host: Served) -> tuple[Peer, dict[str, Any]]:
+async def wizard(host: ServedSession) -> tuple[Peer, dict[str, Any]]:
     peer = await host.connect()
     return peer, await peer.hello("wizard")
 
@@ -45,7 +45,7 @@ def test_a_participant_from_the_proposal_to_the_answers(tmp_path: Path) -> None:
         lines = had(f"P1{number}", ["cold", "warm"] if row else ["warm", "cold"], "dddd", row=row)
         log(tmp_path / "recordings", f"2026-02-0{number + 1}T10-00-00_S01", lines, title=TITLE)
 
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         peer, _ = await wizard(host)
         reply = await peer.ask("proposal", participant="P01")
         assert reply["ok"]
@@ -76,8 +76,8 @@ def test_a_participant_from_the_proposal_to_the_answers(tmp_path: Path) -> None:
     assert (assigned.method, assigned.row) == ("latin-square", 1)
     (started,) = (line for line in lines if isinstance(line, m.QuestionnaireStarted))
     assert started.source == "participant"
-    (ended,) = (line for line in lines if isinstance(line, m.QuestionnaireEnded))
-    assert (ended.reason, ended.answered) == ("done", 1)
+    (questionnaire_ended,) = (line for line in lines if isinstance(line, m.QuestionnaireEnded))
+    assert (questionnaire_ended.reason, questionnaire_ended.answered) == ("done", 1)
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_a_participant_from_the_proposal_to_the_answers(tmp_path: Path) -> None:
 def test_a_participant_can_never_play_the_robot(
     tmp_path: Path, kind: str, fields: dict[str, Any]
 ) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         guest = await host.connect()
         await guest.hello("participant", take_over=True)
         before = host.session.hub.seq
@@ -120,7 +120,7 @@ def test_a_participant_can_never_play_the_robot(
 
 
 def test_a_participant_may_stop_and_asks_only_for_what_is_due(tmp_path: Path) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         guest = await host.connect()
         await guest.hello("participant")
         reply = await guest.ask("questionnaire", questionnaire="ux", source="wizard")
@@ -134,7 +134,7 @@ def test_a_participant_may_stop_and_asks_only_for_what_is_due(tmp_path: Path) ->
 
 
 def test_a_participant_alone_does_not_keep_the_session(tmp_path: Path) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         guest = await host.connect()
         await guest.hello("participant")
         assert await asyncio.wait_for(host.host.serve(), 20) == "abandoned"
@@ -143,7 +143,7 @@ def test_a_participant_alone_does_not_keep_the_session(tmp_path: Path) -> None:
 
 
 def test_a_watcher_looks_on(tmp_path: Path) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         peer = await host.connect()
         await peer.hello("watcher")
         for kind, fields in (
@@ -169,7 +169,7 @@ def test_a_watcher_looks_on(tmp_path: Path) -> None:
     ],
 )
 def test_refusals_say_why(tmp_path: Path, kind: str, fields: dict[str, Any], reason: str) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         peer, _ = await wizard(host)
         reply = await peer.ask(kind, **fields)
         assert not reply["ok"]
@@ -179,7 +179,7 @@ def test_refusals_say_why(tmp_path: Path, kind: str, fields: dict[str, Any], rea
 
 
 def test_a_newcomer_is_told_how_the_study_stands(tmp_path: Path) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         peer, welcome = await wizard(host)
         study = welcome["settings"]["study"]
         assert study["design"] == {"order": "latin-square", "within": True, "trials": 2}
@@ -218,11 +218,11 @@ def test_a_newcomer_is_told_how_the_study_stands(tmp_path: Path) -> None:
 
 
 def test_after_a_reload_the_study_is_told_again(tmp_path: Path) -> None:
-    made = studied(tmp_path)
-    other = replace(made, study=replace(made.study, preflight=("the lamp is on",)))
+    experiment = study_experiment(tmp_path)
+    other = replace(experiment, study=replace(experiment.study, preflight=("the lamp is on",)))
 
     async def go() -> None:
-        async with served(tmp_path, made=made, load=lambda: other) as host:
+        async with served_session(tmp_path, made=experiment, load=lambda: other) as host:
             peer, _ = await wizard(host)
             reply = await peer.ask("reload")
             assert reply["ok"], reply
@@ -239,7 +239,9 @@ def test_after_a_reload_the_study_is_told_again(tmp_path: Path) -> None:
 
 def test_a_condition_that_was_renamed_is_not_told_to_a_blind_wizard(tmp_path: Path) -> None:
     async def go() -> None:
-        async with served(tmp_path, made=studied(tmp_path), load=lambda: renamed(tmp_path)) as host:
+        async with served_session(
+            tmp_path, made=study_experiment(tmp_path), load=lambda: renamed(tmp_path)
+        ) as host:
             peer, _ = await wizard(host)
             assert (await peer.ask("assign", participant="P01", order=["A", "B"]))["ok"]
             assert (await peer.ask("reload"))["ok"]
@@ -258,7 +260,7 @@ def test_two_hundred_earlier_logs_do_not_hold_up_the_robot(tmp_path: Path) -> No
         name = f"2026-02-01T10-{number // 60:02}-{number % 60:02}_S01"
         log(tmp_path / "recordings", name, lines, title=TITLE)
 
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         peer, _ = await wizard(host)
         await peer.say(kind="proposal", ref=1, participant="P01")
         await peer.say(kind="stop", ref=2)

@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import Served
+from tests.host.rig import ServedSession
 from tests.host.test_study import hosted, wizard
 from woz_tui.config.experiment import SessionSettings
 from woz_tui.protocol import messages as m
 
 
 def test_a_participant_who_comes_and_goes_does_not_keep_the_session(tmp_path: Path) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         over = asyncio.ensure_future(host.host.serve())
         for _ in range(300):
             if over.done():
@@ -40,7 +40,7 @@ def test_a_participant_who_comes_and_goes_does_not_keep_the_session(tmp_path: Pa
     ],
 )
 def test_nothing_begins_behind_the_end(tmp_path: Path, kind: str, fields: dict[str, Any]) -> None:
-    async def scenario(host: Served) -> None:
+    async def scenario(host: ServedSession) -> None:
         peer, _ = await wizard(host)
         await host.session.close("over")
         reply = await peer.ask(kind, **fields)

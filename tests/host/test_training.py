@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.host.rig import Served, served
+from tests.host.rig import ServedSession, served_session
 from woz_tui.config.experiment import Phase
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
@@ -28,60 +28,60 @@ def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(training_session, "WARNING_S", 0.01)
 
 
-def states(it: Served) -> list[tuple[str, int]]:
+def states(host: ServedSession) -> list[tuple[str, int]]:
     """The training's states, with what was right so far."""
-    return [(line.state, line.right) for line in it.lines if isinstance(line, m.TrainingChanged)]
+    return [(line.state, line.right) for line in host.lines if isinstance(line, m.TrainingChanged)]
 
 
 async def test_it_begins_when_the_wizard_says_so_and_says_how_it_went(tmp_path: Path) -> None:
-    async with served(tmp_path) as it:
-        session = TrainingSession(it.host, (APPROACH,))
-        watcher = await it.connect()
+    async with served_session(tmp_path) as host:
+        session = TrainingSession(host.host, (APPROACH,))
+        watcher = await host.connect()
         await watcher.hello("watcher")
         await watcher.ask("marker", text="nobody plays yet")
-        assert states(it) == []
-        wizard = await it.connect()
+        assert states(host) == []
+        wizard = await host.connect()
         await wizard.hello("wizard")
-        assert states(it) == [("waits", 0)]
+        assert states(host) == [("waits", 0)]
         assert (await wizard.ask("training"))["ok"]
         assert not (await wizard.ask("training"))["ok"]
-        await it.published(lambda line: isinstance(line, m.CueGiven))
+        await host.published(lambda line: isinstance(line, m.CueGiven))
         assert (await wizard.ask("action", action="Hello", source="key"))["ok"]
-        over = await it.published(
+        over = await host.published(
             lambda line: isinstance(line, m.TrainingChanged) and line.state == "over"
         )
         assert isinstance(over, m.TrainingChanged)
         assert (over.right, over.wrong, over.missed) == (1, 0, 0)
         assert over.median_us >= 0
-        assert [state for state, _ in states(it)] == ["waits", "runs", "over"]
+        assert [state for state, _ in states(host)] == ["waits", "runs", "over"]
         session.end()
 
 
 async def test_before_a_wizard_has_come_nothing_begins_and_the_reason_is_true(
     tmp_path: Path,
 ) -> None:
-    async with served(tmp_path) as it:
-        session = TrainingSession(it.host, (APPROACH,))
-        program = await it.connect()
+    async with served_session(tmp_path) as host:
+        session = TrainingSession(host.host, (APPROACH,))
+        program = await host.connect()
         await program.hello("program")
         answer = await program.ask("training")
         assert not answer["ok"]
         assert answer["reason"] == "no wizard has come yet"
-        assert states(it) == []
+        assert states(host) == []
         session.end()
 
 
 async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
-    async with served(tmp_path) as it:
-        session = TrainingSession(it.host, (APPROACH, APPROACH))
-        first, second = await it.connect(), await it.connect()
+    async with served_session(tmp_path) as host:
+        session = TrainingSession(host.host, (APPROACH, APPROACH))
+        first, second = await host.connect(), await host.connect()
         await first.hello("wizard")
         assert (await first.ask("training"))["ok"]
-        await it.published(lambda line: isinstance(line, m.CueGiven))
+        await host.published(lambda line: isinstance(line, m.CueGiven))
         await second.hello("wizard", take_over=True)
         await second.ask("action", action="Welcome", source="key")
-        await it.published(lambda line: isinstance(line, m.CueAnswered))
-        assert [state for state, _ in states(it)] == ["waits", "runs"]
+        await host.published(lambda line: isinstance(line, m.CueAnswered))
+        assert [state for state, _ in states(host)] == ["waits", "runs"]
         session.end()
 
 
@@ -89,25 +89,25 @@ async def test_a_session_that_ends_before_it_begins_gives_no_cue(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(training_session, "WARNING_S", 1.0)
-    async with served(tmp_path) as it:
-        session = TrainingSession(it.host, (APPROACH,))
-        wizard = await it.connect()
+    async with served_session(tmp_path) as host:
+        session = TrainingSession(host.host, (APPROACH,))
+        wizard = await host.connect()
         await wizard.hello("wizard")
         assert (await wizard.ask("training"))["ok"]
         session.end()
         # Each begins behind its like that would give the cue, however late the loop may be.
         await asyncio.sleep(training_session.WARNING_S)
         await asyncio.sleep(APPROACH.pause_us / 1e6)
-        assert not [line for line in it.lines if isinstance(line, m.Reading | m.CueGiven)]
+        assert not [line for line in host.lines if isinstance(line, m.Reading | m.CueGiven)]
 
 
 async def test_nobody_takes_part_and_every_utterance_can_be_said(tmp_path: Path) -> None:
-    async with served(tmp_path) as it:
-        made = it.session.experiment
-    assert in_training(SessionIdentity(), made) == SessionIdentity(
+    async with served_session(tmp_path) as host:
+        experiment = host.session.experiment
+    assert in_training(SessionIdentity(), experiment) == SessionIdentity(
         participant=NOBODY, condition="warm"
     )
-    assert in_training(SessionIdentity(condition="cold"), made).condition == "cold"
+    assert in_training(SessionIdentity(condition="cold"), experiment).condition == "cold"
 
 
 def test_nobody_is_asked_anything_in_a_training() -> None:

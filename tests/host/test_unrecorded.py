@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import Peer, Served, served
-from tests.log.bench import until
-from tests.log.disks import FaultyDisk
+from tests.host.rig import Peer, ServedSession, served_session
+from tests.log.failing_disks import FaultyDisk
+from tests.log.recorder_rig import until
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.export.log_sources import find_sources, read_session
 from woz_tui.log import recorder
@@ -28,7 +28,7 @@ HELLO = {"verb": "say", "args": {"text": "Hello"}}
 class FullDisks:
     """A session whose folders take nothing more, a wizard's console and a program."""
 
-    def __init__(self, host: Served, disk: FaultyDisk, folders: tuple[Path, Path]) -> None:
+    def __init__(self, host: ServedSession, disk: FaultyDisk, folders: tuple[Path, Path]) -> None:
         self.host, self.disk, self.folders = host, disk, folders
 
     async def connect(self, role: str) -> Peer:
@@ -62,7 +62,7 @@ async def full_disks(tmp_path: Path) -> AsyncIterator[FullDisks]:
     disk, folders = FaultyDisk(), (tmp_path / "recordings", tmp_path / "more")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(recorder, "_RETRY_S", 0.01)
-        async with served(tmp_path, disk=disk) as host:
+        async with served_session(tmp_path, disk=disk) as host:
             try:
                 yield FullDisks(host, disk, folders)
             finally:
@@ -89,7 +89,7 @@ async def test_what_would_not_be_recorded_is_refused_and_moves_nothing(
         assert (reply["ok"], reply["recorded"]) == (False, False)
         assert "the disk is full" in reply["reason"] or "moving" in reply["reason"]
         assert "without a record" in reply["hint"]
-        assert it.host.puppet().calls == []
+        assert it.host.driver().calls == []
         it.free()
         again = await peer.ask(kind, **fields)
         assert again["ok"]
@@ -123,7 +123,7 @@ async def test_the_stop_its_release_and_the_end_are_never_refused(tmp_path: Path
         assert (await wizard.ask("end"))["ok"]
         assert await it.host.host.serve() == "wizard"
         await it.host.session.close("wizard")
-        assert [name for name, _ in it.host.puppet().calls] == ["stop", "rest", "close"]
+        assert [name for name, _ in it.host.driver().calls] == ["stop", "rest", "close"]
 
 
 async def test_only_a_wizard_goes_on_and_every_reply_says_that_nothing_is_recorded(
@@ -141,7 +141,7 @@ async def test_only_a_wizard_goes_on_and_every_reply_says_that_nothing_is_record
         reply = await program.ask("verb", **HELLO)
         assert (reply["ok"], reply["recorded"]) == (True, False)
         await program.kind("command.done")
-        assert it.host.puppet().calls == [("say", HELLO["args"])]
+        assert it.host.driver().calls == [("say", HELLO["args"])]
         it.free()
         assert "recorded" not in await program.ask("note", text="after")
         [waived] = it.logged("record.waived")
@@ -168,7 +168,7 @@ async def test_what_was_asked_for_later_is_refused_at_its_moment(tmp_path: Path)
         await it.known(program)
         refused = await program.kind("command.refused")
         assert refused["code"] == "unrecorded"
-        assert it.host.puppet().calls == []
+        assert it.host.driver().calls == []
 
 
 async def test_an_action_goes_on_with_no_step_that_is_not_recorded(tmp_path: Path) -> None:
@@ -179,7 +179,7 @@ async def test_an_action_goes_on_with_no_step_that_is_not_recorded(tmp_path: Pat
         await it.known(program)
         failed = await program.kind("action.failed")
         assert "the log is not written" in failed["reason"]
-        assert [verb for verb, _ in it.host.puppet().calls] == ["say"]
+        assert [verb for verb, _ in it.host.driver().calls] == ["say"]
 
 
 async def test_report_exports_and_verify_say_when_nothing_was_recorded(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from tests.log.bench import Bench, until
+from tests.log.recorder_rig import RecorderRig, until
 from tests.protocol.examples import MESSAGES
 from tests.protocol.study_examples import BEGINNING
 from woz_tui.protocol import messages as m
@@ -25,34 +25,34 @@ GOLDEN = Path(__file__).parent / "golden" / f"v{m.SCHEMA}"
 def tell(folder: Path) -> None:
     """Record the story into `folder`/recordings and, after the disk is full, `folder`/spill."""
     morning, afternoon = _course()
-    it = Bench(folder).begin()
+    rig = RecorderRig(folder).begin()
     try:
         for message in morning:
-            _say(it, message)
-            it.synced()  # or its disk would seem to stand still: time goes on with each message
-        _checkpoint(it)
-        it.synced()
-        it.disk.faults[it.home] = "full"
-        _say(it, m.Note(text="the disk is full from here on"))
-        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+            _say(rig, message)
+            rig.synced()  # or its disk would seem to stand still: time goes on with each message
+        _checkpoint(rig)
+        rig.synced()
+        rig.disk.faults[rig.home] = "full"
+        _say(rig, m.Note(text="the disk is full from here on"))
+        until(lambda: rig.recorder.path.parent == rig.spill, "the second folder")
         for message in afternoon:
-            _say(it, message)
-            it.synced()
-        _checkpoint(it)
-        _say(it, m.SessionEnd(reason="wizard", sha256=it.recorder.digest()[0]))
+            _say(rig, message)
+            rig.synced()
+        _checkpoint(rig)
+        _say(rig, m.SessionEnd(reason="wizard", sha256=rig.recorder.digest()[0]))
     finally:
-        it.recorder.close()
+        rig.recorder.close()
 
 
-def _say(it: Bench, message: m.AnyMessage) -> None:
-    it.clock.advance(0.25)
-    it.hub.publish(message)
+def _say(rig: RecorderRig, message: m.AnyMessage) -> None:
+    rig.clock.advance(0.25)
+    rig.hub.publish(message)
 
 
-def _checkpoint(it: Bench) -> None:
-    digest, lines = it.recorder.digest()
-    _say(it, m.Checkpoint(sha256=digest, lines=lines))
-    _say(it, m.ClockTie(wall=timestamp(it.clock.wall())))
+def _checkpoint(rig: RecorderRig) -> None:
+    digest, lines = rig.recorder.digest()
+    _say(rig, m.Checkpoint(sha256=digest, lines=lines))
+    _say(rig, m.ClockTie(wall=timestamp(rig.clock.wall())))
 
 
 def _course() -> tuple[list[m.AnyMessage], list[m.AnyMessage]]:

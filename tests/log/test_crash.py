@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.log.bench import STEM, until
+from tests.log.recorder_rig import STEM, until
 from woz_tui.log.log_reader import Damage, read
 
 pytestmark = pytest.mark.safety
@@ -87,7 +87,7 @@ def check(path: Path, last: int) -> None:
 
 def test_files_that_may_not_grow_any_further(tmp_path: Path) -> None:
     process = subprocess.run(
-        [sys.executable, "-m", "tests.log.filler", str(tmp_path), STEM, "120"],
+        [sys.executable, "-m", "tests.log.limited_writer", str(tmp_path), STEM, "120"],
         cwd=ROOT,
         timeout=100,
         check=False,

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.log.bench import STEM
+from tests.log.damaged_logs import LINES, note, sample, write_log
+from tests.log.recorder_rig import STEM
 from tests.log.story import GOLDEN
 from tests.log.test_golden import VERSIONS
-from tests.log.wounds import LINES, note, sample, written
 from woz_tui.log.log_index import LogIndex
 from woz_tui.log.log_reader import Damage, messages, read
 from woz_tui.protocol import codec
@@ -164,12 +164,12 @@ DAMAGED: dict[str, tuple[bytes, list[int], list[str]]] = {
 @pytest.mark.parametrize("name", DAMAGED)
 def test_a_damaged_file(tmp_path: Path, reader: Callable[[Path], Found], name: str) -> None:
     content, numbers, sentences = DAMAGED[name]
-    assert reader(written(tmp_path, content)) == (numbers, sentences)
+    assert reader(write_log(tmp_path, content)) == (numbers, sentences)
 
 
 @READERS
 def test_the_samples_are_gone(tmp_path: Path, reader: Callable[[Path], Found]) -> None:
-    path = written(tmp_path, log_of(NOTES[:50:10]))
+    path = write_log(tmp_path, log_of(NOTES[:50:10]))
     numbers, sentences = reader(path)
     assert numbers == [0, 10, 20, 30, 40]
     assert sentences == ["36 line(s) missing: 1 to 9, 11 to 19, 21 to 29 ..."]
@@ -178,7 +178,7 @@ def test_the_samples_are_gone(tmp_path: Path, reader: Callable[[Path], Found]) -
 @READERS
 def test_only_samples_are_left(tmp_path: Path, reader: Callable[[Path], Found]) -> None:
     lines = [sample(seq) for seq in range(5)]
-    path = written(tmp_path, b"\n" + log_of(lines), f"{STEM}.samples.jsonl")
+    path = write_log(tmp_path, b"\n" + log_of(lines), f"{STEM}.samples.jsonl")
     assert reader(path) == ([0, 1, 2, 3, 4], [])
 
 
@@ -186,8 +186,8 @@ def test_only_samples_are_left(tmp_path: Path, reader: Callable[[Path], Found]) 
 def test_actions_and_samples_in_each_others_file(
     tmp_path: Path, reader: Callable[[Path], Found]
 ) -> None:
-    written(tmp_path, sample(1) + note(3) + sample(4), f"{STEM}.samples.jsonl")
-    assert reader(written(tmp_path, note(0) + sample(2) + note(5))) == ([0, 1, 2, 3, 4, 5], [])
+    write_log(tmp_path, sample(1) + note(3) + sample(4), f"{STEM}.samples.jsonl")
+    assert reader(write_log(tmp_path, note(0) + sample(2) + note(5))) == ([0, 1, 2, 3, 4, 5], [])
 
 
 @READERS
@@ -197,8 +197,8 @@ def test_what_the_recorder_could_not_write(tmp_path: Path, reader: Callable[[Pat
             t=0, ts="", log=STEM, session="S01", number=number, dropped=dropped, dropped_samples=40
         )
         content = codec.encode(header) + note(number)
-        written(tmp_path, content, f"{STEM}.{number}.jsonl")
-    assert reader(written(tmp_path, note(0))) == (
+        write_log(tmp_path, content, f"{STEM}.{number}.jsonl")
+    assert reader(write_log(tmp_path, note(0))) == (
         [0, 2, 3],
         [
             "2 line(s) of actions were never written",
@@ -212,7 +212,7 @@ def test_what_the_recorder_could_not_write(tmp_path: Path, reader: Callable[[Pat
 def test_a_folder_in_the_place_of_a_file(tmp_path: Path, reader: Callable[[Path], Found]) -> None:
     folder = tmp_path / f"{STEM}.samples.jsonl"
     folder.mkdir()
-    assert reader(written(tmp_path, NOTES[0])) == ([0], [f"{folder}: Is a directory"])
+    assert reader(write_log(tmp_path, NOTES[0])) == ([0], [f"{folder}: Is a directory"])
 
 
 @READERS
@@ -244,7 +244,7 @@ def test_lines_of_several_versions_in_one_log(
     )
     last = max(codec.decode_message(line).seq for line in old.splitlines())
     new = b'{"kind":"mood","seq":%d,"t":900000000,"ts":"","colour":"blue"}\n' % (last + 1)
-    numbers, sentences = reader(written(tmp_path, old + new))
+    numbers, sentences = reader(write_log(tmp_path, old + new))
     assert numbers[-1] == last + 1
     assert sentences[0] == "1 line(s) of unknown kinds: mood"
 

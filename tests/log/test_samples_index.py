@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.log.bench import Bench, bench
+from tests.log.recorder_rig import RecorderRig, recorder_rig
 from woz_tui.log import samples_index
 from woz_tui.log.log_index import LogIndex
 from woz_tui.log.samples_index import path_of
@@ -39,41 +39,41 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(samples_index, "BLOCK", 5_000)
 
 
-def fill(it: Bench, count: int = COUNT) -> None:
+def fill(rig: RecorderRig, count: int = COUNT) -> None:
     """Actions among samples; one sensor speaks at the beginning alone, one now and then."""
     for number in range(count):
-        it.clock.advance(STEP_US / 1e6)
+        rig.clock.advance(STEP_US / 1e6)
         if number % 70 == 0:
-            it.note(f"note {number}")
+            rig.note(f"note {number}")
         if number == 5:
-            it.hub.publish(m.reading("battery", 0.5))
+            rig.hub.publish(m.reading("battery", 0.5))
         if number % 400 == 7:
-            it.hub.publish(SHOWN)
-        it.hub.publish(m.reading(SENSORS[number % 3], number / 10))
+            rig.hub.publish(SHOWN)
+        rig.hub.publish(m.reading(SENSORS[number % 3], number / 10))
 
 
 @pytest.fixture
 def log(tmp_path: Path) -> Path:
     """A session that has ended, with the index that its recorder has left."""
-    with bench(tmp_path) as it:
-        it.start()
-        fill(it)
-        it.hub.publish(m.SessionEnd(reason="wizard"))
-        assert it.recorder.close()
-        return it.recorder.path
+    with recorder_rig(tmp_path) as rig:
+        rig.start()
+        fill(rig)
+        rig.hub.publish(m.SessionEnd(reason="wizard"))
+        assert rig.recorder.close()
+        return rig.recorder.path
 
 
 def samples_of(log: Path) -> Path:
     return log.with_suffix(".samples.jsonl")
 
 
-def opened(log: Path) -> LogIndex:
+def open_index(log: Path) -> LogIndex:
     return LogIndex.open(log, places=[], block=3_000)
 
 
 def contents(log: Path) -> Any:
     """Whatever can be asked of a log, and what was wrong with it."""
-    with opened(log) as index:
+    with open_index(log) as index:
         times = range(0, COUNT * STEP_US + 1, COUNT * STEP_US // 29)
         states = [index.at(t) for t in times]
         pieces = [list(index.between(t, t + 140_000)) for t in times]
@@ -112,10 +112,10 @@ def bytes_read(work: Callable[[], object]) -> int:
 def test_a_log_with_its_index_is_opened_without_reading_its_samples(log: Path) -> None:
     size = samples_of(log).stat().st_size
     assert path_of(samples_of(log)).stat().st_mode & 0o777 == 0o600
-    with_index = bytes_read(lambda: opened(log).close())
+    with_index = bytes_read(lambda: open_index(log).close())
     expected = truth(log)
     path_of(samples_of(log)).unlink()
-    assert bytes_read(lambda: opened(log).close()) > size > 3 * with_index
+    assert bytes_read(lambda: open_index(log).close()) > size > 3 * with_index
     path_of(samples_of(log)).unlink()
     assert contents(log) == expected
     assert not expected[-1].sentences()
@@ -125,8 +125,8 @@ def test_whoever_opens_a_log_without_an_index_leaves_one(log: Path) -> None:
     path = path_of(samples_of(log))
     made = contents(log)
     path.unlink()
-    opened(log).close()
-    first = bytes_read(lambda: opened(log).close())
+    open_index(log).close()
+    first = bytes_read(lambda: open_index(log).close())
     assert path.exists()
     assert first < samples_of(log).stat().st_size
     assert contents(log) == made
@@ -144,7 +144,7 @@ def test_a_copy_has_another_time_and_is_checked_by_its_sums(log: Path) -> None:
     os.utime(samples_of(log), ns=(1, 1))
     size = samples_of(log).stat().st_size
     assert contents(log) == truth(log)
-    assert size < bytes_read(lambda: opened(log).close()) < 2 * size
+    assert size < bytes_read(lambda: open_index(log).close()) < 2 * size
 
 
 def _tail(data: bytes) -> bytes:
@@ -231,25 +231,25 @@ def test_no_index_is_believed(log: Path) -> None:
 
 
 def test_a_log_in_two_segments(tmp_path: Path) -> None:
-    with bench(tmp_path) as it:
-        it.start()
-        fill(it, 1_000)
-        it.synced()
-        it.disk.faults[it.home] = "full"
-        it.note()
-        it.told("alarm")
-        fill(it, 2_000)
-        it.hub.publish(m.SessionEnd(reason="wizard"))
-        it.disk.faults.clear()
-        it.recorder.close()
-        first, second = sorted(it.home.glob("*.index")), sorted(it.spill.glob("*.index"))
+    with recorder_rig(tmp_path) as rig:
+        rig.start()
+        fill(rig, 1_000)
+        rig.synced()
+        rig.disk.faults[rig.home] = "full"
+        rig.note()
+        rig.report_of_level("alarm")
+        fill(rig, 2_000)
+        rig.hub.publish(m.SessionEnd(reason="wizard"))
+        rig.disk.faults.clear()
+        rig.recorder.close()
+        first, second = sorted(rig.home.glob("*.index")), sorted(rig.spill.glob("*.index"))
         assert len(second) == 1
-        log = it.recorder.path
-    with LogIndex.open(log, places=[it.home, it.spill]) as index:
+        log = rig.recorder.path
+    with LogIndex.open(log, places=[rig.home, rig.spill]) as index:
         found = list(index.between(-1, index.length_us))
     for path in (*first, *second):
         path.unlink()
-    with LogIndex.open(log, places=[it.home, it.spill]) as index:
+    with LogIndex.open(log, places=[rig.home, rig.spill]) as index:
         assert list(index.between(-1, index.length_us)) == found
 
 

@@ -18,7 +18,7 @@ import psutil
 
 from tests.motion.bodies import BODIES
 from tests.motion.hostile import Hostile
-from tests.motion.watch import Watch
+from tests.motion.setpoint_watch import Watch
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.amounts import many
+from tests.example_counts import many
 from tests.motion.bodies import BODIES, EYEPI, Rig
 from tests.motion.hostile import ABSURD, ARGUMENTS, VERBS, Hostile
-from tests.motion.watch import Watch
+from tests.motion.setpoint_watch import Watch
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine

@@ -68,7 +68,7 @@ def any_input(kind: InputKind, chance: random.Random) -> Input:
     return chance.choice(rows[kind] + by_control)
 
 
-def shown(tick: Tick) -> tuple[object, ...]:
+def shown_state(tick: Tick) -> tuple[object, ...]:
     return (
         dict(tick.joints),
         tick.face,
@@ -120,9 +120,11 @@ def test_what_does_not_count_changes_nothing(kind: InputKind, mode: Mode, hand: 
                 assert mode.value in refusal.what
             else:
                 assert answer.sent["waits"] == "normal"
-        assert shown(rig.tick()) == shown(twin.tick())
+        assert shown_state(rig.tick()) == shown_state(twin.tick())
     assert refused == 1000 or kind is InputKind.JOINTS
-    assert [shown(tick) for tick in rig.run(1.0)] == [shown(tick) for tick in twin.run(1.0)]
+    assert [shown_state(tick) for tick in rig.run(1.0)] == [
+        shown_state(tick) for tick in twin.run(1.0)
+    ]
 
 
 @pytest.mark.toolkit("M2")
@@ -149,7 +151,7 @@ def test_what_counts_shows_within_two_ticks(kind: InputKind, mode: Mode, hand: O
             one.run(1.0)
     verb, args = tell[kind]
     rig.do(verb, hand, **args)
-    assert shown(rig.run(2 * DT)[-1]) != shown(twin.run(2 * DT)[-1])
+    assert shown_state(rig.run(2 * DT)[-1]) != shown_state(twin.run(2 * DT)[-1])
 
 
 @pytest.mark.toolkit("M2")

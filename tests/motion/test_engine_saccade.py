@@ -27,7 +27,7 @@ def eyes(frame: LightFrame | None) -> float:
     return sum(columns) / len(columns) - (frame.width - 1) / 2
 
 
-def started(shape: BodyShape = STILL) -> Rig:
+def started_rig(shape: BodyShape = STILL) -> Rig:
     rig = Rig(shape)
     rig.do("mode", mode="saccade")
     rig.run(1.0)
@@ -41,7 +41,7 @@ def look_towards(yaw: float) -> dict[str, Json]:
 @pytest.mark.toolkit("S1")
 @pytest.mark.parametrize("yaw", [14.0, -14.0, 7.0])
 def test_eyes_jump_the_head_follows_and_the_gaze_stays(yaw: float) -> None:
-    rig = started()
+    rig = started_rig()
     before = rig.last
     rig.do("look", **look_towards(yaw))
     ticks = rig.run(3.0)
@@ -62,7 +62,7 @@ def test_head_and_eyes_together_look_at_the_target_all_the_way(
     yaw: float, pitch: float, alive: bool
 ) -> None:
     shape = EYEPI if alive else STILL
-    rig = started(shape)
+    rig = started_rig(shape)
     chain = KinematicChain(shape)
     ahead = gaze_direction(chain, {n: (j.start or 0.0) for n, j in shape.joints.items()})
     rig.do("look", x=yaw / SPAN[0], y=pitch / SPAN[1])
@@ -76,7 +76,7 @@ def test_head_and_eyes_together_look_at_the_target_all_the_way(
 
 @pytest.mark.toolkit("S2")
 def test_a_new_step_on_the_way_is_no_jump() -> None:
-    rig = started()
+    rig = started_rig()
     ticks: list[Tick] = []
     for yaw in (40.0, -40.0, 10.0, 59.0):
         rig.do("look", **look_towards(yaw))
@@ -100,7 +100,7 @@ def test_beyond_the_last_joint_the_eyes_keep_the_rest() -> None:
 
 @pytest.mark.toolkit("S1", "M2")
 def test_the_knob_leads_as_the_verb_does_and_leaving_centres_the_eyes() -> None:
-    rig = started()
+    rig = started_rig()
     rig.do("control", control="eye-x", value=0.75)
     rig.run(3.0)
     assert rig.last.joints["pitch"] == pytest.approx(SPAN[0] / 2, abs=0.2)
@@ -114,7 +114,7 @@ def test_the_knob_leads_as_the_verb_does_and_leaving_centres_the_eyes() -> None:
 
 @pytest.mark.toolkit("S1")
 def test_the_same_place_of_the_eyes_is_the_same_pose_each_time() -> None:
-    rig = started(replace(FIVE, personality=CALM))
+    rig = started_rig(replace(FIVE, personality=CALM))
     begun = dict(rig.last.joints)
     poses = []
     for x, y in ((0.5, 0.2), (-1.0, 0.9), (0.5, 0.2), (0.0, 0.0)):
@@ -156,7 +156,7 @@ def test_a_shy_and_slow_body_hits_its_target_all_the_same() -> None:
 
 @pytest.mark.toolkit("S1", "L8")
 def test_while_it_breathes_the_eyes_rest_within_half_a_light() -> None:
-    rig = started(EYEPI)
+    rig = started_rig(EYEPI)
     offsets, tops = [], []
     for _ in range(500):
         rig.tick()

@@ -69,7 +69,7 @@ def middle(frame: LightFrame) -> float:
     return (lit[0] + lit[-1]) / 2
 
 
-def drawn(*rows: str) -> LightFrame:
+def frame_of_text(*rows: str) -> LightFrame:
     """A frame of 24 columns as a text shows it."""
     return LightFrame(
         24, tuple(int(row.replace(".", "0").replace("#", "1") or "0", 2) for row in rows)
@@ -220,7 +220,7 @@ def test_the_film_tells_its_story_in_order() -> None:
     assert NEUTRAL in wandering
     assert len(set(wandering)) > 5
     assert {lights(face) for face in wandering} == {lights(NEUTRAL)}  # they lose each other whole
-    assert still(4.6) == drawn(
+    assert still(4.6) == frame_of_text(
         *[""] * 5,
         ".###.##..##..###.##..#..",
         ".#...#.#.#.#.#.#.#.#.#..",

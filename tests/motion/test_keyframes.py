@@ -29,8 +29,8 @@ def move(*layers: MoveLayer, beats: bool = False) -> KeyframeMove:
     return KeyframeMove("test", "a test", layers, beats=beats)
 
 
-def nod(made: KeyframeMove, place: float) -> float:
-    return made.at(place).roles["nod"]
+def nod(keyframe_move: KeyframeMove, place: float) -> float:
+    return keyframe_move.at(place).roles["nod"]
 
 
 @pytest.mark.parametrize("name", EASINGS)
@@ -60,40 +60,56 @@ def test_a_filter_does_not_depend_on_its_steps() -> None:
 
 
 def test_a_frame_moves_what_it_names_and_the_rest_stays() -> None:
-    made = move(HEAD)
-    assert [nod(made, place) for place in (0, 0.5, 1, 1.5, 2, 3, 4)] == [0, 5, 10, 10, 10, 5, 0]
-    assert [made.at(place).roles["pan"] for place in (0, 1, 1.5, 2, 3)] == [0, 0, 10, 20, 10]
+    keyframe_move = move(HEAD)
+    assert [nod(keyframe_move, place) for place in (0, 0.5, 1, 1.5, 2, 3, 4)] == [
+        0,
+        5,
+        10,
+        10,
+        10,
+        5,
+        0,
+    ]
+    assert [keyframe_move.at(place).roles["pan"] for place in (0, 1, 1.5, 2, 3)] == [
+        0,
+        0,
+        10,
+        20,
+        10,
+    ]
 
 
 def test_before_and_after_it_is_at_its_ends() -> None:
-    made = move(HEAD)
-    assert made.length == 4
-    assert made.at(-1) == made.at(math.nan) == made.at(0)
-    assert made.at(9) == made.at(4)
+    keyframe_move = move(HEAD)
+    assert keyframe_move.length == 4
+    assert keyframe_move.at(-1) == keyframe_move.at(math.nan) == keyframe_move.at(0)
+    assert keyframe_move.at(9) == keyframe_move.at(4)
 
 
 def test_a_hold_jumps_at_its_frame() -> None:
-    made = move(MoveLayer("a", (KeyFrame(1, {"nod": 10}, easing="hold"), KeyFrame(2))))
-    assert [nod(made, place) for place in (0, 0.999, 1, 2)] == [0, 0, 10, 10]
+    keyframe_move = move(MoveLayer("a", (KeyFrame(1, {"nod": 10}, easing="hold"), KeyFrame(2))))
+    assert [nod(keyframe_move, place) for place in (0, 0.999, 1, 2)] == [0, 0, 10, 10]
 
 
 def test_a_first_frame_at_the_beginning_counts_at_once() -> None:
-    made = move(MoveLayer("a", (KeyFrame(0, {"nod": 6}), KeyFrame(1, {"nod": 8}, easing="linear"))))
-    assert [nod(made, place) for place in (0, 0.5, 1)] == [6, 7, 8]
+    keyframe_move = move(
+        MoveLayer("a", (KeyFrame(0, {"nod": 6}), KeyFrame(1, {"nod": 8}, easing="linear")))
+    )
+    assert [nod(keyframe_move, place) for place in (0, 0.5, 1)] == [6, 7, 8]
 
 
 def test_absolute_joints_take_places_and_begin_with_the_first_they_name() -> None:
     frames = (KeyFrame(1, joints={"top": 40}), KeyFrame(2, joints={"top": 60, "neck": 5}))
-    made = move(MoveLayer("a", frames, relative=False))
-    assert made.at(0).places == {"top": 40, "neck": 5}
-    assert made.at(2).places == {"top": 60, "neck": 5}
-    assert made.at(1.5).joints == {}
+    keyframe_move = move(MoveLayer("a", frames, relative=False))
+    assert keyframe_move.at(0).places == {"top": 40, "neck": 5}
+    assert keyframe_move.at(2).places == {"top": 60, "neck": 5}
+    assert keyframe_move.at(1.5).joints == {}
 
 
 @pytest.mark.toolkit("X2")
 def test_layers_play_in_sync_and_are_added() -> None:
-    made = move(HEAD, RECORDED)
-    assert [nod(made, place) for place in (0, 0.25, 0.5, 1, 1.25, 1.5, 3)] == [
+    keyframe_move = move(HEAD, RECORDED)
+    assert [nod(keyframe_move, place) for place in (0, 0.25, 0.5, 1, 1.25, 1.5, 3)] == [
         0, 2.5 + 2, 5 + 4, 10 + 4, 10 + 2, 10, 5,
     ]  # fmt: skip
 
@@ -101,9 +117,9 @@ def test_layers_play_in_sync_and_are_added() -> None:
 @pytest.mark.toolkit("X2")
 def test_a_muted_layer_changes_neither_timing_nor_anything_else() -> None:
     long = replace(RECORDED, samples=LayerSamples(1, roles={"nod": (5,) * 10}), muted=True)
-    made = move(HEAD, long)
-    assert made.length == 9
-    assert [nod(made, place) for place in (0.5, 1, 3)] == [5, 10, 5]
+    keyframe_move = move(HEAD, long)
+    assert keyframe_move.length == 9
+    assert [nod(keyframe_move, place) for place in (0.5, 1, 3)] == [5, 10, 5]
 
 
 @pytest.mark.toolkit("X2")
@@ -125,8 +141,8 @@ def test_absolute_layers_are_blended_between_each_other() -> None:
 
 
 def moods(*frames: KeyFrame, places: tuple[float, ...]) -> list[tuple[str | None, float | None]]:
-    made = move(MoveLayer("a", frames))
-    faces = [made.at(place).face or FaceChange() for place in places]
+    keyframe_move = move(MoveLayer("a", frames))
+    faces = [keyframe_move.at(place).face or FaceChange() for place in places]
     return [(face.emotion, face.intensity) for face in faces]
 
 
@@ -155,9 +171,9 @@ def test_one_emotion_goes_before_the_next_comes() -> None:
 
 def test_eyes_and_lids_come_from_where_they_are_when_nobody_says() -> None:
     frames = (KeyFrame(1), KeyFrame(2, x=0.5, lid=0, easing="linear"))
-    made = move(MoveLayer("a", frames))
-    assert made.at(0.5).face is None
-    assert made.at(1.5).face == FaceChange(x=0.25, lid=0.5)
+    keyframe_move = move(MoveLayer("a", frames))
+    assert keyframe_move.at(0.5).face is None
+    assert keyframe_move.at(1.5).face == FaceChange(x=0.25, lid=0.5)
 
 
 def test_the_upper_layer_s_face_wins() -> None:
@@ -181,8 +197,10 @@ values = st.lists(st.floats(-90, 90), min_size=1, max_size=20).map(tuple)
 def test_samples_stay_between_their_neighbours(
     given_values: tuple[float, ...], rate: float, place: float
 ) -> None:
-    made = move(HEAD, MoveLayer("r", samples=LayerSamples(rate, joints={"top": given_values})))
-    value = made.at(place).joints["top"]
+    keyframe_move = move(
+        HEAD, MoveLayer("r", samples=LayerSamples(rate, joints={"top": given_values}))
+    )
+    value = keyframe_move.at(place).joints["top"]
     assert min(given_values) - 1e-9 <= value <= max(given_values) + 1e-9
 
 
@@ -200,9 +218,9 @@ def test_frames_reach_what_they_say_and_do_not_overshoot(
     for seconds, angle, easing in legs:
         at += seconds
         frames.append(KeyFrame(at, {"nod": angle}, easing=easing))
-    made = move(MoveLayer("a", tuple(frames)))
+    keyframe_move = move(MoveLayer("a", tuple(frames)))
     angles = [0.0, *(angle for _, angle, _ in legs)]
     for frame in frames:
-        assert nod(made, frame.at) == pytest.approx(frame.roles["nod"])
+        assert nod(keyframe_move, frame.at) == pytest.approx(frame.roles["nod"])
     for index in range(101):
-        assert min(angles) - 1e-9 <= nod(made, at * index / 100) <= max(angles) + 1e-9
+        assert min(angles) - 1e-9 <= nod(keyframe_move, at * index / 100) <= max(angles) + 1e-9

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.amounts import many
+from tests.example_counts import many
 from tests.motion.chains import bodies, by_matrices, eyepi, missed_deg
 from woz_tui.motion.body_shape import BodyShape, FaceShape
 from woz_tui.motion.kinematics import KinematicChain, body_outline

@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 import yaml
 
-from tests.motion.heads import EYEPI, FIVE, HEADS
+from tests.motion.move_file_bodies import EYEPI, FIVE, HEADS
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, LayerSamples, MoveLayer
 from woz_tui.motion.move_files import (
     MAIN,
@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "experiments" / "moves"
 
 
-def written(folder: Path, text: str, name: str = "test.yaml") -> Path:
+def write_move_file(folder: Path, text: str, name: str = "test.yaml") -> Path:
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return path
@@ -33,14 +33,14 @@ def written(folder: Path, text: str, name: str = "test.yaml") -> Path:
 
 def problems(path: Path) -> list[str]:
     """Every error and warning, as `line:column: path: message`."""
-    found = read_folder(path.parent, EYEPI)
+    move_folder = read_folder(path.parent, EYEPI)
     start = f"{path.parent}/"
-    return [str(problem).replace(start, "") for problem in found.problems]
+    return [str(problem).replace(start, "") for problem in move_folder.problems]
 
 
 def test_everything_a_file_can_say(tmp_path: Path) -> None:
-    written(tmp_path, "", "gong.wav")
-    path = written(
+    write_move_file(tmp_path, "", "gong.wav")
+    path = write_move_file(
         tmp_path,
         """
 name: greet
@@ -94,26 +94,26 @@ layers:
 
 
 def test_without_a_name_it_is_called_as_its_file(tmp_path: Path) -> None:
-    written(tmp_path, "frames: [{seconds: 1, nod: 3}]", "wink.yaml")
-    written(tmp_path, "frames: [{seconds: 1, nod: 3}]", "blush.yml")
-    written(tmp_path, "no move", "notes.txt")
-    written(tmp_path, "no move", ".hidden.yaml")
+    write_move_file(tmp_path, "frames: [{seconds: 1, nod: 3}]", "wink.yaml")
+    write_move_file(tmp_path, "frames: [{seconds: 1, nod: 3}]", "blush.yml")
+    write_move_file(tmp_path, "no move", "notes.txt")
+    write_move_file(tmp_path, "no move", ".hidden.yaml")
     assert list(read_moves(tmp_path, EYEPI)) == ["blush", "wink"]
 
 
 def test_beats_are_counted_in_beats(tmp_path: Path) -> None:
-    move = read_move(written(tmp_path, "beats: true\nframes: [{beats: 2}, {at: 3}]"), EYEPI)
+    move = read_move(write_move_file(tmp_path, "beats: true\nframes: [{beats: 2}, {at: 3}]"), EYEPI)
     assert move.beats and move.length == 3
 
 
 def test_a_name_that_is_both_is_a_role_but_an_angle_of_a_joint_if_absolute(tmp_path: Path) -> None:
-    five = read_move(written(tmp_path, "frames: [{seconds: 1, nod: 3, neck: 4}]"), FIVE)
+    five = read_move(write_move_file(tmp_path, "frames: [{seconds: 1, nod: 3, neck: 4}]"), FIVE)
     assert five.layers[0].frames[0].roles == {"nod": 3}
     assert five.layers[0].frames[0].joints == {"neck": 4}
 
 
 def test_sounds_are_cues(tmp_path: Path) -> None:
-    path = written(tmp_path, "frames: [{seconds: 1}, {seconds: 1, sound: /x/a.wav}]")
+    path = write_move_file(tmp_path, "frames: [{seconds: 1}, {seconds: 1, sound: /x/a.wav}]")
     assert read_move(path, EYEPI).cues == (SoundCue(2, "/x/a.wav"),)
 
 
@@ -184,14 +184,14 @@ def test_sounds_are_cues(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_a_mistake_is_named_with_its_place(tmp_path: Path, text: str, expected: str) -> None:
-    found = problems(written(tmp_path, text))
+    found = problems(write_move_file(tmp_path, text))
     assert any(expected in problem for problem in found), found
 
 
 def test_all_errors_of_all_files_at_once(tmp_path: Path) -> None:
-    written(tmp_path, "frames: [{seconds: 1, nodd: 1}, {seconds: 1, easing: no}]", "a.yaml")
-    written(tmp_path, "name: same\nframes: [{seconds: 1}]", "b.yaml")
-    written(tmp_path, "name: same\nframes: [{seconds: 1}]", "c.yaml")
+    write_move_file(tmp_path, "frames: [{seconds: 1, nodd: 1}, {seconds: 1, easing: no}]", "a.yaml")
+    write_move_file(tmp_path, "name: same\nframes: [{seconds: 1}]", "b.yaml")
+    write_move_file(tmp_path, "name: same\nframes: [{seconds: 1}]", "c.yaml")
     (tmp_path / "d.yaml").write_bytes(b"\xff\xfe")
     with pytest.raises(MoveFileError) as caught:
         read_moves(tmp_path, EYEPI)
@@ -213,9 +213,9 @@ def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
 @pytest.mark.toolkit("R6")
 @pytest.mark.parametrize("body", HEADS)
 def test_the_examples_fit_any_body(body: str) -> None:
-    found = read_folder(EXAMPLES, HEADS[body])
-    assert found.problems == ()
-    assert {"greet", "laugh", "think", "startle", "sigh"} <= found.moves.keys()
+    move_folder = read_folder(EXAMPLES, HEADS[body])
+    assert move_folder.problems == ()
+    assert {"greet", "laugh", "think", "startle", "sigh"} <= move_folder.moves.keys()
 
 
 @pytest.mark.toolkit("L7")

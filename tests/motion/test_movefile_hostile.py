@@ -11,7 +11,7 @@ import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from tests.motion.heads import EYEPI
+from tests.motion.move_file_bodies import EYEPI
 from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.move_files import read_folder
 from woz_tui.motion.move_schema import move_schema
@@ -71,10 +71,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def judged(folder: Path, data: bytes) -> None:
     (folder / "any.yaml").write_bytes(data)
-    found = read_folder(folder, EYEPI)
-    assert bool(found.moves) != any(not problem.warning for problem in found.problems)
-    assert all(problem.place.line >= 1 and problem.message for problem in found.problems)
-    for move in found.moves.values():
+    move_folder = read_folder(folder, EYEPI)
+    assert bool(move_folder.moves) != any(not problem.warning for problem in move_folder.problems)
+    assert all(problem.place.line >= 1 and problem.message for problem in move_folder.problems)
+    for move in move_folder.moves.values():
         assert move.length > 0
         for index in range(-1, 12):
             posture = move.at(move.length * index / 10)

@@ -12,7 +12,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.motion.heads import EYEPI, FIVE
+from tests.motion.move_file_bodies import EYEPI, FIVE
 from woz_tui.motion.body_shape import Personality
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.engine_io import Tick
@@ -50,7 +50,7 @@ HAND: Inputs = [
 ]
 
 
-def performed(
+def perform_pass(
     move: KeyframeMove, inputs: Inputs, seconds: float, layer: str = "hand", rate: float = 25
 ) -> tuple[Puppeteer, list[Tick]]:
     puppeteer = Puppeteer(STILL, move, layer, rate)
@@ -65,7 +65,7 @@ def performed(
     return puppeteer, ticks
 
 
-def played(move: KeyframeMove, seconds: float) -> list[Tick]:
+def played_ticks(move: KeyframeMove, seconds: float) -> list[Tick]:
     engine = Engine(STILL, {move.name: move})
     engine.tick(0.0)
     engine.apply("play", {"move": move.name})
@@ -78,8 +78,8 @@ def angles(ticks: list[Tick], joint: str) -> list[float]:
 
 @pytest.mark.toolkit("X2")
 def test_a_pass_plays_again_as_the_hand_did_it() -> None:
-    puppeteer, live = performed(EMPTY, HAND, 1.6)
-    again = played(puppeteer.recorded(trim=False), 1.6)
+    puppeteer, live = perform_pass(EMPTY, HAND, 1.6)
+    again = played_ticks(puppeteer.recorded(trim=False), 1.6)
     for joint in EYEPI.joints:
         # The hand steps between two samples, which are 40 ms apart; a replay glides.
         for index in (5, 15, 30, 55, 75):
@@ -90,10 +90,10 @@ def test_a_pass_plays_again_as_the_hand_did_it() -> None:
 
 @pytest.mark.toolkit("X2")
 def test_a_second_pass_lies_on_the_first_in_sync() -> None:
-    puppeteer, live = performed(NODS, HAND, 1.8)
+    puppeteer, live = perform_pass(NODS, HAND, 1.8)
     both = puppeteer.recorded()
     assert [layer.name for layer in both.layers] == [MAIN, "hand"]
-    again = played(both, 1.8)
+    again = played_ticks(both, 1.8)
     assert angles(again, "top")[24] == angles(live, "top")[24] == pytest.approx(28.65 + 10)
     assert angles(again, "pitch")[15] == angles(live, "pitch")[15] == 10
     assert "top" not in (both.layers[1].samples or LayerSamples(1)).joints, (
@@ -103,10 +103,10 @@ def test_a_second_pass_lies_on_the_first_in_sync() -> None:
 
 @pytest.mark.toolkit("X2")
 def test_a_layer_is_redone_without_the_others_being_touched() -> None:
-    first = performed(NODS, HAND, 1.8)[0].recorded()
+    first = perform_pass(NODS, HAND, 1.8)[0].recorded()
     quieter = with_share(first, "hand", 0.5)
     again: Inputs = [(0.4, "joints", {"joints": {"pitch": -30}})]
-    puppeteer, live = performed(quieter, again, 1.0)
+    puppeteer, live = perform_pass(quieter, again, 1.0)
     assert angles(live, "pitch")[10] == 0, "the layer that is redone does not play"
     redone = puppeteer.recorded()
     assert redone.layers[0] == NODS.layers[0]
@@ -117,23 +117,23 @@ def test_a_layer_is_redone_without_the_others_being_touched() -> None:
 
 def test_what_the_layers_show_is_not_the_hand_s_but_what_the_hand_shows_is() -> None:
     sad = with_layer(NODS, MoveLayer("face", (KeyFrame(0.5, emotion="sad", intensity=0.9),)))
-    layer = performed(sad, [], 1.5)[0].recorded().layers[-1]
+    layer = perform_pass(sad, [], 1.5)[0].recorded().layers[-1]
     assert layer.frames == () and layer.samples is None
-    layer = performed(sad, [(1, "emotion", {"emotion": "angry"})], 1.5)[0].recorded().layers[-1]
+    layer = perform_pass(sad, [(1, "emotion", {"emotion": "angry"})], 1.5)[0].recorded().layers[-1]
     assert [frame.emotion for frame in layer.frames] == [None, "angry"]
 
 
 def test_an_input_that_ends_the_layers_is_noticed() -> None:
-    assert not performed(NODS, HAND, 2.5)[0].interrupted
+    assert not perform_pass(NODS, HAND, 2.5)[0].interrupted
     pose: Inputs = [(0.4, "pose", {"joints": {"pitch": 30}, "seconds": 0.4})]
-    puppeteer, live = performed(NODS, pose, 1.2)
+    puppeteer, live = perform_pass(NODS, pose, 1.2)
     assert puppeteer.interrupted
     assert angles(live, "pitch")[-1] == pytest.approx(30)
 
 
 def test_a_pose_without_other_layers_is_recorded_on_its_way() -> None:
     pose: Inputs = [(0.2, "pose", {"joints": {"pitch": 30}, "seconds": 0.4})]
-    layer = performed(EMPTY, pose, 1.0)[0].recorded(trim=False).layers[0]
+    layer = perform_pass(EMPTY, pose, 1.0)[0].recorded(trim=False).layers[0]
     assert layer.samples is not None
     values = layer.samples.joints["pitch"]
     assert values[10] == pytest.approx(15, abs=1.6)
@@ -153,7 +153,7 @@ def test_the_personality_s_pace_does_not_count_in_a_take() -> None:
 def test_beats_are_recorded_in_beats() -> None:
     beats = replace(NODS, beats=True)
     tempo = STILL.personality.tempo
-    layer = performed(beats, HAND, 1.6)[0].recorded(trim=False).layers[1]
+    layer = perform_pass(beats, HAND, 1.6)[0].recorded(trim=False).layers[1]
     assert layer.samples is not None
     assert layer.samples.rate == pytest.approx(25 / tempo)
     assert layer.samples.length == pytest.approx(1.6 * tempo, abs=0.1)
@@ -205,12 +205,14 @@ def test_muting_and_leaving_out() -> None:
 
 @pytest.mark.toolkit("X2", "X3")
 def test_a_saved_move_plays_bit_identically(tmp_path: Path) -> None:
-    move = performed(NODS, HAND, 1.8)[0].recorded()
+    move = perform_pass(NODS, HAND, 1.8)[0].recorded()
     path = tmp_path / "act.yaml"
     save(move, path, EYEPI)
     loaded = read_move(path, EYEPI)
     assert loaded == move
-    assert [t.joints for t in played(loaded, 2.5)] == [t.joints for t in played(move, 2.5)]
+    assert [t.joints for t in played_ticks(loaded, 2.5)] == [
+        t.joints for t in played_ticks(move, 2.5)
+    ]
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -275,7 +277,7 @@ def test_any_move_is_read_as_it_was_written(
     assert read_move(path, FIVE) == move
 
 
-def refused(path: Path) -> str:
+def refusal_text(path: Path) -> str:
     with pytest.raises(WriteError) as caught:
         save(NODS, path, EYEPI)
     return caught.value.what
@@ -284,13 +286,13 @@ def refused(path: Path) -> str:
 def test_no_other_file_is_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "notes.yaml"
     path.write_text("title: my experiment\n")
-    assert "is no move file" in refused(path)
+    assert "is no move file" in refusal_text(path)
     assert path.read_text() == "title: my experiment\n"
     assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
-    assert "cannot be written" in refused(tmp_path / "nowhere" / "a.yaml")
+    assert "cannot be written" in refusal_text(tmp_path / "nowhere" / "a.yaml")
 
 
 def test_a_move_that_is_too_long_for_a_file_is_told(tmp_path: Path) -> None:
@@ -304,6 +306,6 @@ def test_a_move_that_is_too_long_for_a_file_is_told(tmp_path: Path) -> None:
 
 
 def test_layers_of_all_kinds_are_mappings_that_yaml_reads_too(tmp_path: Path) -> None:
-    move = performed(NODS, HAND, 1.8)[0].recorded()
+    move = perform_pass(NODS, HAND, 1.8)[0].recorded()
     read: Mapping[str, object] = yaml.safe_load(move_text(move, tmp_path))
     assert list(read) == ["name", "about", "frames", "layers"]

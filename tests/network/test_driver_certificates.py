@@ -32,12 +32,12 @@ LIFT = PlainJob("lift", {"kg": 2.0})
 
 
 async def _entered(
-    tmp_path: Path, made: Authority, *accesses: AccessFile, places: Sequence[str] = (PLACE,)
+    tmp_path: Path, authority: Authority, *accesses: AccessFile, places: Sequence[str] = (PLACE,)
 ) -> list[bool]:
     """Which of the computers that come with these files, one after the other, the session uses."""
     port = free_port()
     context = RecordingContext()
-    router = DriverRouter(f"127.0.0.1:{port}", places, made, SILENCE_S)
+    router = DriverRouter(f"127.0.0.1:{port}", places, authority, SILENCE_S)
     remote = remote_driver(context, router)
     others = [OtherComputer(Arm, ArmSettings(), tmp_path) for _ in accesses]
     await remote.open()
@@ -61,25 +61,25 @@ def _access(authority: Authority, name: str, folder: Path) -> AccessFile:
 
 
 async def test_a_computer_with_its_certificate_is_let_in(tmp_path: Path) -> None:
-    made = Authority(tmp_path / "authority")
-    access = _access(made, PLACE, tmp_path)
-    assert await _entered(tmp_path, made, access) == [True]
+    authority = Authority(tmp_path / "authority")
+    access = _access(authority, PLACE, tmp_path)
+    assert await _entered(tmp_path, authority, access) == [True]
 
 
 async def test_the_certificate_of_somebody_else_opens_no_driver(tmp_path: Path) -> None:
     """A watcher's, for example, who calls itself as the computer of the arm."""
-    made = Authority(tmp_path / "authority")
-    own = _access(made, PLACE, tmp_path)
-    eve = replace(_access(made, "eve", tmp_path), name=PLACE)
+    authority = Authority(tmp_path / "authority")
+    own = _access(authority, PLACE, tmp_path)
+    eve = replace(_access(authority, "eve", tmp_path), name=PLACE)
     with pytest.raises(LineError, match="has no driver"):
-        await _entered(tmp_path, made, eve, own)
+        await _entered(tmp_path, authority, eve, own)
 
 
 async def test_a_computer_that_calls_itself_as_another_one_hears_nothing(tmp_path: Path) -> None:
-    made = Authority(tmp_path / "authority")
-    own = _access(made, PLACE, tmp_path)
-    leg = replace(_access(made, "leg-pi", tmp_path), name=PLACE)
-    assert await _entered(tmp_path, made, leg, own, places=(PLACE, "leg-pi")) == [False, True]
+    authority = Authority(tmp_path / "authority")
+    own = _access(authority, PLACE, tmp_path)
+    leg = replace(_access(authority, "leg-pi", tmp_path), name=PLACE)
+    assert await _entered(tmp_path, authority, leg, own, places=(PLACE, "leg-pi")) == [False, True]
 
 
 @pytest.mark.parametrize("which", ["of another authority", "of another robot"])
@@ -87,22 +87,22 @@ async def test_a_strange_certificate_is_refused_in_words(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, which: str
 ) -> None:
     monkeypatch.setattr(zenoh_line, "REFUSAL_S", 10.0)
-    made, strange = Authority(tmp_path / "authority"), Authority(tmp_path / "strange")
-    mine = _access(made, PLACE, tmp_path)
+    authority, strange = Authority(tmp_path / "authority"), Authority(tmp_path / "strange")
+    mine = _access(authority, PLACE, tmp_path)
     (tmp_path / "there").mkdir()
     other = _access(strange, PLACE, tmp_path / "there")
     access = replace(other, authority=mine.authority) if which == "of another authority" else other
     with pytest.raises(LineError, match=r"let this access file in|is not the robot"):
-        await _entered(tmp_path, made, access)
+        await _entered(tmp_path, authority, access)
 
 
 async def test_a_revoked_name_is_not_let_in(tmp_path: Path) -> None:
-    made = Authority(tmp_path / "authority")
-    _access(made, PLACE, tmp_path)
-    made.revoke(PLACE)
+    authority = Authority(tmp_path / "authority")
+    _access(authority, PLACE, tmp_path)
+    authority.revoke(PLACE)
     port = free_port()
     context = RecordingContext()
-    remote = remote_driver(context, DriverRouter(f"127.0.0.1:{port}", [PLACE], made))
+    remote = remote_driver(context, DriverRouter(f"127.0.0.1:{port}", [PLACE], authority))
     await remote.open()
     try:
         await until(lambda: context.healths[-1][0] is Health.FAULTED)
@@ -112,10 +112,10 @@ async def test_a_revoked_name_is_not_let_in(tmp_path: Path) -> None:
 
 
 def test_an_address_without_certificates_knows_no_revoked_ones(tmp_path: Path) -> None:
-    made = Authority(tmp_path / "authority")
-    _access(made, PLACE, tmp_path)
-    made.revoke(PLACE)
-    router = DriverRouter("tcp://127.0.0.1:1", [PLACE], made)
+    authority = Authority(tmp_path / "authority")
+    _access(authority, PLACE, tmp_path)
+    authority.revoke(PLACE)
+    router = DriverRouter("tcp://127.0.0.1:1", [PLACE], authority)
     assert router.revoked(PLACE) == router.barred(PLACE) == ""
 
 
@@ -123,12 +123,12 @@ async def test_a_name_that_is_revoked_while_it_is_connected_is_cut_and_stopped(
     tmp_path: Path,
 ) -> None:
     """The line of the last one is closed; where others use it, nobody hears the revoked one."""
-    made, places = Authority(tmp_path / "authority"), (PLACE, "leg-pi")
+    authority, places = Authority(tmp_path / "authority"), (PLACE, "leg-pi")
     port = free_port()
-    router = DriverRouter(f"127.0.0.1:{port}", places, made, SILENCE_S)
+    router = DriverRouter(f"127.0.0.1:{port}", places, authority, SILENCE_S)
     others, sides = {}, {}
     for place in places:
-        others[place] = _access(made, place, tmp_path)
+        others[place] = _access(authority, place, tmp_path)
     for place in places:
         context = RecordingContext()
         remote = remote_driver(context, router, place=place)
@@ -142,7 +142,7 @@ async def test_a_name_that_is_revoked_while_it_is_connected_is_cut_and_stopped(
             remote, context, other, arm = sides[place]
             lifting = asyncio.create_task(remote.perform(LIFT))
             await until(lambda: bool(arm.under_way))  # noqa: B023
-            made.revoke(place)
+            authority.revoke(place)
             with pytest.raises(DeviceLostError, match="revoked"):
                 await lifting
             await until(lambda: context.healths[-1][0] is Health.FAULTED)  # noqa: B023

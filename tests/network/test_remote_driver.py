@@ -123,9 +123,9 @@ class TestServedRobot(DriverTests):
 async def test_a_command_gives_what_the_driver_gives(tmp_path: Path) -> None:
     async with pair(tmp_path) as two:
         assert await two.remote.perform(PlainJob("wave")) == {"waved": 1}
-        with pytest.raises(RejectedError) as refused:
+        with pytest.raises(RejectedError) as raised:
             await two.remote.perform(PlainJob("lift", {"kg": 13.0}))
-        assert (refused.value.what, refused.value.remedy) == ("too heavy", "take less")
+        assert (raised.value.what, raised.value.remedy) == ("too heavy", "take less")
         with pytest.raises(RejectedError):
             await two.remote.perform(PlainJob("lift", {"kg": "much"}))
         with pytest.raises(DriverError, match="ZeroDivisionError: no weight"):

@@ -11,7 +11,7 @@ from woz_drivers.simulated import SimulatedRobot
 from tests.fakes.ports import free_port
 from tests.network.other_computer import SILENCE_S, OtherComputer, listens
 from tests.remote.network import Cable
-from tests.session.rig import Stage
+from tests.session.rig import SessionRig
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.network import remote_driver
@@ -48,46 +48,46 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
     path, cable = tmp_path / "e.yaml", Cable(port)
     path.write_text(TEXT.format(port=port, text="a long sentence " * 30))
     experiment = load(path, installed())
-    stage = Stage(tmp_path, catalogue=installed(), made=experiment)
+    rig = SessionRig(tmp_path, catalogue=installed(), made=experiment)
 
     def confirmed() -> list[m.StopConfirmed]:
-        return [line for line in stage.lines if isinstance(line, m.StopConfirmed)]
+        return [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
 
-    await stage.session.open()
+    await rig.session.open()
     await cable.lay()
     settings = experiment.drivers[0].settings
     other = OtherComputer(SimulatedRobot, settings, tmp_path, type="simulated")
     await until(lambda: listens(port))
     await other.start(f"tcp://127.0.0.1:{cable.own_port}")
     try:
-        await until(lambda: "arm" in stage.session.bus._connected, 20)
-        stage.session.play("Hello", KEY)
-        await until(lambda: "ActionDone" in stage.kinds(m.ActionEnd), 20)
-        stage.session.play("Long", KEY)
-        await until(lambda: len(stage.kinds(m.Progress)) == 2)
+        await until(lambda: "arm" in rig.session.bus._connected, 20)
+        rig.session.play("Hello", KEY)
+        await until(lambda: "ActionDone" in rig.kinds(m.ActionEnd), 20)
+        rig.session.play("Long", KEY)
+        await until(lambda: len(rig.kinds(m.Progress)) == 2)
         cable.flowing.clear()
-        stage.session.stop("escape")
+        rig.session.stop("escape")
         await until(lambda: len(confirmed()) == 1)
         assert confirmed()[0].unreached == ["arm"]
-        await until(lambda: bool(stage.kinds(m.DriverLost)), 20)
+        await until(lambda: bool(rig.kinds(m.DriverLost)), 20)
         cable.flowing.set()
         await until(lambda: len(confirmed()) >= 2, 20)
         assert confirmed()[-1].confirmed == ["arm"]
-        assert not stage.kinds(m.LaneFaulted)  # it is the network, and no job that hangs
-        assert stage.kinds(m.ActionEnd)[-1] == "ActionStopped"
+        assert not rig.kinds(m.LaneFaulted)  # it is the network, and no job that hangs
+        assert rig.kinds(m.ActionEnd)[-1] == "ActionStopped"
     finally:
         cable.flowing.set()
-        await stage.session.close("test")
+        await rig.session.close("test")
         await other.end()
         await cable.cut()
-    assert stage.session.ended
+    assert rig.session.ended
 
 
 async def test_a_training_needs_no_other_computer(tmp_path: Path) -> None:
     path = tmp_path / "e.yaml"
     path.write_text(TEXT.format(port=free_port(), text="Hi"))
     catalogue = rehearsed(installed())
-    stage = Stage(tmp_path, catalogue=catalogue, made=load(path, catalogue))
-    await stage.session.open()
-    assert stage.kinds(m.DriverConnected) == ["DriverConnected"]
-    await stage.session.close("test")
+    rig = SessionRig(tmp_path, catalogue=catalogue, made=load(path, catalogue))
+    await rig.session.open()
+    assert rig.kinds(m.DriverConnected) == ["DriverConnected"]
+    await rig.session.close("test")

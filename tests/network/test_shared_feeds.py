@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from woz_drivers.simulated import SimulatedRobot
 
 from tests.fakes.ports import free_port
-from tests.host.rig import served
+from tests.host.rig import served_session
 from tests.network.other_computer import Arm, OtherComputer, Pair, listens, pair
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import DriverContext, Health
@@ -138,11 +138,11 @@ async def test_a_console_sees_the_camera_of_a_robot_at_another_computer(tmp_path
         f" {{name: arm-pi, listen: 'tcp://127.0.0.1:{port}'}}}}\n"
         "panels: [{title: P, actions: [{key: h, label: Hello, say: Hello}]}]\n"
     )
-    made = load(file, installed())
-    async with served(tmp_path, made=made, catalogue=installed()) as host:
+    experiment = load(file, installed())
+    async with served_session(tmp_path, made=experiment, catalogue=installed()) as host:
         await until(lambda: listens(port))
         other = OtherComputer(
-            SimulatedRobot, made.drivers[0].settings, tmp_path, type="simulated", name="robot"
+            SimulatedRobot, experiment.drivers[0].settings, tmp_path, type="simulated", name="robot"
         )
         await other.start(f"tcp://127.0.0.1:{port}")
         try:

@@ -58,9 +58,9 @@ class Listening:
 
 @contextlib.asynccontextmanager
 async def listening(folder: Path) -> AsyncIterator[Listening]:
-    made, port, context = Authority(folder / "authority"), free_port(), RecordingContext()
-    made.new(PLACE, 30, "", folder / "arm.access")
-    router = DriverRouter(f"127.0.0.1:{port}", [PLACE], made, SILENCE_S)
+    authority, port, context = Authority(folder / "authority"), free_port(), RecordingContext()
+    authority.new(PLACE, 30, "", folder / "arm.access")
+    router = DriverRouter(f"127.0.0.1:{port}", [PLACE], authority, SILENCE_S)
     remote = remote_driver(context, router)
     other = OtherComputer(Arm, ArmSettings(), folder)
     await remote.open()

@@ -67,7 +67,7 @@ def fitted(picture: Image.Image, scale: float = 1.0) -> Image.Image:
     return picture.resize(size, Image.Resampling.BOX)
 
 
-def changed(picture: Image.Image, change: str) -> Image.Image:
+def changed_picture(picture: Image.Image, change: str) -> Image.Image:
     """A camera's picture with `picture` changed so."""
     turned, scale, brightness, blur, mirrored = CHANGES[change]
     made = fitted(picture, scale)
@@ -82,14 +82,14 @@ def changed(picture: Image.Image, change: str) -> Image.Image:
     return on_grey((made, WIDTH // 2, HEIGHT // 2))
 
 
-def opened(folder: Path, name: str) -> Image.Image:
+def open_picture(folder: Path, name: str) -> Image.Image:
     """One of the pictures."""
     return Image.open(folder / name).convert("RGB")
 
 
 def face_of(folder: Path) -> Image.Image:
     """The astronaut's head alone, 170 pixels square."""
-    return opened(folder, "astronaut.png").crop((140, 20, 310, 190))
+    return open_picture(folder, "astronaut.png").crop((140, 20, 310, 190))
 
 
 def crossing(folder: Path, pictures: int = 40) -> Iterator[Image.Image]:
@@ -150,7 +150,7 @@ def settings(
     peer: Path, command: Sequence[str] = ("cat",), width: int = WIDTH, height: int = HEIGHT
 ) -> FacesSettings:
     """Of a driver whose program is run by the peer's Python."""
-    made = FacesSettings(
+    faces_settings = FacesSettings(
         command=tuple(command),
         width=width,
         height=height,
@@ -158,7 +158,7 @@ def settings(
         models=str(peer / "networks"),
         closely=10,
     )
-    words = (str(peer / "bin" / "python"), *made.finder_words[1:])
+    words = (str(peer / "bin" / "python"), *faces_settings.finder_words[1:])
     return FacesSettings(
         command=tuple(command), width=width, height=height, format="rgb24", program=words
     )
@@ -168,9 +168,9 @@ class RecognisingProgram:
     """Our program that recognises faces, run by the peer's Python, with a store in `state`."""
 
     def __init__(self, peer: Path, state: Path) -> None:
-        made = FacesSettings(models=str(peer / "networks"))
+        faces_settings = FacesSettings(models=str(peer / "networks"))
         self._ran = subprocess.Popen(
-            (str(peer / "bin" / "python"), *made.recogniser_words[1:]),
+            (str(peer / "bin" / "python"), *faces_settings.recogniser_words[1:]),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={**os.environ, "XDG_STATE_HOME": str(state)},
@@ -228,7 +228,7 @@ def _place(face: SeenFace) -> complex:
     return sum(complex(*one) for one in face.points) / len(face.points)
 
 
-def moved(face: SeenFace, change: str) -> complex:
+def moved_place(face: SeenFace, change: str) -> complex:
     """Where a face of the picture as it is lies in the changed one, in pixels."""
     degrees, scale, _, _, mirrored = CHANGES[change]
     centre = complex(WIDTH / 2, HEIGHT / 2)
@@ -241,6 +241,7 @@ def whose(face: SeenFace, people: dict[str, SeenFace], change: str) -> str | Non
     """Which of these people (their faces as it is) a face of the changed picture is."""
     at = _place(face)
     name, off = min(
-        ((name, abs(at - moved(one, change))) for name, one in people.items()), key=lambda it: it[1]
+        ((name, abs(at - moved_place(one, change))) for name, one in people.items()),
+        key=lambda it: it[1],
     )
     return name if off < face.width / 2 else None

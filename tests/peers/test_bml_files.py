@@ -17,7 +17,7 @@ from xml.etree import ElementTree as Xml
 
 import pytest
 
-from tests.host.rig import served
+from tests.host.rig import served_session
 from tests.peers.places import place
 from tests.peers.test_stomp_broker import Broker, free_ports
 from woz_tui.bml.bml_block import NAMESPACE, SYNC_POINTS, BmlError, BmlWarning, read_block
@@ -126,24 +126,24 @@ def test_the_times_that_files_state_are_those_of_the_schedule() -> None:
     assert held > 100
 
 
-def _stated(text: str, found: BlockSchedule) -> Iterator[list[float]]:
+def _stated(text: str, block_schedule: BlockSchedule) -> Iterator[list[float]]:
     """What lines such as `nod1:start = speech1:end + 1 = 5` of the comments come to."""
     for comment in re.findall(r"<!--(.*?)-->", text, re.DOTALL):
         for line in comment.partition("Constraints")[0].splitlines():
-            terms = [_term(term.strip(), found) for term in line.split("=")]
+            terms = [_term(term.strip(), block_schedule) for term in line.split("=")]
             known = [term for term in terms if term is not None]
             if len(known) == len(terms) > 1:
                 yield known
 
 
-def _term(text: str, found: BlockSchedule) -> float | None:
+def _term(text: str, block_schedule: BlockSchedule) -> float | None:
     match = re.fullmatch(r"(?:(\w+):(\w+))?\s*([+-]?\s*[\d.]+)?", text)
     if match is None or not text:
         return None
     offset = float((match[3] or "0").replace(" ", ""))
     if not match[1]:
         return offset
-    time = found.times.get((match[1], match[2]))
+    time = block_schedule.times.get((match[1], match[2]))
     return None if time is None else time + offset
 
 
@@ -165,7 +165,7 @@ panels: [{title: A, actions: [{key: a, label: Hello, say: hello}]}]
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayedFiles:
     """What is asked of files that are sent one behind the other.
 
     `orders`: behaviours of the first block -> their sync points in order. `times`: sync points ->
@@ -186,22 +186,22 @@ WORD = ("start", "syncstart1", "end")
 WORD_TIMES = {"speech1:start": 6.0, "nod1:end": 9.0}
 NOD_AT_WORD = (("speech1:syncstart1", "nod1:start"),)
 CASES = (
-    Played(("empty",)),
-    Played(("bmlnoid",), warnings=1, ends=()),
-    Played(("testface",), {"face1": "faceLexeme"}),
-    Played(("testbeatgesture",), {"g1": "gesture"}),
-    Played(("testspeech",), {"speech1": "speech"}, {"speech1:start": 0}),
-    Played(("testspeech2",), {"speech1": WORD}, {"speech1:start": 6}),
-    Played(
+    PlayedFiles(("empty",)),
+    PlayedFiles(("bmlnoid",), warnings=1, ends=()),
+    PlayedFiles(("testface",), {"face1": "faceLexeme"}),
+    PlayedFiles(("testbeatgesture",), {"g1": "gesture"}),
+    PlayedFiles(("testspeech",), {"speech1": "speech"}, {"speech1:start": 0}),
+    PlayedFiles(("testspeech2",), {"speech1": WORD}, {"speech1:start": 6}),
+    PlayedFiles(
         ("testspeech_nodtimedtosync",), {"speech1": WORD, "nod1": "head"}, WORD_TIMES, NOD_AT_WORD
     ),
-    Played(
+    PlayedFiles(
         ("testspeech_nodtimedtosyncinverseorder",),
         {"speech1": WORD, "nod1": "head"},
         WORD_TIMES,
         NOD_AT_WORD,
     ),
-    Played(
+    PlayedFiles(
         ("testspeechgesturesync2x",),
         {"beat5": "gesture", "beatstop": "gesture", "speech1": "speech", "speech2": "speech"},
         together=(
@@ -210,16 +210,16 @@ CASES = (
             ("beatstop:start", "beat5:end + 3"),
         ),
     ),
-    Played(("testnodlong",), {"nod1": "head"}, {"nod1:start": 0, "nod1:end": 5}),
-    Played(("testgaze",), {"gaze1": "gaze"}, {"gaze1:start": 1, "gaze1:end": 10}),
-    Played(
+    PlayedFiles(("testnodlong",), {"nod1": "head"}, {"nod1:start": 0, "nod1:end": 5}),
+    PlayedFiles(("testgaze",), {"gaze1": "gaze"}, {"gaze1:start": 1, "gaze1:end": 10}),
+    PlayedFiles(
         ("testgazeoverlap",), {"gaze1": "gaze"}, {"gaze1:start": 1, "gaze1:end": 10}, warnings=1
     ),
-    Played(("testgazewaist",), {"gaze1": "gaze"}, {"gaze1:start": 1}),
-    Played(("testgazeshift",), {"gaze1": "gazeShift"}),
-    Played(("testpoint",), {"point1": "pointing"}, {"point1:start": 1, "point1:end": 10}),
-    Played(("testpose",), {"pose1": "postureShift"}, {"pose1:start": 5, "pose1:end": 8}),
-    Played(
+    PlayedFiles(("testgazewaist",), {"gaze1": "gaze"}, {"gaze1:start": 1}),
+    PlayedFiles(("testgazeshift",), {"gaze1": "gazeShift"}),
+    PlayedFiles(("testpoint",), {"point1": "pointing"}, {"point1:start": 1, "point1:end": 10}),
+    PlayedFiles(("testpose",), {"pose1": "postureShift"}, {"pose1:start": 5, "pose1:end": 8}),
+    PlayedFiles(
         ("testspeechgestures",),
         {
             "welkom": ("start", "deicticheart1", "beat1b1", "end"),
@@ -231,21 +231,21 @@ CASES = (
             **{"relaxleft:start": 4.5, "relaxleft:end": 6.8},
         },
     ),
-    Played(("testshortbeh",)),
-    Played(
+    PlayedFiles(("testshortbeh",)),
+    PlayedFiles(
         ("testspeechandnod_synctimed",),
         {"speech1": ("start", "s1", "end"), "nod1": "head"},
         {"speech1:s1": 10},
         (("speech1:start", "nod1:start"),),
     ),
-    Played(("testspeech", "testspeechappend"), {"speech1": "speech"}, ends=("bml1", "bml2")),
-    Played(
+    PlayedFiles(("testspeech", "testspeechappend"), {"speech1": "speech"}, ends=("bml1", "bml2")),
+    PlayedFiles(
         ("replace/testlongspeechandnod", "replace/replace"),
         warnings=None,
         ends=("bml1", "bml3"),
         pause_s=0.7,
     ),
-    Played(
+    PlayedFiles(
         tuple(f"appendandreplace/{name}" for name in ("testspeech1", "testspeech2", "replace")),
         ends=("bml1", "bml2", "bml3"),
         pause_s=3.0,
@@ -274,17 +274,17 @@ def _experiment(folder: Path, catalogue: Mapping[str, type[Driver]]) -> Experime
     return load(folder / "experiment.yaml", catalogue)
 
 
-async def _problems(case: Played, there: StompPlace, folder: Path) -> list[str]:
+async def _problems(case: PlayedFiles, there: StompPlace, folder: Path) -> list[str]:
     """What is not as asked, with a robot and topics of its own."""
     catalogue = installed()
-    made = _experiment(folder, catalogue)
+    experiment = _experiment(folder, catalogue)
     topics = PlannerTopics(f"/topic/request.{folder.name}", f"/topic/feedback.{folder.name}")
     sentences: list[str] = []
     planner = await connect_stomp(there)
     planner.subscribe(topics.feedback)
     told: list[Xml.Element] = []
     async with (
-        served(folder, made=made, catalogue=catalogue) as host,
+        served_session(folder, made=experiment, catalogue=catalogue) as host,
         connect(host.path) as client,
     ):
         running = [
@@ -322,7 +322,7 @@ def _warnings(told: list[Xml.Element]) -> int:
     return sum(each.tag.endswith("warningFeedback") for each in told)
 
 
-def _wrong(case: Played, told: list[Xml.Element]) -> Iterator[str]:
+def _wrong(case: PlayedFiles, told: list[Xml.Element]) -> Iterator[str]:
     blocks = [each.get("id", "") for each in told if each.tag.endswith("blockProgress")]
     for moment in ("start", "end"):
         of_blocks = [each for each in blocks if each.endswith(f":{moment}")]

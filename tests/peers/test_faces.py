@@ -11,7 +11,7 @@ import pytest
 from woz_drivers.faces import Faces
 from woz_drivers.faces.face_tracks import FaceTracker, distance_of, gaze_of
 
-from tests.drivers.heard import Heard
+from tests.drivers.published_messages import PublishedMessages
 from tests.peers.face_pictures import (
     CHANGES,
     HEIGHT,
@@ -19,12 +19,12 @@ from tests.peers.face_pictures import (
     WIDTH,
     FindingProgram,
     RecognisingProgram,
-    changed,
+    changed_picture,
     crossing,
     faces_in,
     fitted,
     on_grey,
-    opened,
+    open_picture,
     settings,
     whose,
 )
@@ -48,7 +48,7 @@ def program(peer: Path) -> Iterator[FindingProgram]:
 
 @pytest.mark.parametrize("change", sorted(set(CHANGES) - TOO_MUCH))
 def test_one_person_is_one_person(program: FindingProgram, peer: Path, change: str) -> None:
-    assert len(program.people(changed(opened(peer, "astronaut.png"), change))) == 1
+    assert len(program.people(changed_picture(open_picture(peer, "astronaut.png"), change))) == 1
 
 
 def test_the_run_time_says_nothing_that_could_be_taken_for_a_reason(peer: Path) -> None:
@@ -59,29 +59,29 @@ def test_the_run_time_says_nothing_that_could_be_taken_for_a_reason(peer: Path) 
 
 @pytest.mark.parametrize("name", NOBODY)
 def test_nobody_is_nobody(program: FindingProgram, peer: Path, name: str) -> None:
-    picture = fitted(opened(peer, name))
+    picture = fitted(open_picture(peer, name))
     assert program.people(on_grey((picture, WIDTH // 2, HEIGHT // 2))) == []
 
 
 def test_six_people_in_a_group_are_six(program: FindingProgram, peer: Path) -> None:
-    picture = fitted(opened(peer, "group.jpg"))
+    picture = fitted(open_picture(peer, "group.jpg"))
     assert len(program.people(on_grey((picture, WIDTH // 2, HEIGHT // 2)))) == 6
 
 
 @pytest.mark.parametrize("degrees", [15, 30, -15, -30])
 def test_the_roll_follows_a_tilted_head(program: FindingProgram, peer: Path, degrees: int) -> None:
-    picture = opened(peer, "astronaut.png")
-    [upright] = program.find(changed(picture, "as it is")).faces
-    [tilted] = program.find(changed(picture, f"tilted by {degrees} degrees")).faces
+    picture = open_picture(peer, "astronaut.png")
+    [upright] = program.find(changed_picture(picture, "as it is")).faces
+    [tilted] = program.find(changed_picture(picture, f"tilted by {degrees} degrees")).faces
     assert upright.roll is not None
     assert tilted.roll is not None
     assert tilted.roll - upright.roll == pytest.approx(degrees, abs=3)
 
 
 def test_half_as_large_is_twice_as_far(program: FindingProgram, peer: Path) -> None:
-    picture, focal = opened(peer, "astronaut.png"), program.settings.focal
-    [whole] = program.find(changed(picture, "as it is")).faces
-    [half] = program.find(changed(picture, "at 1/2 of the size")).faces
+    picture, focal = open_picture(peer, "astronaut.png"), program.settings.focal
+    [whole] = program.find(changed_picture(picture, "as it is")).faces
+    [half] = program.find(changed_picture(picture, "at 1/2 of the size")).faces
     ratio = distance_of(half, focal) / distance_of(whole, focal)
     assert ratio == pytest.approx(2, rel=0.1)
 
@@ -90,10 +90,10 @@ def test_a_head_that_is_turned_turns_the_other_way_in_a_mirror(
     program: FindingProgram, peer: Path
 ) -> None:
     """The third of the group, from the left, looks to the left."""
-    picture = opened(peer, "group.jpg")
+    picture = open_picture(peer, "group.jpg")
     yaws = []
     for change in ("as it is", "mirrored"):
-        faces = program.find(changed(picture, change)).faces
+        faces = program.find(changed_picture(picture, change)).faces
         yaws.append(sorted(gaze[0] for face in faces if (gaze := gaze_of(face)) is not None))
     assert yaws[0][0] < -15
     assert yaws[1][-1] > 15
@@ -124,8 +124,8 @@ def test_people_are_recognised_and_strangers_are_not(
     program: FindingProgram, peer: Path, tmp_path: Path
 ) -> None:
     """Half of the group is learnt. Nobody gets another's name, whatever the change."""
-    group, astronaut = opened(peer, "group.jpg"), opened(peer, "astronaut.png")
-    picture = changed(group, "as it is")
+    group, astronaut = open_picture(peer, "group.jpg"), open_picture(peer, "astronaut.png")
+    picture = changed_picture(group, "as it is")
     people = {f"V{n}": face for n, face in enumerate(faces_in(program, picture), 1)}
     assert len(people) == 6
     learnt = ("V1", "V2", "V3")
@@ -135,33 +135,33 @@ def test_people_are_recognised_and_strangers_are_not(
         assert "V1" in recogniser.learn("V9", picture, people["V1"])["refused"]
         assert "another face" in recogniser.learn("V1", picture, people["V2"])["refused"]
         for change in CHANGES:
-            picture = changed(group, change)
+            picture = changed_picture(group, change)
             for face in faces_in(program, picture):
                 name, _ = recogniser.identify(picture, face)
                 owner = whose(face, people, change)
                 assert name in ("", owner), change
                 assert name == owner or owner not in learnt or change not in RECOGNISED, change
-            alone = changed(astronaut, change)
+            alone = changed_picture(astronaut, change)
             assert all(recogniser.identify(alone, one)[0] == "" for one in faces_in(program, alone))
 
 
 async def test_the_driver_with_the_real_program(peer: Path, tmp_path: Path) -> None:
     """From a camera's pictures to readings, and what `woz doctor` says."""
     film = tmp_path / "film"
-    picture = np.asarray(changed(opened(peer, "astronaut.png"), "as it is")).tobytes()
+    picture = np.asarray(changed_picture(open_picture(peer, "astronaut.png"), "as it is")).tobytes()
     film.write_bytes(picture)
-    made = settings(peer, (sys.executable, "-S", "-c", _ENDLESS, str(film)))
-    [finding] = await Faces.examine(Probe("it", made, tmp_path))
+    faces_settings = settings(peer, (sys.executable, "-S", "-c", _ENDLESS, str(film)))
+    [finding] = await Faces.examine(Probe("it", faces_settings, tmp_path))
     assert "1 face, " in finding.text
-    heard = Heard(tmp_path)
-    driver = Faces("it", made, heard.context)
+    published = PublishedMessages(tmp_path)
+    driver = Faces("it", faces_settings, published.context)
     await driver.open()
     try:
-        await heard.until(lambda: heard.values("gaze")[-1:] == [1.0])
+        await published.until(lambda: published.values("gaze")[-1:] == [1.0])
     finally:
         await driver.close()
-    assert heard.values("people")[-1] == 1
-    assert heard.values("distance")[-1] == pytest.approx(0.9, abs=0.1)
+    assert published.values("people")[-1] == 1
+    assert published.values("distance")[-1] == pytest.approx(0.9, abs=0.1)
 
 
 _ENDLESS = """

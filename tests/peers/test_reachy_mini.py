@@ -87,7 +87,7 @@ def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reachy_sounds, "QUICK_S", 10.0)
 
 
-class Played:
+class DaemonRig:
     """A driver that plays the daemon."""
 
     def __init__(self, daemon: VendorsDaemon, folder: Path, **settings: Any) -> None:
@@ -124,7 +124,7 @@ class Played:
         except TimeoutError:
             pytest.fail(f"stands at {self.driver._link.pose}, not at {wanted}")
 
-    async def stopped(self, command: asyncio.Task[Any]) -> StopReport:
+    async def stop_robot(self, command: asyncio.Task[Any]) -> StopReport:
         """Stop as the bus does: the driver first, then its jobs; then released."""
         stop = asyncio.ensure_future(self.driver.stop(Scope.ALL))
         await asyncio.sleep(0)
@@ -136,16 +136,16 @@ class Played:
 
 
 @pytest_asyncio.fixture(loop_scope="module")
-async def it(daemon: VendorsDaemon, tmp_path: Path) -> AsyncIterator[Played]:
+async def rig(daemon: VendorsDaemon, tmp_path: Path) -> AsyncIterator[DaemonRig]:
     """A driver that has found the daemon, and the robot at home."""
     _write_hello(tmp_path)
-    made = Played(daemon, tmp_path)
-    await made.driver.open()
-    await made.becomes(Health.CONNECTED)
-    await made.do("torque", on=True)
-    await made.do("home")
-    yield made
-    await made.driver.close()
+    daemon_rig = DaemonRig(daemon, tmp_path)
+    await daemon_rig.driver.open()
+    await daemon_rig.becomes(Health.CONNECTED)
+    await daemon_rig.do("torque", on=True)
+    await daemon_rig.do("home")
+    yield daemon_rig
+    await daemon_rig.driver.close()
 
 
 def _write_hello(folder: Path) -> None:
@@ -164,104 +164,104 @@ on_the_mockup = pytest.mark.parametrize("daemon", ["mockup"], indirect=True, sco
 # -- moving ----------------------------------------------------------------------------------------
 
 
-async def test_poses_are_taken_in_degrees(it: Played) -> None:
+async def test_poses_are_taken_in_degrees(rig: DaemonRig) -> None:
     pose = {"pan": 25, "tilt": -10, "roll": 8, "left-antenna": 60, "body": 10}
-    await it.do("pose", joints=pose, seconds=0.6)
-    await it.stands(pan=25, tilt=-10, roll=8, left_antenna=60, right_antenna=10, body=10)
+    await rig.do("pose", joints=pose, seconds=0.6)
+    await rig.stands(pan=25, tilt=-10, roll=8, left_antenna=60, right_antenna=10, body=10)
 
 
-async def test_what_is_out_of_range_is_clamped(it: Played) -> None:
-    sent = await it.do("pose", joints={"tilt": 515})
+async def test_what_is_out_of_range_is_clamped(rig: DaemonRig) -> None:
+    sent = await rig.do("pose", joints={"tilt": 515})
     assert sent["joints"] == {"tilt": 40}
-    await it.stands(tilt=40, within=5)
+    await rig.stands(tilt=40, within=5)
 
 
-async def test_the_body_follows_a_head_that_turns_too_far(it: Played) -> None:
-    await it.do("pose", joints={"pan": 120})
-    await it.stands(pan=120, body=55, within=4)
+async def test_the_body_follows_a_head_that_turns_too_far(rig: DaemonRig) -> None:
+    await rig.do("pose", joints={"pan": 120})
+    await rig.stands(pan=120, body=55, within=4)
 
 
-async def test_a_gaze_and_steps_from_it(it: Played) -> None:
-    await it.do("gaze", yaw=30, pitch=0)
-    await it.stands(pan=30)
-    await it.do("nudge", yaw=-10)
-    await it.do("nudge", yaw=-10, pitch=10)
-    await it.stands(pan=10, tilt=10)
-    assert [text for level, text, _ in it.context.notices if "told to" in text] == []
+async def test_a_gaze_and_steps_from_it(rig: DaemonRig) -> None:
+    await rig.do("gaze", yaw=30, pitch=0)
+    await rig.stands(pan=30)
+    await rig.do("nudge", yaw=-10)
+    await rig.do("nudge", yaw=-10, pitch=10)
+    await rig.stands(pan=10, tilt=10)
+    assert [text for level, text, _ in rig.context.notices if "told to" in text] == []
 
 
 @pytest.mark.parametrize("move", ["nod", "wave", "point-left"])
-async def test_a_move_ends_where_it_began(it: Played, move: str) -> None:
-    await it.do("gaze", yaw=15)
-    await it.do("play", move=move, speed=4)
-    await it.stands(pan=15, tilt=0, roll=0, body=0, within=3)
+async def test_a_move_ends_where_it_began(rig: DaemonRig, move: str) -> None:
+    await rig.do("gaze", yaw=15)
+    await rig.do("play", move=move, speed=4)
+    await rig.stands(pan=15, tilt=0, roll=0, body=0, within=3)
 
 
 @pytest.mark.parametrize("emotion", ["happy", "sad"])
-async def test_an_emotion_is_held(it: Played, emotion: str) -> None:
-    await it.do("emotion", emotion=emotion)
-    held = it.driver._body.pose
-    await it.stands(within=3, **{name.replace("-", "_"): held[name] for name in HOME})
+async def test_an_emotion_is_held(rig: DaemonRig, emotion: str) -> None:
+    await rig.do("emotion", emotion=emotion)
+    held = rig.driver._body.pose
+    await rig.stands(within=3, **{name.replace("-", "_"): held[name] for name in HOME})
 
 
 @on_the_mockup
-async def test_one_move_at_a_time(it: Played) -> None:
+async def test_one_move_at_a_time(rig: DaemonRig) -> None:
     most = 0
 
     async def count() -> None:
         nonlocal most
         async with aiohttp.ClientSession() as session:
             while True:
-                async with session.get(f"http://{it.daemon.address}/api/move/running") as answer:
+                async with session.get(f"http://{rig.daemon.address}/api/move/running") as answer:
                     most = max(most, len(await answer.json()))
 
     counting = asyncio.ensure_future(count())
-    first = asyncio.ensure_future(it.do("pose", joints={"pan": 90}, seconds=20))
+    first = asyncio.ensure_future(rig.do("pose", joints={"pan": 90}, seconds=20))
     await asyncio.sleep(0.3)
     first.cancel()
-    await it.do("play", move="nod", speed=3)
-    await it.do("gaze", yaw=20)
-    await it.do("emotion", emotion="friendly")
+    await rig.do("play", move="nod", speed=3)
+    await rig.do("gaze", yaw=20)
+    await rig.do("emotion", emotion="friendly")
     counting.cancel()
     assert most == 1
-    await it.stands(pan=20)
+    await rig.stands(pan=20)
 
 
 @on_the_mockup
-async def test_it_sleeps_and_wakes_up(it: Played) -> None:
-    await it.do("go_to_sleep")
-    await it.stands(left_antenna=175, within=5)
+async def test_it_sleeps_and_wakes_up(rig: DaemonRig) -> None:
+    await rig.do("go_to_sleep")
+    await rig.stands(left_antenna=175, within=5)
     with pytest.raises(RejectedError, match="motors"):
-        await it.do("home")
-    await it.do("wake_up")
-    await it.stands(pan=0, tilt=0, left_antenna=10)
+        await rig.do("home")
+    await rig.do("wake_up")
+    await rig.stands(pan=0, tilt=0, left_antenna=10)
 
 
 @on_the_mockup
-async def test_a_recorded_move_of_the_daemon(it: Played) -> None:
-    await it.do("recorded", move=f"{DATA_SET}/turn")
-    await it.stands(pan=math.degrees(0.4))
+async def test_a_recorded_move_of_the_daemon(rig: DaemonRig) -> None:
+    await rig.do("recorded", move=f"{DATA_SET}/turn")
+    await rig.stands(pan=math.degrees(0.4))
 
 
 async def test_it_follows_a_body(daemon: VendorsDaemon, tmp_path: Path) -> None:
-    it = Played(daemon, tmp_path, follows="body")
-    feed = it.context.feed(SETPOINTS, of="body")
-    await it.driver.open()
-    await it.becomes(Health.CONNECTED)
+    daemon_rig = DaemonRig(daemon, tmp_path, follows="body")
+    feed = daemon_rig.context.feed(SETPOINTS, of="body")
+    await daemon_rig.driver.open()
+    await daemon_rig.becomes(Health.CONNECTED)
 
     async def breathe() -> None:
         while True:
-            now = it.context.clock.now_us()
+            now = daemon_rig.context.clock.now_us()
             tilt = 6 + 2 * math.sin(now / 2e5)
             feed.put(Setpoints(now, {"pan": -20.0, "tilt": tilt, "roll": 0.0}))
             await asyncio.sleep(0.02)
 
     breathing = asyncio.ensure_future(breathe())
-    await it.stands(pan=-20, tilt=6, within=4)
-    report = await it.driver.stop(Scope.ALL)
+    await daemon_rig.stands(pan=-20, tilt=6, within=4)
+    report = await daemon_rig.driver.stop(Scope.ALL)
     assert report is not None and report.missing == ()
     breathing.cancel()
-    await it.driver.close()
+    await daemon_rig.driver.close()
 
 
 # -- the stop --------------------------------------------------------------------------------------
@@ -281,65 +281,65 @@ async def test_it_follows_a_body(daemon: VendorsDaemon, tmp_path: Path) -> None:
     ],
 )
 async def test_a_stop_is_confirmed_and_it_stands_still(
-    it: Played, verb: str, args: dict[str, object]
+    rig: DaemonRig, verb: str, args: dict[str, object]
 ) -> None:
-    await it.do("pose", joints={"pan": -30, "roll": 10})
-    command = asyncio.ensure_future(it.do(verb, **args))
+    await rig.do("pose", joints={"pan": -30, "roll": 10})
+    command = asyncio.ensure_future(rig.do(verb, **args))
     await asyncio.sleep(0.3)
-    report = await it.stopped(command)
+    report = await rig.stop_robot(command)
     assert report.missing == ()
-    before = it.driver._link.pose
+    before = rig.driver._link.pose
     await asyncio.sleep(0.3)
-    after = it.driver._link.pose
-    assert await it.driver._link.running() == []
+    after = rig.driver._link.pose
+    assert await rig.driver._link.running() == []
     moved = max(abs(after[name] - before[name]) for name in before)
     assert moved < 5.0  # MuJoCo's head swings for a while
-    await it.driver.resume()
+    await rig.driver.resume()
 
 
-async def test_moves_of_another_program_are_stopped_too(it: Played) -> None:
+async def test_moves_of_another_program_are_stopped_too(rig: DaemonRig) -> None:
     async with aiohttp.ClientSession() as session:
         body = {"head_pose": {"yaw": 1.0}, "duration": 20}
-        async with session.post(f"http://{it.daemon.address}/api/move/goto", json=body) as answer:
+        async with session.post(f"http://{rig.daemon.address}/api/move/goto", json=body) as answer:
             assert answer.status == 200
     await asyncio.sleep(0.2)
-    report = await it.driver.stop(Scope.ALL)
+    report = await rig.driver.stop(Scope.ALL)
     assert report is not None and report.missing == ()
-    assert await it.driver._link.running() == []
+    assert await rig.driver._link.running() == []
 
 
 # -- sound, faults ---------------------------------------------------------------------------------
 
 
 @on_the_mockup
-async def test_without_media_it_says_so_once_and_speech_takes_its_time(it: Played) -> None:
-    assert (await it.do("say", text="Hello."))["heard"] is False
-    assert len([text for _, text, _ in it.context.notices if "media" in text]) == 1
+async def test_without_media_it_says_so_once_and_speech_takes_its_time(rig: DaemonRig) -> None:
+    assert (await rig.do("say", text="Hello."))["heard"] is False
+    assert len([text for _, text, _ in rig.context.notices if "media" in text]) == 1
 
 
 @on_the_mockup
-async def test_its_daemon_takes_our_sounds(it: Played, tmp_path: Path) -> None:
+async def test_its_daemon_takes_our_sounds(rig: DaemonRig, tmp_path: Path) -> None:
     form = aiohttp.FormData()
     content = (tmp_path / "hello.wav").read_bytes()
     form.add_field("file", content, filename="woz-test.wav", content_type="audio/wav")
-    answer = await it.driver._link.ask("POST", "media/sounds/upload", data=form, within=10)
+    answer = await rig.driver._link.ask("POST", "media/sounds/upload", data=form, within=10)
     assert answer["status"] == "ok"
-    assert "woz-test.wav" in (await it.driver._link.ask("GET", "media/sounds"))["files"]
-    await it.driver._link.ask("DELETE", "media/sounds/woz-test.wav")
+    assert "woz-test.wav" in (await rig.driver._link.ask("GET", "media/sounds"))["files"]
+    await rig.driver._link.ask("DELETE", "media/sounds/woz-test.wav")
 
 
 @on_the_mockup
-async def test_an_error_of_the_daemon_costs_no_further_command(it: Played) -> None:
+async def test_an_error_of_the_daemon_costs_no_further_command(rig: DaemonRig) -> None:
     """It answers 500 and hangs up."""
     for _ in range(2):
-        await it.driver._link.end("0b9b0a3e-0000-4000-8000-000000000000")
-        await it.do("pose", joints={"pan": 5})
-    assert it.context.healths[-1][0] is Health.CONNECTED
+        await rig.driver._link.end("0b9b0a3e-0000-4000-8000-000000000000")
+        await rig.do("pose", joints={"pan": 5})
+    assert rig.context.healths[-1][0] is Health.CONNECTED
 
 
 @on_the_mockup
-async def test_the_doctor_finds_nothing_wrong_but_the_media(it: Played, tmp_path: Path) -> None:
-    settings = it.driver.settings
+async def test_the_doctor_finds_nothing_wrong_but_the_media(rig: DaemonRig, tmp_path: Path) -> None:
+    settings = rig.driver.settings
     findings = await ReachyMini.examine(Probe("reachy", settings, tmp_path))
     assert [finding.text for finding in findings if finding.level == "error"] == []
     assert "1.12.0" in " ".join(finding.text for finding in findings)
@@ -347,26 +347,26 @@ async def test_the_doctor_finds_nothing_wrong_but_the_media(it: Played, tmp_path
 
 @on_the_mockup
 @pytest.mark.parametrize("how", ["killed", "frozen"])
-async def test_a_daemon_that_is_lost_is_found_again(it: Played, how: str) -> None:
-    command = asyncio.ensure_future(it.do("pose", joints={"pan": 60}, seconds=20))
+async def test_a_daemon_that_is_lost_is_found_again(rig: DaemonRig, how: str) -> None:
+    command = asyncio.ensure_future(rig.do("pose", joints={"pan": 60}, seconds=20))
     await asyncio.sleep(0.3)
     if how == "killed":
-        await it.daemon.end()
+        await rig.daemon.end()
     else:
-        it.daemon.send(signal.SIGSTOP)
+        rig.daemon.send(signal.SIGSTOP)
     with pytest.raises(DeviceLostError):
         await command
-    await it.becomes(Health.LOST)
+    await rig.becomes(Health.LOST)
     if how == "killed":
-        await it.daemon.start()
+        await rig.daemon.start()
     else:
-        it.daemon.send(signal.SIGCONT)
-    await it.becomes(Health.CONNECTED)
-    report = await it.driver.stop(Scope.ALL)
+        rig.daemon.send(signal.SIGCONT)
+    await rig.becomes(Health.CONNECTED)
+    report = await rig.driver.stop(Scope.ALL)
     assert report is not None and report.missing == ()
-    await it.driver.resume()
-    await it.do("home")
-    await it.stands(pan=0)
+    await rig.driver.resume()
+    await rig.do("home")
+    await rig.stands(pan=0)
 
 
 # -- the simulated robot beside it -----------------------------------------------------------------
@@ -479,12 +479,12 @@ async def test_a_daemon_that_never_had_media_is_silent_and_has_let_go_of_them(
     daemon = VendorsDaemon("mockup", tmp_path, options)
     await daemon.start()
     try:
-        it = Played(daemon, tmp_path, release_media=True)
-        await it.driver.open()
-        await it.becomes(Health.CONNECTED)
-        assert (await it.do("say", text="Hello."))["heard"] is False
-        await it.driver.close()
-        assert [text for _, text, _ in it.context.notices if "camera" in text] == []
+        daemon_rig = DaemonRig(daemon, tmp_path, release_media=True)
+        await daemon_rig.driver.open()
+        await daemon_rig.becomes(Health.CONNECTED)
+        assert (await daemon_rig.do("say", text="Hello."))["heard"] is False
+        await daemon_rig.driver.close()
+        assert [text for _, text, _ in daemon_rig.context.notices if "camera" in text] == []
     finally:
         await daemon.end()
 

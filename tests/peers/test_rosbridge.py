@@ -81,13 +81,13 @@ class Session:
 
 @contextlib.asynccontextmanager
 async def session(robot: RealRobot, text: str = ROBOT) -> AsyncIterator[Session]:
-    it = Session(robot, text)
-    await it.driver.open()
+    robot_session = Session(robot, text)
+    await robot_session.driver.open()
     try:
-        await it.healthy(Health.CONNECTED)
-        yield it
+        await robot_session.healthy(Health.CONNECTED)
+        yield robot_session
     finally:
-        await it.driver.close()
+        await robot_session.driver.close()
 
 
 @pytest_asyncio.fixture(params=[1, 2], ids=["ros1", "ros2"])
@@ -97,37 +97,37 @@ async def robot(request: pytest.FixtureRequest) -> AsyncIterator[RealRobot]:
 
 
 async def test_it_plays_all_that_a_file_declares(robot: RealRobot) -> None:
-    async with session(robot) as it:
-        await it.begin("say", text="Hello there")
+    async with session(robot) as robot_session:
+        await robot_session.begin("say", text="Hello there")
         assert [line["text"] for line in robot.of("say")] == ["Hello there"]
-        assert (await it.begin("loud", on=True))["result"]["success"] is True
+        assert (await robot_session.begin("loud", on=True))["result"]["success"] is True
         with pytest.raises(DriverError, match="as you say"):
-            await it.begin("loud", on=False)
-        await it.begin("count", steps=4)
+            await robot_session.begin("loud", on=False)
+        await robot_session.begin("count", steps=4)
         assert robot.of("reached")
-        await it.begin("drive", x=0.25, turn=0.0)
+        await robot_session.begin("drive", x=0.25, turn=0.0)
         await until(lambda: len(robot.of("velocity")) > 5)
         speeds = [line["x"] for line in robot.of("velocity")]
         assert speeds[0] == 0.0, "what went on before ends when it connects"
         assert speeds[-1] == 0.0
         assert 4 <= speeds.count(0.5) <= 7, "ten times a second for half a second"
-        await until(lambda: bool(it.context.of("distance")))
-        assert it.context.latest("distance") == 1.25
-        assert it.context.notices == []
+        await until(lambda: bool(robot_session.context.of("distance")))
+        assert robot_session.context.latest("distance") == 1.25
+        assert robot_session.context.notices == []
 
 
 async def test_a_stop_ends_everything_and_says_what_it_could_not_end(robot: RealRobot) -> None:
-    async with session(robot) as it:
+    async with session(robot) as robot_session:
         jobs = [
-            it.begin("drive", x=5.0, turn=0.0),
-            it.begin("say", text="x" * 400),
-            it.begin("count", steps=400),
-            it.begin("slow"),
+            robot_session.begin("drive", x=5.0, turn=0.0),
+            robot_session.begin("say", text="x" * 400),
+            robot_session.begin("count", steps=400),
+            robot_session.begin("slow"),
         ]
         await until(lambda: {"velocity", "say", "goal", "slow"} <= {t["what"] for t in robot.told})
         await until(lambda: any(line["x"] > 0 for line in robot.of("velocity")))
         before = len(robot.of("velocity"))
-        report = await it.driver.stop(Scope.ALL)
+        report = await robot_session.driver.stop(Scope.ALL)
         for job in jobs:
             job.cancel()
         await asyncio.gather(*jobs, return_exceptions=True)
@@ -143,11 +143,11 @@ async def test_a_stop_ends_everything_and_says_what_it_could_not_end(robot: Real
 
 
 async def test_a_goal_that_was_just_sent_is_ended_by_a_stop(robot: RealRobot) -> None:
-    async with session(robot) as it:
+    async with session(robot) as robot_session:
         for _ in range(3):
-            job = it.begin("count", steps=400)
+            job = robot_session.begin("count", steps=400)
             await asyncio.sleep(0)
-            report = await it.driver.stop(Scope.ALL)
+            report = await robot_session.driver.stop(Scope.ALL)
             job.cancel()
             await asyncio.gather(job, return_exceptions=True)
             assert report is not None
@@ -159,25 +159,25 @@ async def test_a_goal_that_was_just_sent_is_ended_by_a_stop(robot: RealRobot) ->
 
 
 async def test_a_goal_that_an_action_of_ros_2_refuses_is_known_soon() -> None:
-    async with real_robot(2) as robot, session(robot) as it:
-        await it.begin("count", steps=60)
+    async with real_robot(2) as robot, session(robot) as robot_session:
+        await robot_session.begin("count", steps=60)
         with pytest.raises(DriverError, match="accept"):
-            await it.begin("count", steps=2000)
-        await it.begin("count", steps=2)
+            await robot_session.begin("count", steps=2000)
+        await robot_session.begin("count", steps=2)
 
 
 async def test_what_does_not_fit_the_robot_is_told_before_it_is_used(robot: RealRobot) -> None:
     text = ROBOT.replace("/cmd_vel, speed", "/cmd_vel, type: geometry_msgs/TwistStamped, speed")
     text = text.replace("type: std_srvs/SetBool", "type: std_srvs/Trigger")
     text = text.replace('message: {{data: "{{on}}"}}', "message: {{}}")
-    async with session(robot, text) as it:
-        await until(lambda: len(it.context.notices) >= 2, 30)
-        told = " ".join(f"{what} {remedy}" for _, what, remedy in it.context.notices)
+    async with session(robot, text) as robot_session:
+        await until(lambda: len(robot_session.context.notices) >= 2, 30)
+        told = " ".join(f"{what} {remedy}" for _, what, remedy in robot_session.context.notices)
         assert "drive.topic" in told
         assert "verbs.loud.service" in told
         with pytest.raises(DriverError, match="geometry_msgs/Twist on the robot"):
-            await it.begin("drive", x=0.2, turn=0.0)
-    findings = await doctor.examine(Probe("robot", it.settings))
+            await robot_session.begin("drive", x=0.2, turn=0.0)
+    findings = await doctor.examine(Probe("robot", robot_session.settings))
     errors = {each.subject: each.remedy for each in findings if each.level == "error"}
     assert errors == {
         "drive.topic": "write type: geometry_msgs/Twist",
@@ -186,8 +186,8 @@ async def test_what_does_not_fit_the_robot_is_told_before_it_is_used(robot: Real
 
 
 async def test_a_draft_of_the_robot_file_can_be_read(robot: RealRobot) -> None:
-    async with session(robot) as it:
-        text = await doctor.draft(it.settings)
+    async with session(robot) as robot_session:
+        text = await doctor.draft(robot_session.settings)
     inner = "\n".join(line.removeprefix("    ") for line in text.splitlines()[4:])
     drafted = settings(inner.replace("type: ros\n", ""))
     assert drafted.drive is not None
@@ -197,31 +197,31 @@ async def test_a_draft_of_the_robot_file_can_be_read(robot: RealRobot) -> None:
 
 
 async def test_a_server_that_ends_is_lost_and_found_again(robot: RealRobot) -> None:
-    async with session(robot) as it:
-        job = it.begin("drive", x=5.0, turn=0.0)
+    async with session(robot) as robot_session:
+        job = robot_session.begin("drive", x=5.0, turn=0.0)
         await until(lambda: any(line["x"] > 0 for line in robot.of("velocity")))
         await robot.end("rosbridge")
         with pytest.raises(DriverError):
             await job
-        await it.healthy(Health.LOST)
+        await robot_session.healthy(Health.LOST)
         await robot.start_rosbridge()
-        await it.healthy(Health.CONNECTED)
+        await robot_session.healthy(Health.CONNECTED)
         await until(lambda: robot.of("velocity")[-1]["x"] == 0.0, 30)
-        await it.begin("count", steps=2)
+        await robot_session.begin("count", steps=2)
         assert robot.of("reached")
 
 
 async def test_a_server_that_froze_in_a_drive_ends_it_when_it_wakes(robot: RealRobot) -> None:
-    async with session(robot) as it:
-        job = it.begin("drive", x=5.0, turn=0.0)
+    async with session(robot) as robot_session:
+        job = robot_session.begin("drive", x=5.0, turn=0.0)
         await until(lambda: any(line["x"] > 0 for line in robot.of("velocity")))
         robot.send_signal("rosbridge", signal.SIGSTOP)
         with pytest.raises(DriverError):
             await job
-        await it.healthy(Health.LOST)
+        await robot_session.healthy(Health.LOST)
         late = len(robot.of("velocity"))
         robot.send_signal("rosbridge", signal.SIGCONT)
-        await it.healthy(Health.CONNECTED)
+        await robot_session.healthy(Health.CONNECTED)
         await until(lambda: robot.of("velocity")[-1]["x"] == 0.0, 30)
         moving = [line for line in robot.of("velocity")[late:] if line["x"] != 0.0]
         assert len(moving) <= 2, "at most what was sent before it was known to be silent"

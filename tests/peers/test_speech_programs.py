@@ -22,7 +22,7 @@ from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
 from woz_drivers.speech.synthesis import SpeechSynthesis
 from woz_drivers.wav import Wav
 
-from tests.drivers.ears import ears
+from tests.drivers.microphones import microphone_opener
 from tests.peers.places import place
 from woz_tui.drivers.contract import SPEECH, DriverError
 from woz_tui.protocol.messages import Reading, SpeechEnded, SpeechText
@@ -95,10 +95,10 @@ async def understood(
         sound = (await voice.utterance(text)).sound
         file = folder / "said.wav"
         file.write_bytes(sound.to_bytes())
-        heard = await transcriber.ask({"file": str(file)}, Transcript, LIMIT_S)
-        wrong += word_errors(words_of(text), words_of(heard.text))
-        transcripts.append(heard)
-        for one, other in zip(heard.words, heard.words[1:], strict=False):
+        transcript = await transcriber.ask({"file": str(file)}, Transcript, LIMIT_S)
+        wrong += word_errors(words_of(text), words_of(transcript.text))
+        transcripts.append(transcript)
+        for one, other in zip(transcript.words, transcript.words[1:], strict=False):
             assert 0 <= one.begin <= one.end <= other.end <= sound.seconds + 1
     return wrong / sum(len(words_of(text)) for text in SENTENCES), transcripts
 
@@ -117,7 +117,7 @@ async def test_what_piper_says_is_understood(
     share, transcripts = await understood(transcriber, piper, tmp_path)
     _tell(capsys, f"Piper joe, tiny.en: {share:.1%} of the words are wrong")
     assert share <= MOST_WRONG
-    assert all(0 < (heard.confidence or 0) <= 1 for heard in transcripts)
+    assert all(0 < (transcript.confidence or 0) <= 1 for transcript in transcripts)
 
 
 async def test_what_espeak_says_is_understood(
@@ -149,32 +149,32 @@ async def test_a_sentence_from_a_loudspeaker_to_the_log(
     piper: SpeechSynthesis, tmp_path: Path
 ) -> None:
     """The microphone hears it from a file, cuts it, and has it understood."""
-    said = (await piper.utterance(SENTENCES[2])).sound
-    quiet = bytes(2 * said.rate)
-    (tmp_path / "said.raw").write_bytes(quiet + said.data + 2 * quiet)
-    async with ears(tmp_path) as some:
-        _, heard = await some.open(
+    wav = (await piper.utterance(SENTENCES[2])).sound
+    quiet = bytes(2 * wav.rate)
+    (tmp_path / "said.raw").write_bytes(quiet + wav.data + 2 * quiet)
+    async with microphone_opener(tmp_path) as some:
+        _, published = await some.open(
             RealClock(),
             command="sh -c 'cat said.raw; sleep 60'",
-            rate=said.rate,
+            rate=wav.rate,
             resident_transcriber=whisper(),
             threshold=0.01,
         )
-        text = await heard.first(SpeechText)
-        ended = heard.all(SpeechEnded)[0]
+        text = await published.first(SpeechText)
+        speech_ended = published.all(SpeechEnded)[0]
     assert text.detail == ""
     assert word_errors(words_of(SENTENCES[2]), words_of(text.text)) <= 4
-    assert ended.began <= text.words[0].began < text.words[-1].ended <= ended.ended
-    (delay,) = [one for one in heard.all(Reading) if one.sensor == TRANSCRIBER]
+    assert speech_ended.began <= text.words[0].began < text.words[-1].ended <= speech_ended.ended
+    (delay,) = [one for one in published.all(Reading) if one.sensor == TRANSCRIBER]
     assert delay.unit == "s"
-    assert [one for one in heard.all(Reading) if one.sensor == SPEECH] == []
+    assert [one for one in published.all(Reading) if one.sensor == SPEECH] == []
 
 
 async def test_silence_has_no_words(transcriber: ResidentProgram, tmp_path: Path) -> None:
     file = tmp_path / "quiet.wav"
     quiet = pcm_audio.encode(np.zeros(16_000, np.float32), "S16_LE")
     file.write_bytes(Wav("S16_LE", 16_000, 1, quiet).to_bytes())
-    heard = await transcriber.ask({"file": str(file)}, Transcript, LIMIT_S)
-    assert len(words_of(heard.text)) <= 2
+    transcript = await transcriber.ask({"file": str(file)}, Transcript, LIMIT_S)
+    assert len(words_of(transcript.text)) <= 2
     with pytest.raises(DriverError, match="no-such"):
         await transcriber.ask({"file": str(tmp_path / "no-such.wav")}, Transcript, LIMIT_S)

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.bml.test_stomp import BLOCK, TOPICS
+from tests.bml.test_stomp_planner import BLOCK, TOPICS
 from tests.bridge.rig import CATALOGUE, GENERAL, PREFIX, SEQUENCE, eyepi
-from tests.host.rig import served
+from tests.host.rig import served_session
 from tests.peers.places import place
 from woz_tui.bml.ros_data import RosValue, read_data, write_data
 from woz_tui.bml.stomp_connection import (
@@ -126,7 +126,7 @@ async def test_a_planner_plays_the_robot_and_does_so_again_when_its_broker_has_c
     broker: Broker, tmp_path: Path
 ) -> None:
     sentences: list[str] = []
-    async with served(tmp_path) as host, connect(host.path) as client:
+    async with served_session(tmp_path) as host, connect(host.path) as client:
         running = asyncio.create_task(
             StompPlanner(client, broker.place, TOPICS, sentences.append).run()
         )
@@ -140,7 +140,7 @@ async def test_a_planner_plays_the_robot_and_does_so_again_when_its_broker_has_c
                 await until(lambda: sentences[-1].startswith("connected"), PATIENCE_S)
                 await _plays(f"after-{number}", broker.place)
             assert running.done() is False
-            assert {verb for verb, _ in host.puppet().calls} == {"play"}
+            assert {verb for verb, _ in host.driver().calls} == {"play"}
         finally:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
@@ -165,9 +165,9 @@ async def _plays(block: str, there: StompPlace) -> None:
 async def test_eyepis_own_planner_plays_the_robot(broker: Broker, tmp_path: Path) -> None:
     planner = await connect_stomp(broker.place)
     planner.subscribe(PREFIX + GENERAL)
-    made, table = eyepi()
+    experiment, table = eyepi()
     async with (
-        served(tmp_path, made=made, catalogue=CATALOGUE) as host,
+        served_session(tmp_path, made=experiment, catalogue=CATALOGUE) as host,
         connect(host.path, name="bridge", samples=True) as client,
     ):
         bridge = asyncio.create_task(StompBridge(client, broker.place, table, print).run())

@@ -15,7 +15,7 @@ from woz_tui.protocol.messages import AnyMessage, Done, Marker, Message, Note, R
 from woz_tui.system.clock import ManualClock
 
 
-class Diary:
+class CallOrder:
     """Notes in one list who was told what, in order."""
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class Diary:
 def test_messages_are_numbered_and_timed_from_the_sessions_beginning() -> None:
     clock = ManualClock()
     clock.advance(100)
-    hub = Hub(clock, Diary().record)
+    hub = Hub(clock, CallOrder().record)
     assert hub.seq == -1
     first = hub.publish(Marker(text="begin"))
     clock.advance(1.5)
@@ -48,24 +48,24 @@ def test_messages_are_numbered_and_timed_from_the_sessions_beginning() -> None:
 
 def test_the_t_axis_ignores_a_step_of_the_wall_clock() -> None:
     clock = ManualClock()
-    hub = Hub(clock, Diary().record)
+    hub = Hub(clock, CallOrder().record)
     clock.advance(1)
     clock.shift_wall(-86_400)
     assert hub.publish(Marker()).t == 1_000_000
 
 
 def test_what_the_maker_wrote_into_the_stamp_is_overwritten() -> None:
-    hub = Hub(ManualClock(), Diary().record)
+    hub = Hub(ManualClock(), CallOrder().record)
     assert hub.publish(Marker(seq=99, t=99, ts="never")).seq == 0
 
 
 def test_samples_carry_no_wall_clock() -> None:
-    hub = Hub(ManualClock(), Diary().record)
+    hub = Hub(ManualClock(), CallOrder().record)
     assert hub.publish(Reading(sensor="distance", value=1.0)).ts == ""
 
 
 def test_the_recorder_is_first_and_gets_the_very_line_that_is_sent() -> None:
-    diary = Diary()
+    diary = CallOrder()
     hub = Hub(ManualClock(), diary.record)
     hub.listen(diary.hear)
     subscription = hub.subscribe(10, True, diary.wake)
@@ -76,7 +76,7 @@ def test_the_recorder_is_first_and_gets_the_very_line_that_is_sent() -> None:
 
 
 def test_everybody_hears_in_order_even_if_a_listener_answers() -> None:
-    diary = Diary()
+    diary = CallOrder()
     hub = Hub(ManualClock(), diary.record)
 
     def answer(message: AnyMessage) -> None:
@@ -94,7 +94,7 @@ def test_everybody_hears_in_order_even_if_a_listener_answers() -> None:
 
 
 def test_a_subscriber_is_woken_once_until_it_takes() -> None:
-    diary = Diary()
+    diary = CallOrder()
     subscription = Subscription(10, True, diary.wake)
     subscription.offer(False, b"1\n")
     subscription.offer(False, b"2\n")
@@ -106,8 +106,8 @@ def test_a_subscriber_is_woken_once_until_it_takes() -> None:
 
 
 def test_after_unsubscribing_nothing_arrives() -> None:
-    hub = Hub(ManualClock(), Diary().record)
-    subscription = hub.subscribe(10, True, Diary().wake)
+    hub = Hub(ManualClock(), CallOrder().record)
+    subscription = hub.subscribe(10, True, CallOrder().wake)
     hub.unsubscribe(subscription)
     hub.unsubscribe(subscription)
     hub.publish(Marker())
@@ -115,13 +115,13 @@ def test_after_unsubscribing_nothing_arrives() -> None:
 
 
 def test_who_wants_no_samples_gets_none_and_loses_none() -> None:
-    subscription = Subscription(1, False, Diary().wake)
+    subscription = Subscription(1, False, CallOrder().wake)
     subscription.offer(True, b"sample\n")
     assert (subscription.take_all(), subscription.dropped) == ([], 0)
 
 
 def test_the_oldest_sample_makes_room() -> None:
-    subscription = Subscription(3, True, Diary().wake)
+    subscription = Subscription(3, True, CallOrder().wake)
     for sample, line in [(True, b"s1"), (False, b"a1"), (True, b"s2"), (True, b"s3")]:
         subscription.offer(sample, line)
     assert subscription.take_all() == [b"a1", b"s2", b"s3"]
@@ -129,7 +129,7 @@ def test_the_oldest_sample_makes_room() -> None:
 
 
 def test_too_many_acks_mark_the_subscription_and_lose_nothing() -> None:
-    subscription = Subscription(2, True, Diary().wake)
+    subscription = Subscription(2, True, CallOrder().wake)
     acks = [f"a{number}".encode() for number in range(5)]
     for ack in acks:
         subscription.offer(False, ack)
@@ -149,7 +149,7 @@ class Looked:
 
 def test_a_line_for_a_full_buffer_needs_no_look_at_those_that_wait() -> None:
     """A hundred listeners that never take would hold up everybody at each message."""
-    subscription = Subscription(1000, True, Diary().wake)
+    subscription = Subscription(1000, True, CallOrder().wake)
     for _ in range(1000):
         subscription.offer(cast(bool, Looked()), b"ack")
     Looked.looks = 0
@@ -202,7 +202,7 @@ TestBoundedBuffer = BoundedBuffer.TestCase
 
 @given(st.lists(st.sampled_from(["reading", "ack"]), max_size=60), st.integers(1, 8))
 def test_every_ack_reaches_a_listener_that_never_takes(kinds: list[str], capacity: int) -> None:
-    diary = Diary()
+    diary = CallOrder()
     hub = Hub(ManualClock(), diary.record)
     subscription = hub.subscribe(capacity, True, diary.wake)
     for kind in kinds:

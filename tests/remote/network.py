@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.ports import free_port
-from tests.host.rig import WAIT_S, Peer, Served, served
+from tests.host.rig import WAIT_S, Peer, ServedSession, served_session
 from woz_tui.config.experiment import AccessRole, SessionSettings
 from woz_tui.network.certificates import AccessFile, Authority
 from woz_tui.network.listen_address import ListenAddress
@@ -100,7 +100,7 @@ class Cable:
 class Machines:
     """A robot's computer with a session, and the folder of another machine."""
 
-    robot: Served
+    robot: ServedSession
     server: AccessServer
     authority: Authority
     cable: Cable
@@ -144,7 +144,7 @@ class Machines:
         return ""
 
 
-async def connected(remote: RemoteSession) -> Peer:
+async def connected_peer(remote: RemoteSession) -> Peer:
     """A program on the other machine, as soon as the session can be used there."""
     async with asyncio.timeout(WAIT_S):
         return Peer(*await asyncio.open_unix_connection(await remote.usable(), limit=1 << 22))
@@ -161,7 +161,7 @@ async def machines(tmp_path: Path, clock: RealClock | None = None) -> AsyncItera
 
 @contextlib.asynccontextmanager
 async def _machines(tmp_path: Path, clock: RealClock) -> AsyncIterator[Machines]:
-    async with served(
+    async with served_session(
         tmp_path, SessionSettings(), path=tmp_path / "S07.sock", clock=clock
     ) as robot:
         authority = Authority(tmp_path / "access")

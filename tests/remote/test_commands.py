@@ -37,7 +37,7 @@ BLOCK = """<bml id="b1" xmlns="http://www.bml-initiative.org/bml/bml-1.0">
 <speech id="s1"><text>Hello</text></speech></bml>"""
 
 
-class Bench:
+class RemoteRig:
     """Two machines, and commands on the one without the session."""
 
     def __init__(self, two: Machines) -> None:
@@ -63,21 +63,23 @@ def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-async def bench(tmp_path: Path) -> AsyncIterator[Bench]:
+async def rig(tmp_path: Path) -> AsyncIterator[RemoteRig]:
     async with machines(tmp_path, RealClock()) as two:
-        made = Bench(two)
-        yield made
+        remote_rig = RemoteRig(two)
+        yield remote_rig
         two.cable.flowing.set()
-        for running in made.begun:
+        for running in remote_rig.begun:
             with contextlib.suppress(ProcessLookupError):
                 running.kill()
             await running.wait()
 
 
-async def test_the_microphone_is_heard_and_what_the_network_held_back_is_not(bench: Bench) -> None:
-    robot, cable = bench.two.robot, bench.two.cable
+async def test_the_microphone_is_heard_and_what_the_network_held_back_is_not(
+    rig: RemoteRig,
+) -> None:
+    robot, cable = rig.two.robot, rig.two.cable
     window = microphone(robot)
-    running = await bench.woz("listen", "watcher", bench.two.address, stdout=PIPE)
+    running = await rig.woz("listen", "watcher", rig.two.address, stdout=PIPE)
     assert running.stdout is not None
     feed = robot.session.feeds.feed("robot", LISTENED)
     await until(lambda: isinstance(feed.latest().value, SoundListened), 30)
@@ -110,11 +112,11 @@ async def test_the_microphone_is_heard_and_what_the_network_held_back_is_not(ben
 
 
 async def test_a_voice_is_heard_and_what_the_network_held_back_is_not(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
+    rig: RemoteRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    robot, cable = bench.two.robot, bench.two.cable
+    robot, cable = rig.two.robot, rig.two.cable
     reader = loudspeaker(robot, on=True)
-    running = await bench.woz("talk", "program", bench.two.address, stdin=PIPE)
+    running = await rig.woz("talk", "program", rig.two.address, stdin=PIPE)
     assert running.stdin is not None
     heard = bytearray()
 
@@ -142,10 +144,10 @@ async def test_a_voice_is_heard_and_what_the_network_held_back_is_not(
     assert b"\7\7" not in heard
 
 
-async def test_a_voice_goes_on_when_a_cut_line_is_back(bench: Bench) -> None:
-    robot, cable = bench.two.robot, bench.two.cable
+async def test_a_voice_goes_on_when_a_cut_line_is_back(rig: RemoteRig) -> None:
+    robot, cable = rig.two.robot, rig.two.cable
     reader = loudspeaker(robot, on=True)
-    running = await bench.woz("talk", "program", bench.two.address, stdin=PIPE)
+    running = await rig.woz("talk", "program", rig.two.address, stdin=PIPE)
     assert running.stdin is not None
     running.stdin.write(WORD)
     await until(lambda: reader.take() is not None, 30)
@@ -168,13 +170,13 @@ async def test_a_voice_goes_on_when_a_cut_line_is_back(bench: Bench) -> None:
 
 
 @pytest.mark.safety
-async def test_who_is_revoked_is_told_and_the_command_ends(bench: Bench) -> None:
-    loudspeaker(bench.two.robot, on=True)
-    running = await bench.woz("talk", "program", bench.two.address, stdin=PIPE)
+async def test_who_is_revoked_is_told_and_the_command_ends(rig: RemoteRig) -> None:
+    loudspeaker(rig.two.robot, on=True)
+    running = await rig.woz("talk", "program", rig.two.address, stdin=PIPE)
     assert running.stdin is not None
     running.stdin.write(WORD)
     await line_with(running, "the robot says it")
-    bench.two.authority.revoke("talk-program")
+    rig.two.authority.revoke("talk-program")
     await line_with(running, "revoked")
     assert await asyncio.wait_for(running.wait(), 30) == 1
 
@@ -197,19 +199,19 @@ def test_the_reason_of_a_line_that_has_ended_is_the_last_one() -> None:
         assert (line.final, line.reason) == (True, "revoked")
 
 
-async def test_blocks_are_played_there(bench: Bench, tmp_path: Path) -> None:
+async def test_blocks_are_played_there(rig: RemoteRig, tmp_path: Path) -> None:
     (tmp_path / "b1.xml").write_text(BLOCK)
-    words = (str(tmp_path / "b1.xml"), "--session", bench.two.address)
-    running = await bench.woz("bml", "program", *words)
+    words = (str(tmp_path / "b1.xml"), "--session", rig.two.address)
+    running = await rig.woz("bml", "program", *words)
     _, said = await asyncio.wait_for(running.communicate(), 30)
     assert running.returncode == 0, said
     assert ("say", {"text": "Hello"}) in [
-        (verb, {"text": args["text"]}) for verb, args in bench.two.robot.puppet().calls
+        (verb, {"text": args["text"]}) for verb, args in rig.two.robot.driver().calls
     ]
 
 
-async def test_hands_join_and_are_let_go_with_the_line(bench: Bench) -> None:
-    running = await bench.woz("hands", "program", bench.two.address, stdout=PIPE)
+async def test_hands_join_and_are_let_go_with_the_line(rig: RemoteRig) -> None:
+    running = await rig.woz("hands", "program", rig.two.address, stdout=PIPE)
     assert running.stdout is not None
 
     async def says(words: bytes) -> None:
@@ -219,23 +221,23 @@ async def test_hands_join_and_are_let_go_with_the_line(bench: Bench) -> None:
                 pass
 
     await says(b"no panel for a gamepad")
-    await bench.two.cable.cut()
+    await rig.two.cable.cut()
     await says(b"looking for it again")
-    await bench.two.robot.published(lambda line: isinstance(line, m.ConsoleLost))
-    await bench.two.cable.lay()
+    await rig.two.robot.published(lambda line: isinstance(line, m.ConsoleLost))
+    await rig.two.cable.lay()
     await says(b"no panel for a gamepad")
 
 
 @pytest.mark.safety
-async def test_hands_of_a_role_that_may_not_are_turned_away(bench: Bench) -> None:
-    running = await bench.woz("hands", "wizard", bench.two.address, stdout=PIPE)
+async def test_hands_of_a_role_that_may_not_are_turned_away(rig: RemoteRig) -> None:
+    running = await rig.woz("hands", "wizard", rig.two.address, stdout=PIPE)
     said, _ = await asyncio.wait_for(running.communicate(), 30)
     assert running.returncode == 1
     assert b"program" in said
 
 
-async def test_an_assistants_tools_join_again_when_the_line_is_back(bench: Bench) -> None:
-    two = bench.two
+async def test_an_assistants_tools_join_again_when_the_line_is_back(rig: RemoteRig) -> None:
+    two = rig.two
     async with two.joined(two.access("assistant", "program")) as remote:
         tools = SessionTools(str(await remote.usable()))
         first = await tools.caller()

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.host.rig import WAIT_S, Peer
-from tests.remote.network import BootClock, Machines, S, connected, machines
+from tests.remote.network import BootClock, Machines, S, connected_peer, machines
 from woz_tui.cli.remote_start import remote_session
 from woz_tui.config.experiment import AccessRole
 from woz_tui.console.message_feed import Loss, LostPart
@@ -39,13 +39,13 @@ from woz_tui.testing import until
 
 async def test_a_wizard_on_another_machine_plays_and_the_log_has_the_name(tmp_path: Path) -> None:
     async with machines(tmp_path) as two, two.joined(two.access("anna", "wizard")) as remote:
-        peer = await connected(remote)
+        peer = await connected_peer(remote)
         welcome = await peer.hello("wizard")
         assert welcome["role"] == "wizard"
         assert welcome["robot_at"] == two.address
         assert (await peer.ask("action", action="Hello", source="key"))["ok"]
         await peer.kind("action.done")
-        assert "say" in {verb for verb, _ in two.robot.puppet().calls}
+        assert "say" in {verb for verb, _ in two.robot.driver().calls}
         [joined] = [line for line in two.robot.lines if isinstance(line, m.ConsoleAttached)]
         assert (joined.role, joined.via) == ("wizard", "anna")
 
@@ -69,7 +69,7 @@ async def test_nobody_is_more_than_the_experiment_says(
     tmp_path: Path, role: AccessRole, hello: str, ok: bool
 ) -> None:
     async with machines(tmp_path) as two, two.joined(two.access("anna", role)) as remote:
-        peer = await connected(remote)
+        peer = await connected_peer(remote)
         await peer.say(kind="hello", ref=1, role=hello)
         answer = await peer.until(lambda line: line["kind"] in ("welcome", "reply"))
         assert (answer["kind"] == "welcome") is ok
@@ -80,7 +80,7 @@ async def test_nobody_is_more_than_the_experiment_says(
 
 async def test_a_watcher_can_stop_and_nothing_else(tmp_path: Path) -> None:
     async with machines(tmp_path) as two, two.joined(two.access("bob", "watcher")) as remote:
-        peer = await connected(remote)
+        peer = await connected_peer(remote)
         await peer.hello("watcher")
         for kind, fields in (
             ("action", {"action": "Hello"}),
@@ -90,14 +90,14 @@ async def test_a_watcher_can_stop_and_nothing_else(tmp_path: Path) -> None:
             ("end", {}),
         ):
             assert not (await peer.ask(kind, **fields))["ok"], kind
-        assert not two.robot.puppet().calls
+        assert not two.robot.driver().calls
         assert (await peer.ask("stop"))["ok"]
         assert two.robot.session.bus.latched
 
 
 async def test_a_stop_needs_no_hello(tmp_path: Path) -> None:
     async with machines(tmp_path) as two, two.joined(two.access("anna", "wizard")) as remote:
-        assert (await (await connected(remote)).ask("stop"))["ok"]
+        assert (await (await connected_peer(remote)).ask("stop"))["ok"]
         assert two.robot.session.bus.latched
 
 
@@ -170,7 +170,7 @@ async def test_another_computer_is_not_taken_for_the_robot(tmp_path: Path) -> No
 
 async def test_who_is_revoked_is_cut_off(tmp_path: Path) -> None:
     async with machines(tmp_path) as two, two.joined(two.access("anna", "wizard")) as remote:
-        peer = await connected(remote)
+        peer = await connected_peer(remote)
         await peer.hello("wizard")
         two.authority.revoke("anna")
         with pytest.raises((EOFError, ConnectionError)):
@@ -193,7 +193,7 @@ async def test_a_new_file_of_the_same_name_keeps_nobody_in_with_the_old_one(
 
 async def test_another_role_in_the_file_ends_what_was_open(tmp_path: Path) -> None:
     async with machines(tmp_path) as two, two.joined(two.access("anna", "wizard")) as remote:
-        peer = await connected(remote)
+        peer = await connected_peer(remote)
         await peer.hello("wizard")
         two.server.adopt({"anna": "watcher"})
         with pytest.raises((EOFError, ConnectionError)):
@@ -221,7 +221,7 @@ async def is_too_late(two: Machines, peer: Peer, *clocks: BootClock) -> None:
     answer = await peer.until(lambda line: line["kind"] == "reply" and line["ref"] == 1)
     assert not answer["ok"]
     assert "too late" in answer["reason"]
-    assert not two.robot.puppet().calls
+    assert not two.robot.driver().calls
 
 
 @pytest.mark.usefixtures("_running")
@@ -231,7 +231,7 @@ async def test_what_a_frozen_network_held_back_is_not_played(tmp_path: Path) -> 
         machines(tmp_path, clock) as two,
         two.joined(two.access("anna", "wizard")) as remote,
     ):
-        peer = await connected(remote)
+        peer = await connected_peer(remote)
         await peer.hello("wizard")
         await is_too_late(two, peer, clock)
         assert (await peer.ask("action", action="Hello", source="key"))["ok"]
@@ -249,7 +249,7 @@ async def test_that_holds_when_the_robots_computer_was_started_anew(tmp_path: Pa
             await until(lambda: not path.exists(), WAIT_S)
             two.clock.boot -= 50 * S
             await two.cable.lay()
-            peer = await connected(remote)
+            peer = await connected_peer(remote)
             await peer.hello("wizard")
             await is_too_late(two, peer, here, two.clock)
 
@@ -264,7 +264,7 @@ async def test_a_path_that_the_environment_names_and_a_session_has_is_told(
 
 async def test_a_cut_network_is_told_on_both_sides_and_comes_back(tmp_path: Path) -> None:
     async with machines(tmp_path) as two, two.joined(two.access("anna", "wizard")) as remote:
-        peer = await connected(remote)
+        peer = await connected_peer(remote)
         await peer.hello("wizard")
         path = await remote.usable()
         await two.cable.cut()
@@ -273,7 +273,7 @@ async def test_a_cut_network_is_told_on_both_sides_and_comes_back(tmp_path: Path
         await two.robot.published(lambda line: isinstance(line, m.ConsoleLost))
         await until(lambda: not path.exists(), WAIT_S)
         await two.cable.lay()
-        assert (await (await connected(remote)).hello("wizard"))["role"] == "wizard"
+        assert (await (await connected_peer(remote)).hello("wizard"))["role"] == "wizard"
 
 
 async def test_a_lost_line_and_an_ended_robot_process_are_told_apart(tmp_path: Path) -> None:

@@ -114,7 +114,9 @@ def recording_of(messages: Sequence[m.AnyMessage]) -> Recording:
     )
 
 
-def played(run: str, action: str, at: float, took: float) -> list[tuple[float, m.AnyMessage]]:
+def played_action(
+    run: str, action: str, at: float, took: float
+) -> list[tuple[float, m.AnyMessage]]:
     """An action from its press to its end."""
     command = f"c{run}"
     return [
@@ -138,9 +140,9 @@ def story() -> list[m.AnyMessage]:
         (0, START),
         (0.1, m.DriverConnected(driver="robot", detail="simulated")),
         (0.2, PLAN),
-        *played("a1", "Hello", 3, 2),
+        *played_action("a1", "Hello", 3, 2),
         (6, m.Marker(text="smile")),
-        *played("a2", "Go", 8, 4),
+        *played_action("a2", "Go", 8, 4),
         (13, m.Mistake(run="a2", action="Go", text="too late")),
         (15, m.StopPressed(source="key")),
         (15.5, m.StopConfirmed(confirmed=["robot"], missing=[], elapsed_us=500_000)),
@@ -168,7 +170,7 @@ class Viewer:
         self.player = ReplayPlayer(recording, start, **options)
         self.state = ConsoleState()
         self.now = 0
-        self.heard: list[Incoming] = []
+        self.messages: list[Incoming] = []
         self._take(self.player.begin(0))
 
     def wait(self, seconds: float, ticks: int = 1) -> None:
@@ -195,7 +197,7 @@ class Viewer:
         assert self.do("go", to=f"{seconds:.6f}").ok
 
     def _take(self, told: list[Incoming]) -> None:
-        self.heard += told
+        self.messages += told
         # As over a socket: what a console gets is what the wire's codec makes of it.
         decoded = [
             codec.decode_incoming(codec.encode(each)) if isinstance(each, msgspec.Struct) else each
@@ -207,14 +209,14 @@ class Viewer:
         """Kinds of the log's lines that came, samples left out; then forget everything."""
         found = [
             str(each.__struct_config__.tag)
-            for each in self.heard
+            for each in self.messages
             if isinstance(each, m.Message) and not codec.is_sample(each)
         ]
-        self.heard = []
+        self.messages = []
         return found
 
     @property
-    def shown(self) -> dict[str, object]:
+    def visible_state(self) -> dict[str, object]:
         """What a wizard sees now."""
         return seen_by_wizard(self.state, self.now)
 
@@ -226,13 +228,13 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
         "participant": (state.participant, state.condition, state.trial),
         "panels": state.panels,
         "position": state.position,
-        "locks": {panel: changed.locked for panel, changed in session.locks.items()},
+        "locks": {panel: panel_locked.locked for panel, panel_locked in session.locks.items()},
         "drivers": state.drivers,
         "sensors": [state.sensor(name) for name in state.sensors],
         "stop": state.stop,
         "engagement": session.model.changed,
         "shown": state.engaged.shown,
-        "modes": {driver: changed.now for driver, changed in session.modes.items()},
+        "modes": {driver: mode_changed.now for driver, mode_changed in session.modes.items()},
         "active": [(run, state.runs.get(run)) for run in state.runs.active],
         "outcomes": dict(state.runs.outcomes),
         "failures": [failure.run for failure in state.runs.failures],
@@ -257,8 +259,8 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
     }
 
 
-def distance(it: Viewer) -> SensorView:
+def distance(viewer: Viewer) -> SensorView:
     """The sensor of this name, as the wizard sees it."""
-    sensor = it.state.sensor("distance")
+    sensor = viewer.state.sensor("distance")
     assert sensor is not None
     return sensor

@@ -22,101 +22,101 @@ from woz_tui.replay.recording import Recording
 LOG = "2026-03-01T10-00-00_P07_S01.jsonl"
 
 
-def watched(folder: Path, coder: str = "K1", at: float = 0.0) -> Viewer:
+def coding_viewer(folder: Path, coder: str = "K1", at: float = 0.0) -> Viewer:
     coding = Coding(coding_path(folder / LOG), coder, START)
     start = ReplayStart(at_us=round(at * SECOND))
     return Viewer(Recording(story(), KeptSamples(()), coded=True), start, coding=coding)
 
 
-def codes(it: Viewer) -> list[tuple[int, str]]:
-    assert it.state.replay is not None
-    return [(place.t, place.text) for place in it.state.replay.places if place.sort == "code"]
+def codes(viewer: Viewer) -> list[tuple[int, str]]:
+    assert viewer.state.replay is not None
+    return [(place.t, place.text) for place in viewer.state.replay.places if place.sort == "code"]
 
 
-def events(it: Viewer) -> list[tuple[int, str, str]]:
+def events(viewer: Viewer) -> list[tuple[int, str, str]]:
     return [
         (each.t // SECOND, each.text, each.detail)
-        for each in it.state.events
+        for each in viewer.state.events
         if each.text.startswith("Code of")
     ]
 
 
-def written(folder: Path) -> list[dict[str, Any]]:
+def coding_lines(folder: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in coding_path(folder / LOG).read_text("utf-8").splitlines()]
 
 
 def test_a_code_has_the_moment_at_which_it_was_set_and_is_shown(tmp_path: Path) -> None:
-    it = watched(tmp_path, at=4)
-    assert it.ask(r.AskMarker(text="gaze: robot")).ok
-    it.wait(1)
-    assert it.ask(r.AskNote(text="not sure")).ok
-    assert codes(it) == [(4 * SECOND, "gaze: robot"), (5 * SECOND, "not sure")]
-    assert (4, "Code of K1", "gaze: robot") in events(it)
-    head, first, second = written(tmp_path)
+    viewer = coding_viewer(tmp_path, at=4)
+    assert viewer.ask(r.AskMarker(text="gaze: robot")).ok
+    viewer.wait(1)
+    assert viewer.ask(r.AskNote(text="not sure")).ok
+    assert codes(viewer) == [(4 * SECOND, "gaze: robot"), (5 * SECOND, "not sure")]
+    assert (4, "Code of K1", "gaze: robot") in events(viewer)
+    head, first, second = coding_lines(tmp_path)
     assert (head["kind"], head["session"]) == ("coding", "S01")
     assert (first["coder"], first["t"], first["text"]) == ("K1", 4 * SECOND, "gaze: robot")
     assert second["note"]
 
 
 def test_codes_come_again_where_they_were_set_and_a_coding_goes_on(tmp_path: Path) -> None:
-    watched(tmp_path, at=4).ask(r.AskMarker(text="smiles"))
-    it = watched(tmp_path)
-    assert codes(it) == [(4 * SECOND, "smiles")]
-    assert not events(it)
-    it.wait(4.5)
-    assert [each[:2] for each in events(it)] == [(4, "Code of K1")]
-    it.go(3)
-    assert not events(it)
-    it.go(5)
-    assert [each[:2] for each in events(it)] == [(4, "Code of K1")]
-    it.ask(r.AskMarker(text="nods"))
-    assert [line["number"] for line in written(tmp_path)[1:]] == [0, 1]
+    coding_viewer(tmp_path, at=4).ask(r.AskMarker(text="smiles"))
+    viewer = coding_viewer(tmp_path)
+    assert codes(viewer) == [(4 * SECOND, "smiles")]
+    assert not events(viewer)
+    viewer.wait(4.5)
+    assert [each[:2] for each in events(viewer)] == [(4, "Code of K1")]
+    viewer.go(3)
+    assert not events(viewer)
+    viewer.go(5)
+    assert [each[:2] for each in events(viewer)] == [(4, "Code of K1")]
+    viewer.ask(r.AskMarker(text="nods"))
+    assert [line["number"] for line in coding_lines(tmp_path)[1:]] == [0, 1]
 
 
 def test_codes_change_nothing_about_the_events_beside_them(tmp_path: Path) -> None:
-    it, plain = watched(tmp_path, at=12), watched(tmp_path, "K2", at=12)
-    it.ask(r.AskMarker(text="smiles"))
-    for viewer in (it, plain):
+    replay_viewer, plain = coding_viewer(tmp_path, at=12), coding_viewer(tmp_path, "K2", at=12)
+    replay_viewer.ask(r.AskMarker(text="smiles"))
+    for viewer in (replay_viewer, plain):
         viewer.go(11)
         viewer.go(13)
-    beside = [each for each in it.state.events if not each.text.startswith("Code of")]
+    beside = [each for each in replay_viewer.state.events if not each.text.startswith("Code of")]
     assert beside == list(plain.state.events)
     assert any(each.took_us for each in beside)
 
 
 def test_the_last_code_is_taken_back_and_its_number_is_not_used_again(tmp_path: Path) -> None:
-    it = watched(tmp_path, at=4)
+    viewer = coding_viewer(tmp_path, at=4)
     for text in ("smiles", "nods"):
-        it.ask(r.AskMarker(text=text))
-    assert it.ask(r.AskMistake()).ok
-    assert codes(it) == [(4 * SECOND, "smiles")]
-    assert [each[2] for each in events(it)] == ["smiles"]
-    it.ask(r.AskMarker(text="laughs"))
-    found = read_codings(coding_path(tmp_path / LOG))
-    assert [(code.number, code.text) for code in found.of("K1")] == [(0, "smiles"), (2, "laughs")]
-    assert it.ask(r.AskMistake()).ok
-    assert it.ask(r.AskMistake()).ok
-    assert not it.ask(r.AskMistake()).ok
+        viewer.ask(r.AskMarker(text=text))
+    assert viewer.ask(r.AskMistake()).ok
+    assert codes(viewer) == [(4 * SECOND, "smiles")]
+    assert [each[2] for each in events(viewer)] == ["smiles"]
+    viewer.ask(r.AskMarker(text="laughs"))
+    codings = read_codings(coding_path(tmp_path / LOG))
+    assert [(code.number, code.text) for code in codings.of("K1")] == [(0, "smiles"), (2, "laughs")]
+    assert viewer.ask(r.AskMistake()).ok
+    assert viewer.ask(r.AskMistake()).ok
+    assert not viewer.ask(r.AskMistake()).ok
 
 
 def test_coders_do_not_see_each_others_codes(tmp_path: Path) -> None:
-    watched(tmp_path, "K1", at=4).ask(r.AskMarker(text="a secret of K1"))
-    it = watched(tmp_path, "K2", at=10)
-    it.ask(r.AskMarker(text="mine"))
-    assert codes(it) == [(10 * SECOND, "mine")]
-    assert "a secret of K1" not in str(it.heard)
+    coding_viewer(tmp_path, "K1", at=4).ask(r.AskMarker(text="a secret of K1"))
+    viewer = coding_viewer(tmp_path, "K2", at=10)
+    viewer.ask(r.AskMarker(text="mine"))
+    assert codes(viewer) == [(10 * SECOND, "mine")]
+    assert "a secret of K1" not in str(viewer.messages)
     assert len(read_codings(coding_path(tmp_path / LOG)).by_coder) == 2
 
 
 def test_without_a_coder_nothing_is_set(tmp_path: Path) -> None:
-    it = Viewer(recording_of(story()))
+    viewer = Viewer(recording_of(story()))
     for request in (r.AskMarker(text="x"), r.AskNote(text="x"), r.AskMistake()):
-        assert it.ask(request).reason == UNCODED
+        assert viewer.ask(request).reason == UNCODED
 
 
 def test_an_empty_code_is_refused(tmp_path: Path) -> None:
-    assert not watched(tmp_path).ask(r.AskMarker(text="  ")).ok
-    assert len(written(tmp_path)) == 1
+    assert not coding_viewer(tmp_path).ask(r.AskMarker(text="  ")).ok
+    assert len(coding_lines(tmp_path)) == 1
 
 
 # -- the file -------------------------------------------------------------------------------------
@@ -125,7 +125,7 @@ def test_an_empty_code_is_refused(tmp_path: Path) -> None:
 def test_the_file_is_its_owners_and_no_log(tmp_path: Path) -> None:
     path = coding_path(tmp_path / LOG)
     path.touch(0o644)
-    watched(tmp_path)
+    coding_viewer(tmp_path)
     assert path.stat().st_mode & 0o777 == 0o600
     assert FileName.parse(path.name) is None
 
@@ -138,20 +138,20 @@ def test_a_coders_code_is_checked_as_a_participants(tmp_path: Path, coder: str) 
 
 
 def test_a_line_that_was_torn_costs_nothing_else(tmp_path: Path) -> None:
-    it = watched(tmp_path, at=4)
+    viewer = coding_viewer(tmp_path, at=4)
     for text in ("smiles", "nods"):
-        it.ask(r.AskMarker(text=text))
+        viewer.ask(r.AskMarker(text=text))
     path = coding_path(tmp_path / LOG)
     path.write_bytes(path.read_bytes()[:-9])
-    it = watched(tmp_path, at=6)
-    it.ask(r.AskMarker(text="laughs"))
-    found = read_codings(path)
-    assert [code.text for code in found.of("K1")] == ["smiles", "laughs"]
-    assert found.unread == 1
+    viewer = coding_viewer(tmp_path, at=6)
+    viewer.ask(r.AskMarker(text="laughs"))
+    codings = read_codings(path)
+    assert [code.text for code in codings.of("K1")] == ["smiles", "laughs"]
+    assert codings.unread == 1
 
 
 def test_codes_of_another_session_are_not_mixed_in(tmp_path: Path) -> None:
-    watched(tmp_path)
+    coding_viewer(tmp_path)
     other = msgspec.structs.replace(START, session="S02")
     with pytest.raises(CodingError, match="another session"):
         Coding(coding_path(tmp_path / LOG), "K1", other)
@@ -161,26 +161,26 @@ def test_what_is_no_file_of_codes_is_left_alone(tmp_path: Path) -> None:
     path = coding_path(tmp_path / LOG)
     path.write_text("a shopping list\n", encoding="utf-8")
     with pytest.raises(CodingError, match="no file of codes"):
-        watched(tmp_path)
+        coding_viewer(tmp_path)
     assert path.read_text(encoding="utf-8") == "a shopping list\n"
     path.unlink()
     path.symlink_to(tmp_path / "elsewhere")
     with pytest.raises(CodingError):
-        watched(tmp_path)
+        coding_viewer(tmp_path)
     assert not (tmp_path / "elsewhere").exists()
 
 
 def test_a_full_disk_is_told(tmp_path: Path) -> None:
-    it = watched(tmp_path, at=4)
-    coding = it.player._coding
+    viewer = coding_viewer(tmp_path, at=4)
+    coding = viewer.player._coding
     assert coding is not None
     full = os.open("/dev/full", os.O_WRONLY)
     os.dup2(full, coding._file)
     os.close(full)
-    reply = it.ask(r.AskMarker(text="smiles"))
+    reply = viewer.ask(r.AskMarker(text="smiles"))
     assert not reply.ok
     assert "No space" in reply.reason
-    assert codes(it) == []
+    assert codes(viewer) == []
 
 
 # -- blind to the condition -----------------------------------------------------------------------
@@ -199,14 +199,14 @@ def test_what_a_full_disk_took_in_part_costs_no_later_code(
     if torn == "the header":
         monkeypatch.setattr(os, "write", a_part)
         with pytest.raises(CodingError, match="No space left"):
-            watched(tmp_path)
-    it = watched(tmp_path)
+            coding_viewer(tmp_path)
+    viewer = coding_viewer(tmp_path)
     if torn == "a code":
         monkeypatch.setattr(os, "write", a_part)
-        assert not it.ask(r.AskMarker(text="smiles")).ok
-    assert it.ask(r.AskMarker(text="nods")).ok
-    found = read_codings(coding_path(tmp_path / LOG))
-    assert ([code.text for code in found.of("K1")], found.unread) == (["nods"], 0)
+        assert not viewer.ask(r.AskMarker(text="smiles")).ok
+    assert viewer.ask(r.AskMarker(text="nods")).ok
+    codings = read_codings(coding_path(tmp_path / LOG))
+    assert ([code.text for code in codings.of("K1")], codings.unread) == (["nods"], 0)
 
 
 def test_a_coder_is_told_no_condition_although_the_wizard_knew_it(tmp_path: Path) -> None:
@@ -226,13 +226,13 @@ def test_a_coder_is_told_no_condition_although_the_wizard_knew_it(tmp_path: Path
     lines = stamped([(float(at), line) for at, line in enumerate(told)])
 
     def sent(*, coded: bool) -> str:
-        it = Viewer(Recording(lines, KeptSamples(()), coded=coded))
-        it.wait(20, ticks=40)
-        it.go(3)
-        it.go(4)
+        viewer = Viewer(Recording(lines, KeptSamples(()), coded=coded))
+        viewer.wait(20, ticks=40)
+        viewer.go(3)
+        viewer.go(4)
         parts = [
             codec.encode(each) if isinstance(each, msgspec.Struct) else repr(each).encode()
-            for each in it.heard
+            for each in viewer.messages
         ]
         return b"".join(parts).decode()
 

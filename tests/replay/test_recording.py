@@ -14,7 +14,7 @@ from tests.replay.logs import (
     KeptSamples,
     Viewer,
     distance,
-    played,
+    played_action,
     recording_of,
     stamped,
     story,
@@ -87,7 +87,7 @@ def courses(draw: st.DrawFn) -> list[m.AnyMessage]:
     for number in range(draw(st.integers(0, 12))):
         at, took = draw(st.floats(0, 60)), draw(st.floats(0, 10))
         name, held = draw(st.sampled_from(["Hello", "Go"])), draw(st.floats(0, 5) | st.none())
-        pressed, *rest = played(f"a{number}", name, at, took)
+        pressed, *rest = played_action(f"a{number}", name, at, took)
         timed.append(pressed)
         if held is not None:
             until = round((at + held) * SECOND)
@@ -109,7 +109,7 @@ def test_the_state_after_seeking_is_that_after_playing(
     for detour in [each for each in detours if each <= to]:
         by_seeking.go(detour)
     by_seeking.go(to)
-    assert by_playing.shown == by_seeking.shown
+    assert by_playing.visible_state == by_seeking.visible_state
 
 
 @given(courses(), st.integers(0, 200), st.integers(1, 30))
@@ -136,14 +136,14 @@ def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
     lines = [each for each in messages if not codec.is_sample(each)]
     at = next(n for n, line in enumerate(lines) if line.t > 30 * SECOND)
     recording = Recording([*lines[:at], strange, *lines[at:]], KeptSamples(()), plan=PLAN)
-    it = Viewer(recording)
-    it.wait(61, ticks=61)
+    viewer = Viewer(recording)
+    viewer.wait(61, ticks=61)
     assert {"kind": "weather.changed", "sky": "blue"}.items() <= next(
-        each for each in it.heard if isinstance(each, dict)
+        each for each in viewer.messages if isinstance(each, dict)
     ).items()
-    assert it.state.ended == "wizard"
-    it.go(29.9)
-    reply = it.do("step")
+    assert viewer.state.ended == "wizard"
+    viewer.go(29.9)
+    reply = viewer.do("step")
     assert reply.data == {"kind": "weather.changed", "t": 30 * SECOND}
 
 
@@ -216,14 +216,14 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
         drivers=[],
         settings=WelcomeSettings(),
     )
-    it = Viewer(recording_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
-    assert it.state.title == "Museum guide"
-    it.wait(6)
-    assert it.state.title == "Reloaded"
-    it.go(2)
-    assert it.state.title == "Museum guide"
-    it.go(8)
-    assert it.state.title == "Reloaded"
+    viewer = Viewer(recording_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
+    assert viewer.state.title == "Museum guide"
+    viewer.wait(6)
+    assert viewer.state.title == "Reloaded"
+    viewer.go(2)
+    assert viewer.state.title == "Museum guide"
+    viewer.go(8)
+    assert viewer.state.title == "Reloaded"
 
 
 def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
@@ -238,9 +238,9 @@ def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
     by_playing.wait(7)
     by_seeking = Viewer(recording_of(stamped(timed)), ReplayStart(paused=True))
     by_seeking.go(3)
-    assert by_seeking.shown["locks"] == {"Speech": True}
+    assert by_seeking.visible_state["locks"] == {"Speech": True}
     by_seeking.go(7)
-    assert by_seeking.shown["locks"] == by_playing.shown["locks"] == {}
+    assert by_seeking.visible_state["locks"] == by_playing.visible_state["locks"] == {}
 
 
 def test_the_study_of_a_moment_knows_nothing_of_what_comes_next() -> None:
@@ -254,20 +254,20 @@ def test_a_model_that_a_reload_took_away_holds_no_more() -> None:
         settings = msgspec.structs.replace(PLAN.settings, engagement=engagement)
         return msgspec.structs.replace(PLAN, settings=settings)
 
-    changed = m.EngagementChanged(
+    engagement_changed = m.EngagementChanged(
         was="Wait", now="PersonDetected", outcome="", why="presence", verdicts={}
     )
     timed: list[Timed] = [
         (0, START),
         (1, plan(ModelLimits(attempts=3))),
-        (2, changed),
+        (2, engagement_changed),
         (5, plan(ModelLimits())),
         (9, m.Marker()),
     ]
     recording = recording_of(stamped(timed))
     for index, there in ((3, True), (4, False), (5, False)):
         state = recording.moment(index, recording.times[index - 1]).state
-        assert any(isinstance(held, m.EngagementChanged) for held in state) is there
+        assert any(isinstance(message, m.EngagementChanged) for message in state) is there
 
 
 def _blind() -> m.SessionPlan:
@@ -294,12 +294,12 @@ def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(revea
     lines = [each for each in messages if not codec.is_sample(each)]
     samples = [each for each in messages if codec.is_sample(each)]
     recording = Recording(lines, KeptSamples(samples, 4 * SECOND), reveal=reveal)
-    it = Viewer(recording)
-    it.wait(4)
+    viewer = Viewer(recording)
+    viewer.wait(4)
     for _ in range(2):  # after playing, and after going there
-        assert it.state.condition == ("cold" if reveal else "B")
-        assert (distance(it).value == 1.0) is reveal
-        it.go(3.5)
-    assert it.state.replay is not None
-    (trial,) = (place for place in it.state.replay.places if place.sort == "trial")
+        assert viewer.state.condition == ("cold" if reveal else "B")
+        assert (distance(viewer).value == 1.0) is reveal
+        viewer.go(3.5)
+    assert viewer.state.replay is not None
+    (trial,) = (place for place in viewer.state.replay.places if place.sort == "trial")
     assert trial.text == f"trial 1 {'cold' if reveal else 'B'}"

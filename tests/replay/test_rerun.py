@@ -10,26 +10,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import run_virtual
-from tests.replay.again import (
+from tests.replay.rerun_rig import (
     HAND,
     KEY,
     NOWHERE,
-    over,
     played_in,
     player_of,
-    recorded,
+    record_session,
+    rerun_over,
     run_again,
 )
-from tests.session.rig import Stage
+from tests.session.rig import SessionRig
 from woz_tui.analysis.session_comparison import BY_COMMANDS, compare
 from woz_tui.config.experiment import Call
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import plan_of
 
 
-async def tour(stage: Stage) -> None:
+async def tour(rig: SessionRig) -> None:
     """Speech and moves together, one after the other, and side by side."""
-    session = stage.session
+    session = rig.session
     session.play("Hello", KEY)
     await asyncio.sleep(0.4)
     session.play("Welcome", KEY)
@@ -40,17 +40,17 @@ async def tour(stage: Stage) -> None:
 
 
 def test_every_command_comes_at_its_moment_of_then(tmp_path: Path) -> None:
-    log = recorded(tmp_path / "a", tour)
+    log = record_session(tmp_path / "a", tour)
     first = played_in(log)
-    again = run_again(tmp_path / "b", log)
-    assert again.player.over is not None
-    assert again.player.over.reason == "done"
-    assert again.player.over.sent_again == len(first.commands) == 6
-    assert [(sent.late_us < 10, sent.due) for sent in again.sent()] == [
-        (True, act.moment - first.commands[0].moment + again.sent()[0].due)
+    rerun = run_again(tmp_path / "b", log)
+    assert rerun.player.over is not None
+    assert rerun.player.over.reason == "done"
+    assert rerun.player.over.sent_again == len(first.commands) == 6
+    assert [(rerun_sent.late_us < 10, rerun_sent.due) for rerun_sent in rerun.sent_commands()] == [
+        (True, act.moment - first.commands[0].moment + rerun.sent_commands()[0].due)
         for act in first.commands
     ]
-    assert again.calls() == [
+    assert rerun.calls() == [
         ("say", {"text": "Hello P07"}),
         ("play", {"move": "nod"}),
         ("say", {"text": "Welcome"}),
@@ -60,13 +60,13 @@ def test_every_command_comes_at_its_moment_of_then(tmp_path: Path) -> None:
 
 
 def test_the_log_names_the_original_and_says_which_command_was_which(tmp_path: Path) -> None:
-    log = recorded(tmp_path / "a", tour)
-    again = run_again(tmp_path / "b", log)
-    (started,) = again.of(m.RerunStarted)
+    log = record_session(tmp_path / "a", tour)
+    rerun = run_again(tmp_path / "b", log)
+    (started,) = rerun.of(m.RerunStarted)
     assert isinstance(started, m.RerunStarted)
     assert (started.original, started.original_session, started.commands) == ("made", "S01", 6)
     assert started.original_sha256 == plan_of(log).sha256
-    comparison = compare(played_in(log), played_in(again.log))
+    comparison = compare(played_in(log), played_in(rerun.log))
     assert comparison.by == BY_COMMANDS
     assert comparison.same
     assert len(comparison.pairs) == 6
@@ -76,7 +76,7 @@ def test_the_log_names_the_original_and_says_which_command_was_which(tmp_path: P
 
 
 def test_a_second_time_is_like_the_first(tmp_path: Path) -> None:
-    log = recorded(tmp_path / "a", tour)
+    log = record_session(tmp_path / "a", tour)
     one = run_again(tmp_path / "b", log)
     two = run_again(tmp_path / "c", log)
     assert one.calls() == two.calls()
@@ -84,100 +84,100 @@ def test_a_second_time_is_like_the_first(tmp_path: Path) -> None:
 
 
 def test_a_re_run_can_be_run_again(tmp_path: Path) -> None:
-    log = recorded(tmp_path / "a", tour)
+    log = record_session(tmp_path / "a", tour)
     one = run_again(tmp_path / "b", log)
     two = run_again(tmp_path / "c", one.log)
     assert one.calls() == two.calls()
 
 
 def test_markers_are_put_again_and_the_verb_mark_once(tmp_path: Path) -> None:
-    again = run_again(tmp_path / "b", recorded(tmp_path / "a", tour))
-    marks = [line for line in again.stage.lines if isinstance(line, m.Marker)]
+    rerun = run_again(tmp_path / "b", record_session(tmp_path / "a", tour))
+    marks = [line for line in rerun.rig.lines if isinstance(line, m.Marker)]
     assert [(mark.text, mark.source) for mark in marks] == [("here", "replay"), ("map", "action")]
 
 
 def test_what_a_replacing_press_cut_short_is_cut_short_again(tmp_path: Path) -> None:
-    async def hasty(stage: Stage) -> None:
-        stage.session.play("Hello", KEY)
+    async def hasty(rig: SessionRig) -> None:
+        rig.session.play("Hello", KEY)
         await asyncio.sleep(0.3)
-        stage.session.play("Welcome", KEY, "replace")
+        rig.session.play("Welcome", KEY, "replace")
         await asyncio.sleep(3)
 
-    log = recorded(tmp_path / "a", hasty)
-    again = run_again(tmp_path / "b", log)
-    (cut,) = [line for line in again.stage.lines if isinstance(line, m.Stopped)]
-    began = next(line for line in again.stage.lines if isinstance(line, m.Dispatched))
+    log = record_session(tmp_path / "a", hasty)
+    rerun = run_again(tmp_path / "b", log)
+    (cut,) = [line for line in rerun.rig.lines if isinstance(line, m.Stopped)]
+    began = next(line for line in rerun.rig.lines if isinstance(line, m.Dispatched))
     assert cut.command == began.command
     assert abs(cut.t - began.t - 300_000) < 10
     assert "replaced by" in cut.reason
-    assert compare(played_in(log), played_in(again.log)).same
+    assert compare(played_in(log), played_in(rerun.log)).same
 
 
 def test_a_stop_of_then_cuts_short_without_latching(tmp_path: Path) -> None:
-    async def stopped(stage: Stage) -> None:
-        stage.session.play("Welcome", KEY)
+    async def stopped(rig: SessionRig) -> None:
+        rig.session.play("Welcome", KEY)
         await asyncio.sleep(0.25)
-        stage.session.stop("key")
+        rig.session.stop("key")
         await asyncio.sleep(1)
-        stage.session.release("key")
-        stage.session.play("Hello", KEY)
+        rig.session.release("key")
+        rig.session.play("Hello", KEY)
         await asyncio.sleep(2)
 
-    log = recorded(tmp_path / "a", stopped)
-    again = run_again(tmp_path / "b", log)
-    assert not again.of(m.StopPressed, m.StopReleased)
-    assert len(again.of(m.Stopped)) == 2
-    assert compare(played_in(log), played_in(again.log)).same
-    assert ("stop", {"scope": "all"}) not in again.stage.puppet().calls
+    log = record_session(tmp_path / "a", stopped)
+    rerun = run_again(tmp_path / "b", log)
+    assert not rerun.of(m.StopPressed, m.StopReleased)
+    assert len(rerun.of(m.Stopped)) == 2
+    assert compare(played_in(log), played_in(rerun.log)).same
+    assert ("stop", {"scope": "all"}) not in rerun.rig.driver().calls
 
 
 def test_a_stop_ends_it_for_good(tmp_path: Path) -> None:
-    async def wizard(stage: Stage) -> None:
+    async def wizard(rig: SessionRig) -> None:
         await asyncio.sleep(1.2)
-        stage.session.stop("key")
+        rig.session.stop("key")
         await asyncio.sleep(0.1)
-        stage.session.release("key")
+        rig.session.release("key")
 
-    again = run_again(tmp_path / "b", recorded(tmp_path / "a", tour), wizard)
-    assert again.player.over is not None
-    assert again.player.over.reason == "stopped"
-    assert again.player.over.sent_again == 1
-    asked = [line for line in again.stage.lines if isinstance(line, m.Command)]
+    rerun = run_again(tmp_path / "b", record_session(tmp_path / "a", tour), wizard)
+    assert rerun.player.over is not None
+    assert rerun.player.over.reason == "stopped"
+    assert rerun.player.over.sent_again == 1
+    asked = [line for line in rerun.rig.lines if isinstance(line, m.Command)]
     assert len(asked) == 1
-    assert again.stage.kinds(m.StopReleased)
+    assert rerun.rig.kinds(m.StopReleased)
 
 
 def test_the_wizards_own_hand_counts_beside_it(tmp_path: Path) -> None:
-    async def wizard(stage: Stage) -> None:
+    async def wizard(rig: SessionRig) -> None:
         await asyncio.sleep(2.2)
-        stage.session.play("Go", HAND)
+        rig.session.play("Go", HAND)
         await asyncio.sleep(0)
-        stage.session.mistake("", "slipped")
+        rig.session.mistake("", "slipped")
 
-    log = recorded(tmp_path / "a", tour)
-    again = run_again(tmp_path / "b", log, wizard)
-    comparison = compare(played_in(log), played_in(again.log))
+    log = record_session(tmp_path / "a", tour)
+    rerun = run_again(tmp_path / "b", log, wizard)
+    comparison = compare(played_in(log), played_in(rerun.log))
     assert [act.name for act in comparison.extra] == ["robot.drive"]
     assert not comparison.missing
-    (mistake,) = again.of(m.Mistake)
+    (mistake,) = rerun.of(m.Mistake)
     assert isinstance(mistake, m.Mistake)
     assert mistake.action == "Go"  # what the re-run sends is nobody's last press
 
 
 def test_after_a_standstill_nothing_is_made_up_for_at_once(tmp_path: Path) -> None:
     """A process that was suspended for 3 s leaves out what is too old, and goes on in time."""
-    log = recorded(tmp_path / "a", tour)
+    log = record_session(tmp_path / "a", tour)
 
     async def go() -> list[m.AnyMessage]:
-        stage = Stage(tmp_path / "b")
-        player = player_of(stage, plan_of(log))
-        await stage.session.open()
+        rig = SessionRig(tmp_path / "b")
+        player = player_of(rig, plan_of(log))
+        await rig.session.open()
         player.begin()
         await asyncio.sleep(1.1)
         asyncio.get_running_loop().jump(3)  # type: ignore[attr-defined]
-        await over(stage, player)
-        await stage.session.close("test")
-        return stage.lines
+        await rerun_over(rig, player)
+        await rig.session.close("test")
+        return rig.lines
 
     lines = run_virtual(go())
     skipped = [line for line in lines if isinstance(line, m.RerunSkipped)]
@@ -206,32 +206,32 @@ def test_whatever_was_pressed_the_robot_does_the_same_again(
 ) -> None:
     folder = tmp_path_factory.mktemp("again")
 
-    async def pressed(stage: Stage) -> None:
+    async def pressed(rig: SessionRig) -> None:
         for number, (verb, when_busy, pause, then) in enumerate(presses):
             every: dict[str, dict[str, m.Json]] = {
                 "say": {"text": f"sentence {number}"},
                 "play": {"move": f"move {number}"},
                 "drive": {"x": float(number)},
             }
-            stage.session.runner.send(Call(verb, every[verb], "robot", NOWHERE), KEY, when_busy)
+            rig.session.runner.send(Call(verb, every[verb], "robot", NOWHERE), KEY, when_busy)
             await asyncio.sleep(pause)
             if then == "stop":
-                stage.session.stop("key")
+                rig.session.stop("key")
                 await asyncio.sleep(0.01)
-                stage.session.release("key")
+                rig.session.release("key")
         await asyncio.sleep(70)
 
-    log = recorded(folder / "a", pressed)
+    log = record_session(folder / "a", pressed)
     plan = plan_of(log)
-    again = run_again(folder / "b", log)
-    comparison = compare(played_in(log), played_in(again.log))
+    rerun = run_again(folder / "b", log)
+    comparison = compare(played_in(log), played_in(rerun.log))
     assert comparison.same, comparison
     assert len(comparison.pairs) == len(plan.sent)
     assert len(plan.sent) + len(plan.skipped) == len(presses)
     assert all(abs(pair.shift_us) < 1000 for pair in comparison.pairs)
-    twice = run_again(folder / "c", again.log)
-    assert twice.calls() == again.calls()
-    comparison = compare(played_in(again.log), played_in(twice.log))
+    twice = run_again(folder / "c", rerun.log)
+    assert twice.calls() == rerun.calls()
+    comparison = compare(played_in(rerun.log), played_in(twice.log))
     assert comparison.same, comparison
     assert comparison.by == BY_COMMANDS
     assert len(comparison.pairs) == len(plan.sent)

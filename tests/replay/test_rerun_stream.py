@@ -11,7 +11,7 @@ from woz_drivers.simulated import SimulatedRobot
 from woz_drivers.simulated.driver import RobotTime
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from tests.replay.again import KEY, NOWHERE
+from tests.replay.rerun_rig import KEY, NOWHERE
 from woz_tui.config.experiment import Call
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext

@@ -44,14 +44,14 @@ HERE = FilePosition("made.yaml", 1, 1)
 
 
 @dataclass(frozen=True, slots=True)
-class Nothing:
+class NoSettings:
     """No settings."""
 
 
-class Puppet(Driver):
+class ScriptedDriver(Driver):
     """A driver without hardware: says take a second, moves half of one, `fail` fails."""
 
-    Settings = Nothing
+    Settings = NoSettings
     summary = "for tests"
 
     def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
@@ -133,7 +133,9 @@ def experiment(tmp_path: Path, drivers: tuple[str, ...] = ("robot",)) -> Experim
         path=tmp_path / "made.yaml",
         sha256="0" * 64,
         drivers=tuple(
-            DriverSpec(name, "puppet", Nothing(), Puppet.verbs(None), ("distance",), HERE)
+            DriverSpec(
+                name, "puppet", NoSettings(), ScriptedDriver.verbs(None), ("distance",), HERE
+            )
             for name in drivers
         ),
         panels=(Panel("Speech", speech, HERE), Panel("Base", base, HERE, locked=False)),
@@ -145,7 +147,7 @@ def experiment(tmp_path: Path, drivers: tuple[str, ...] = ("robot",)) -> Experim
     )
 
 
-class Stage:
+class SessionRig:
     """A session and everything it published."""
 
     def __init__(
@@ -159,7 +161,7 @@ class Stage:
         disk: LogDisk | None = None,
     ) -> None:
         self.lines: list[m.AnyMessage] = []
-        puppets: dict[str, type[Driver]] = {"puppet": Puppet}
+        puppets: dict[str, type[Driver]] = {"puppet": ScriptedDriver}
         clock = LoopClock(asyncio.get_running_loop())
         # The disk's time is real: in virtual time it would seem to stall.
         self.recorder = Recorder(
@@ -174,9 +176,9 @@ class Stage:
         )
         self.session.hub.listen(self.lines.append)
 
-    def puppet(self, name: str = "robot") -> Puppet:
+    def driver(self, name: str = "robot") -> ScriptedDriver:
         driver = self.session.drivers[name]
-        assert isinstance(driver, Puppet)
+        assert isinstance(driver, ScriptedDriver)
         return driver
 
     def kinds(self, *kinds: type[m.Message]) -> list[str]:

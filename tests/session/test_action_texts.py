@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Stage, action, call, experiment, together
+from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Call, Experiment, TextVariants
 from woz_tui.config.study import Design, Study
 from woz_tui.protocol import messages as m
@@ -33,7 +33,7 @@ def chosen(texts: Mapping[str, tuple[str, ...]]) -> Call:
     return replace(call("say"), choices={"text": TextVariants(texts)})
 
 
-def made(folder: Path) -> Experiment:
+def make_experiment(folder: Path) -> Experiment:
     plain = experiment(folder)
     speech, *rest = plain.panels
     more = (
@@ -48,21 +48,21 @@ def made(folder: Path) -> Experiment:
     )
 
 
-class Played(Stage):
+class PlayedActions(SessionRig):
     """A session that plays one action after the other, and what came of it."""
 
     async def play(self, *names: str) -> list[str]:
-        before = len(self.spoken)
+        before = len(self.spoken_texts)
         for name in names:
             self.session.play(name, KEY)
             await asyncio.sleep(3)
-        return self.spoken[before:]
+        return self.spoken_texts[before:]
 
     @property
-    def spoken(self) -> list[str]:
-        return [str(args["text"]) for verb, args in self.puppet().calls if verb == "say"]
+    def spoken_texts(self) -> list[str]:
+        return [str(args["text"]) for verb, args in self.driver().calls if verb == "say"]
 
-    def shown(self, name: str) -> str:
+    def shown_text(self, name: str) -> str:
         """What consoles were told that the action says."""
         filled = self.session.state.filled
         assert filled is not None
@@ -73,19 +73,19 @@ class Played(Stage):
 
 def on_stage(
     folder: Path,
-    scenario: Callable[[Played], Awaitable[None]],
+    scenario: Callable[[PlayedActions], Awaitable[None]],
     identity: SessionIdentity | None = None,
-) -> Played:
-    async def go() -> Played:
-        stage = Played(
+) -> PlayedActions:
+    async def go() -> PlayedActions:
+        rig = PlayedActions(
             folder,
             identity=identity or SessionIdentity(participant="P07", seed=5),
-            made=made(folder),
+            made=make_experiment(folder),
         )
-        await stage.session.open()
-        await scenario(stage)
-        await stage.session.close("test")
-        return stage
+        await rig.session.open()
+        await scenario(rig)
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
@@ -105,11 +105,11 @@ def test_no_variant_comes_twice_in_a_row(key: str, size: int, count: int) -> Non
 
 
 def test_what_was_shown_is_what_is_played(tmp_path: Path) -> None:
-    async def scenario(stage: Played) -> None:
+    async def scenario(rig: PlayedActions) -> None:
         for _ in range(7):
-            shown = stage.shown("Filler")
-            assert await stage.play("Filler") == [shown]
-        assert {*stage.spoken[:3]} == {*HM}
+            shown = rig.shown_text("Filler")
+            assert await rig.play("Filler") == [shown]
+        assert {*rig.spoken_texts[:3]} == {*HM}
 
     on_stage(tmp_path, scenario)
 
@@ -117,12 +117,12 @@ def test_what_was_shown_is_what_is_played(tmp_path: Path) -> None:
 def test_the_order_is_that_of_seed_participant_and_action(tmp_path: Path) -> None:
     orders: list[list[str]] = []
 
-    async def scenario(stage: Played) -> None:
-        orders.append(await stage.play(*["Filler"] * 6))
-        stage.session.set(participant="P08")
-        orders.append(await stage.play(*["Filler"] * 6))
-        stage.session.set(participant="P07")
-        orders.append(await stage.play(*["Filler"] * 6))
+    async def scenario(rig: PlayedActions) -> None:
+        orders.append(await rig.play(*["Filler"] * 6))
+        rig.session.set(participant="P08")
+        orders.append(await rig.play(*["Filler"] * 6))
+        rig.session.set(participant="P07")
+        orders.append(await rig.play(*["Filler"] * 6))
 
     on_stage(tmp_path / "one", scenario)
     on_stage(tmp_path / "again", scenario)
@@ -133,40 +133,40 @@ def test_the_order_is_that_of_seed_participant_and_action(tmp_path: Path) -> Non
 
 
 def test_what_is_refused_uses_no_variant_up(tmp_path: Path) -> None:
-    async def scenario(stage: Played) -> None:
-        shown = stage.shown("Filler")
-        stage.session.stop("key")
+    async def scenario(rig: PlayedActions) -> None:
+        shown = rig.shown_text("Filler")
+        rig.session.stop("key")
         with pytest.raises(RequestError):
-            stage.session.play("Filler", KEY)
+            rig.session.play("Filler", KEY)
         await asyncio.sleep(1)
-        stage.session.release("key")
-        assert await stage.play("Filler") == [shown]
+        rig.session.release("key")
+        assert await rig.play("Filler") == [shown]
 
     on_stage(tmp_path, scenario)
 
 
 def test_a_press_that_the_robot_has_no_time_for_uses_no_variant_up(tmp_path: Path) -> None:
-    async def scenario(stage: Played) -> None:
-        stage.session.play("Hello", KEY)
-        shown = stage.shown("Filler")
+    async def scenario(rig: PlayedActions) -> None:
+        rig.session.play("Hello", KEY)
+        shown = rig.shown_text("Filler")
         with pytest.raises(RequestError):
-            stage.session.play("Filler", KEY, "refuse")
-        assert stage.shown("Filler") == shown
+            rig.session.play("Filler", KEY, "refuse")
+        assert rig.shown_text("Filler") == shown
         await asyncio.sleep(2)
-        assert await stage.play("Filler") == [shown]
+        assert await rig.play("Filler") == [shown]
 
     on_stage(tmp_path, scenario)
 
 
 def test_a_part_that_is_played_alone_leaves_the_whole_action_shown(tmp_path: Path) -> None:
-    async def scenario(stage: Played) -> None:
-        stage.session.set(condition="warm")
-        whole = stage.session.experiment.action("Greet")
+    async def scenario(rig: PlayedActions) -> None:
+        rig.session.set(condition="warm")
+        whole = rig.session.experiment.action("Greet")
         assert whole is not None
         part = replace(whole, steps=(together(whole.calls[0]),))
-        stage.session.texts.play(part)
-        assert stage.session.state.filled is not None
-        (step,) = stage.session.state.filled.actions["Greet"]
+        rig.session.texts.play(part)
+        assert rig.session.state.filled is not None
+        (step,) = rig.session.state.filled.actions["Greet"]
         assert isinstance(step, list)
         assert [each.verb for each in step] == ["say", "play"]
 
@@ -177,39 +177,39 @@ def test_a_part_that_is_played_alone_leaves_the_whole_action_shown(tmp_path: Pat
 
 
 def test_a_text_follows_the_condition(tmp_path: Path) -> None:
-    async def scenario(stage: Played) -> None:
+    async def scenario(rig: PlayedActions) -> None:
         with pytest.raises(RequestError) as caught:
-            await stage.play("Greet")
+            await rig.play("Greet")
         assert "depends on the condition, and no condition is set" in caught.value.reason
-        assert stage.shown("Greet") == "..."
-        stage.session.set(condition="cold")
-        assert stage.shown("Greet") == "Hello."
-        assert await stage.play("Greet", "Greet") == ["Hello.", "Hello."]
-        stage.session.set(condition="warm")
-        assert {*await stage.play("Greet", "Greet")} == {"How nice, P07!", "Welcome!"}
+        assert rig.shown_text("Greet") == "..."
+        rig.session.set(condition="cold")
+        assert rig.shown_text("Greet") == "Hello."
+        assert await rig.play("Greet", "Greet") == ["Hello.", "Hello."]
+        rig.session.set(condition="warm")
+        assert {*await rig.play("Greet", "Greet")} == {"How nice, P07!", "Welcome!"}
 
     on_stage(tmp_path, scenario)
 
 
 def test_a_variable_without_a_value_is_shown_as_it_is_written(tmp_path: Path) -> None:
-    async def scenario(stage: Played) -> None:
-        assert stage.shown("Hello") == "Hello {participant}"
-        stage.session.set(participant="P09")
-        assert stage.shown("Hello") == "Hello P09"
+    async def scenario(rig: PlayedActions) -> None:
+        assert rig.shown_text("Hello") == "Hello {participant}"
+        rig.session.set(participant="P09")
+        assert rig.shown_text("Hello") == "Hello P09"
 
     on_stage(tmp_path, scenario, SessionIdentity())
 
 
 def test_a_reload_tells_the_new_texts_and_forgets_what_is_gone(tmp_path: Path) -> None:
-    async def scenario(stage: Played) -> None:
-        now = stage.session.experiment
+    async def scenario(rig: PlayedActions) -> None:
+        now = rig.session.experiment
         speech = replace(
             now.panels[0], actions=(action("Filler", together(chosen({"": ("Oh!",)}))),)
         )
-        stage.session.adopt(replace(now, panels=(speech,)), [])
-        assert stage.shown("Filler") == "Oh!"
-        assert stage.session.state.filled is not None
-        assert [*stage.session.state.filled.actions] == ["Filler"]
+        rig.session.adopt(replace(now, panels=(speech,)), [])
+        assert rig.shown_text("Filler") == "Oh!"
+        assert rig.session.state.filled is not None
+        assert [*rig.session.state.filled.actions] == ["Filler"]
 
     on_stage(tmp_path, scenario)
 
@@ -219,12 +219,12 @@ def test_a_blind_wizard_is_told_the_same_in_every_condition(tmp_path: Path) -> N
     told: dict[str, list[m.Message | None]] = {}
     for condition in ("warm", "cold"):
 
-        async def scenario(stage: Played, condition: str = condition) -> None:
-            await stage.play("Greet", "Greet", "Filler")
-            redactor = Redactor(study_settings(stage.session.experiment))
+        async def scenario(rig: PlayedActions, condition: str = condition) -> None:
+            await rig.play("Greet", "Greet", "Filler")
+            redactor = Redactor(study_settings(rig.session.experiment))
             told[condition] = [
                 replaced(redactor.message(line))
-                for line in stage.lines
+                for line in rig.lines
                 if isinstance(line, m.ActionsFilled)
             ]
 
@@ -244,12 +244,12 @@ def replaced(line: m.Message | None) -> m.Message | None:
 
 
 def test_a_re_run_plays_the_texts_of_its_log(tmp_path: Path) -> None:
-    async def scenario(stage: Played) -> None:
-        await stage.play("Filler", "Greet", "Filler", "Filler")
+    async def scenario(rig: PlayedActions) -> None:
+        await rig.play("Filler", "Greet", "Filler", "Filler")
 
     who = SessionIdentity(participant="P07", condition="warm", seed=5)
-    stage = on_stage(tmp_path, scenario, who)
-    plan = plan_of(stage.recorder.path)
+    rig = on_stage(tmp_path, scenario, who)
+    plan = plan_of(rig.recorder.path)
     texts = [step.command.args["text"] for step in plan.sent if step.command.verb == "say"]
-    assert texts == stage.spoken
+    assert texts == rig.spoken_texts
     assert len({*texts}) == 4

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Puppet, Stage
+from tests.session.rig import ScriptedDriver, SessionRig
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.plugins import installed
@@ -29,40 +29,40 @@ script: [Blue, Hello]
 """
 
 
-def staged(tmp_path: Path) -> Stage:
+def staged(tmp_path: Path) -> SessionRig:
     """`TEXT` on a puppet, which has no eyes; every action is played."""
-    catalogue: dict[str, type[Driver]] = {**installed(), "puppet": Puppet}
+    catalogue: dict[str, type[Driver]] = {**installed(), "puppet": ScriptedDriver}
     path = tmp_path / "e.yaml"
     path.write_text(TEXT)
     experiment = load(path, catalogue, robot="puppet")
 
-    async def go() -> Stage:
-        stage = Stage(tmp_path, catalogue=catalogue, made=experiment)
-        await stage.session.open()
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path, catalogue=catalogue, made=experiment)
+        await rig.session.open()
         for name in ("Blue", "Hello", "Tour"):
-            stage.session.play(name, KEY)
+            rig.session.play(name, KEY)
             await asyncio.sleep(10)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
 
 def test_the_rest_of_an_action_is_played_and_the_log_says_without_what(tmp_path: Path) -> None:
-    stage = staged(tmp_path)
-    spoken = [verb for verb, _ in stage.puppet().calls if verb not in ("stop", "rest", "close")]
+    rig = staged(tmp_path)
+    spoken = [verb for verb, _ in rig.driver().calls if verb not in ("stop", "rest", "close")]
     assert spoken == ["say", "say", "drive", "play"]
-    requested = [line for line in stage.lines if isinstance(line, m.ActionRequested)]
+    requested = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
     assert [(line.action, line.without) for line in requested] == [
         ("Blue", ["eyes"]),
         ("Hello", ["eyes"]),
         ("Tour", ["eyes"]),
     ]
-    assert stage.kinds(m.ActionEnd) == ["ActionDone"] * 3
-    reasons = [line.reason for line in stage.lines if isinstance(line, m.ActionEnd)]
+    assert rig.kinds(m.ActionEnd) == ["ActionDone"] * 3
+    reasons = [line.reason for line in rig.lines if isinstance(line, m.ActionEnd)]
     assert [bool(reason) for reason in reasons] == [True, False, False]
     assert "eyes" in reasons[0]
-    assert stage.session.scripts.now.position == 2
+    assert rig.session.scripts.now.position == 2
 
 
 def test_the_log_begins_with_the_robot_and_what_it_leaves_out(tmp_path: Path) -> None:

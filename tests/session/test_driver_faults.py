@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from tests.drivers.heard import Heard
+from tests.drivers.published_messages import PublishedMessages
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Puppet, Stage
+from tests.session.rig import ScriptedDriver, SessionRig
 from woz_tui.drivers.contract import Health, HealthStatement, ModeStatement, SensorStatement
 from woz_tui.protocol import messages as m
 from woz_tui.session.redactor import PerceptionFilter, Redactor
@@ -21,7 +21,7 @@ from woz_tui.session.redactor import PerceptionFilter, Redactor
 WRONG: Any = 5
 
 
-class Flawed(Puppet):
+class Flawed(ScriptedDriver):
     """Fails where its name says, in code that it runs by itself."""
 
     async def open(self) -> None:
@@ -66,20 +66,23 @@ class Flawed(Puppet):
 
 
 def on_stage(
-    tmp_path: Path, driver: str, scenario: Callable[[Stage], Awaitable[None]], seconds: float = 0.0
+    tmp_path: Path,
+    driver: str,
+    scenario: Callable[[SessionRig], Awaitable[None]],
+    seconds: float = 0.0,
 ) -> list[m.DriverFaulted]:
-    async def go() -> Stage:
-        stage = Stage(tmp_path, (driver, "robot"), catalogue={"puppet": Flawed})
-        await stage.session.open()
-        await scenario(stage)
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path, (driver, "robot"), catalogue={"puppet": Flawed})
+        await rig.session.open()
+        await scenario(rig)
         await asyncio.sleep(seconds)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
     return [line for line in run_virtual(go()).lines if isinstance(line, m.DriverFaulted)]
 
 
-async def nothing(stage: Stage) -> None:
+async def nothing(rig: SessionRig) -> None:
     pass
 
 
@@ -117,9 +120,9 @@ def test_an_error_that_recurs_is_counted_and_not_repeated(
 def test_a_driver_that_is_well_again_and_fails_again_says_both(tmp_path: Path) -> None:
     health: list[m.AnyMessage] = []
 
-    async def scenario(stage: Stage) -> None:
-        context = stage.session.drivers["robot"].context
-        stage.session.hub.listen(
+    async def scenario(rig: SessionRig) -> None:
+        context = rig.session.drivers["robot"].context
+        rig.session.hub.listen(
             lambda line: health.append(line) if isinstance(line, m.DriverHealth) else None
         )
         wrong: Any = "1234"
@@ -141,12 +144,15 @@ def test_a_driver_that_is_well_again_and_fails_again_says_both(tmp_path: Path) -
 
 
 def test_a_hand_that_a_driver_fails_to_lose_is_lost_by_the_others(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.lose_hands("con1")
-        assert stage.puppet().calls == [("lose_hand", {"client": "con1"})]
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.lose_hands("con1")
+        assert rig.driver().calls == [("lose_hand", {"client": "con1"})]
 
-    (told,) = on_stage(tmp_path, "hand", scenario)
-    assert (told.driver, told.detail[:26]) == ("hand", "ZeroDivisionError: no hand")
+    (driver_faulted,) = on_stage(tmp_path, "hand", scenario)
+    assert (driver_faulted.driver, driver_faulted.detail[:26]) == (
+        "hand",
+        "ZeroDivisionError: no hand",
+    )
 
 
 def test_what_the_session_does_upon_a_reading_is_not_the_driver_s_fault(tmp_path: Path) -> None:
@@ -156,17 +162,17 @@ def test_what_the_session_does_upon_a_reading_is_not_the_driver_s_fault(tmp_path
         if isinstance(line, m.Reading):
             asyncio.get_running_loop().call_later(1, [].__getitem__, 99)
 
-    async def go() -> Stage:
+    async def go() -> SessionRig:
         asyncio.get_running_loop().set_exception_handler(lambda _, told: others.append(told))
-        stage = Stage(tmp_path, ("reads",), catalogue={"puppet": Flawed})
-        stage.session.hub.listen(listener)
-        await stage.session.open()
+        rig = SessionRig(tmp_path, ("reads",), catalogue={"puppet": Flawed})
+        rig.session.hub.listen(listener)
+        await rig.session.open()
         await asyncio.sleep(5)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
-    stage = run_virtual(go())
-    assert stage.kinds(m.Reading, m.DriverFaulted) == ["Reading"]
+    rig = run_virtual(go())
+    assert rig.kinds(m.Reading, m.DriverFaulted) == ["Reading"]
     assert [type(told["exception"]) for told in others] == [IndexError]
 
 
@@ -194,23 +200,23 @@ def test_what_the_session_does_upon_a_reading_is_not_the_driver_s_fault(tmp_path
 async def test_a_statement_of_a_wrong_type_is_a_fault_and_not_in_the_log(
     tmp_path: Path, tell: Callable[[Any], None]
 ) -> None:
-    heard = Heard(tmp_path)
+    published = PublishedMessages(tmp_path)
     for _ in range(3):
-        tell(heard.context)
-    (told,) = heard.messages
+        tell(published.context)
+    (told,) = published.messages
     assert isinstance(told, m.DriverFaulted)
     assert "is not recorded" in told.detail
     assert "test_driver_faults.py" in told.detail
     for right in (SensorStatement("distance", "ok"), ModeStatement("normal")):
-        heard.context.publish(right)
-    heard.context.publish(HealthStatement(Health.CONNECTED))
-    assert len(heard.messages) == 4, "what is right goes on"
+        published.context.publish(right)
+    published.context.publish(HealthStatement(Health.CONNECTED))
+    assert len(published.messages) == 4, "what is right goes on"
 
 
 def test_the_words_of_an_error_may_tell_what_is_kept() -> None:
     redactor = Redactor()
     redactor.perception = PerceptionFilter(["identity"])
-    told = m.DriverFaulted(driver="it", detail="ValueError: 'Anna'", tells=("identity",))
-    seen = redactor.message(told)
+    driver_faulted = m.DriverFaulted(driver="it", detail="ValueError: 'Anna'", tells=("identity",))
+    seen = redactor.message(driver_faulted)
     assert isinstance(seen, m.DriverFaulted)
     assert (seen.driver, "Anna" in seen.detail) == ("it", False)

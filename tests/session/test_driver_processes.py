@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.network.installed_worker import installed_worker
-from tests.session.rig import Stage
+from tests.session.rig import SessionRig
 from woz_tui.config.loading import load
 from woz_tui.network import remote_driver
 from woz_tui.network.driver_process import ProcessDriver
@@ -43,32 +43,32 @@ async def test_one_that_blocks_is_named_by_the_stop_which_the_others_confirm(
     catalogue = installed_worker(tmp_path, monkeypatch)
     path = tmp_path / "e.yaml"
     path.write_text(TEXT)
-    stage = Stage(tmp_path, catalogue=catalogue, made=load(path, catalogue))
+    rig = SessionRig(tmp_path, catalogue=catalogue, made=load(path, catalogue))
 
     def confirmed() -> list[m.StopConfirmed]:
-        return [line for line in stage.lines if isinstance(line, m.StopConfirmed)]
+        return [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
 
     def connected() -> int:
-        return stage.kinds(m.DriverConnected).count("DriverConnected")
+        return rig.kinds(m.DriverConnected).count("DriverConnected")
 
-    await stage.session.open()
+    await rig.session.open()
     try:
         await until(lambda: connected() == 2, BEGIN_S)
-        stage.session.play("Wave", KEY)
-        await until(lambda: stage.kinds(m.ActionEnd) == ["ActionDone"], BEGIN_S)
-        stage.session.play("Say", KEY)
-        stage.session.play("Block", KEY)
+        rig.session.play("Wave", KEY)
+        await until(lambda: rig.kinds(m.ActionEnd) == ["ActionDone"], BEGIN_S)
+        rig.session.play("Say", KEY)
+        rig.session.play("Block", KEY)
         await until(lambda: "block" in (tmp_path / "arm.txt").read_text(), BEGIN_S)
-        stage.session.stop("escape")
+        rig.session.stop("escape")
         await until(lambda: len(confirmed()) == 1)
         assert (confirmed()[0].confirmed, confirmed()[0].unreached) == (["body"], ["arm"])
         await until(lambda: connected() == 3, BEGIN_S)  # its process was ended
-        lost = [line.detail for line in stage.lines if isinstance(line, m.DriverLost)]
+        lost = [line.detail for line in rig.lines if isinstance(line, m.DriverLost)]
         assert any("did not hear the stop and was ended" in detail for detail in lost)
         await until(lambda: "arm" in confirmed()[-1].confirmed, BEGIN_S)
     finally:
-        await stage.session.close("test")
-    assert stage.session.ended
+        await rig.session.close("test")
+    assert rig.session.ended
 
 
 async def test_in_a_training_drivers_stay_with_a_body_that_does_not_move(
@@ -77,8 +77,8 @@ async def test_in_a_training_drivers_stay_with_a_body_that_does_not_move(
     catalogue = installed_worker(tmp_path, monkeypatch)
     path = tmp_path / "e.yaml"
     path.write_text(TEXT.replace("{type: worker}", "{type: worker, beside: body}"))
-    made = load(path, catalogue)
-    stage = Stage(tmp_path, catalogue=rehearsed(catalogue), made=made)
-    assert not any(isinstance(it, ProcessDriver) for it in stage.session.drivers.values())
-    await stage.session.open()
-    await stage.session.close("test")
+    experiment = load(path, catalogue)
+    rig = SessionRig(tmp_path, catalogue=rehearsed(catalogue), made=experiment)
+    assert not any(isinstance(driver, ProcessDriver) for driver in rig.session.drivers.values())
+    await rig.session.open()
+    await rig.session.close("test")

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import pytest
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from tests.session.rig import HERE, Nothing, Puppet, Stage, experiment
+from tests.session.rig import HERE, NoSettings, ScriptedDriver, SessionRig, experiment
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.drivers.contract import Ask, Health, PassiveDriver, Scope
 from woz_tui.drivers.feeds import Feeds
@@ -21,7 +21,7 @@ from woz_tui.protocol.messages import FaceShown
 from woz_tui.session.participant_identity import RequestError
 
 
-class Breather(Puppet):
+class SelfMovingDriver(ScriptedDriver):
     """A puppet that moves by itself."""
 
     async def resume(self) -> None:
@@ -32,22 +32,22 @@ class Breather(Puppet):
 
 def on_stage(
     tmp_path: Path,
-    scenario: Callable[[Stage], Awaitable[None]],
+    scenario: Callable[[SessionRig], Awaitable[None]],
     *drivers: str,
-    kind: type[Puppet] = Puppet,
-) -> Stage:
-    async def go() -> Stage:
-        stage = Stage(tmp_path, drivers or ("robot",), catalogue={"puppet": kind})
-        await stage.session.open()
-        await scenario(stage)
+    kind: type[ScriptedDriver] = ScriptedDriver,
+) -> SessionRig:
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path, drivers or ("robot",), catalogue={"puppet": kind})
+        await rig.session.open()
+        await scenario(rig)
         await asyncio.sleep(5)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
 
-class Ear:
+class RequestOutcome:
     """Hears how an ask ended."""
 
     def __init__(self) -> None:
@@ -59,32 +59,34 @@ class Ear:
         self.threads.add(threading.get_ident())
 
 
-def from_a_thread(stage: Stage, ask: Ask, ear: Ear, driver: str = "robot") -> None:
+def from_a_thread(
+    rig: SessionRig, ask: Ask, outcome: RequestOutcome, driver: str = "robot"
+) -> None:
     """Ask as a driver's own thread does, and wait until it has asked."""
-    thread = threading.Thread(target=stage.puppet(driver).context.ask, args=(ask, ear))
+    thread = threading.Thread(target=rig.driver(driver).context.ask, args=(ask, outcome))
     thread.start()
     thread.join()
 
 
 @pytest.mark.toolkit("K3")
 def test_a_verb_asked_for_in_a_thread_is_a_command_like_any_other(tmp_path: Path) -> None:
-    ear = Ear()
+    outcome = RequestOutcome()
 
-    async def scenario(stage: Stage) -> None:
-        from_a_thread(stage, Ask("verb", "say", {"text": "Hi"}, source="midi", key="knob 1"), ear)
+    async def scenario(rig: SessionRig) -> None:
+        from_a_thread(rig, Ask("verb", "say", {"text": "Hi"}, source="midi", key="knob 1"), outcome)
 
-    stage = on_stage(tmp_path, scenario)
-    assert ("say", {"text": "Hi"}) in stage.puppet().calls
-    [command] = [line for line in stage.lines if isinstance(line, m.Command)]
+    rig = on_stage(tmp_path, scenario)
+    assert ("say", {"text": "Hi"}) in rig.driver().calls
+    [command] = [line for line in rig.lines if isinstance(line, m.Command)]
     assert (command.source, command.key) == ("midi", "knob 1")
-    assert ear.told == [(True, "")]
-    assert ear.threads == {threading.get_ident()}
+    assert outcome.told == [(True, "")]
+    assert outcome.threads == {threading.get_ident()}
 
 
 def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
-    ears = [Ear() for _ in range(5)]
+    ears = [RequestOutcome() for _ in range(5)]
 
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         asks = [
             Ask("action", "Map", source="midi"),
             Ask("script", source="midi"),
@@ -92,19 +94,19 @@ def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
             Ask("stop", source="midi"),
             Ask("release", source="midi"),
         ]
-        for ask, ear in zip(asks, ears, strict=True):
-            from_a_thread(stage, ask, ear)
+        for ask, outcome in zip(asks, ears, strict=True):
+            from_a_thread(rig, ask, outcome)
             await asyncio.sleep(2)
 
-    stage = on_stage(tmp_path, scenario)
-    requested = [line for line in stage.lines if isinstance(line, m.ActionRequested)]
+    rig = on_stage(tmp_path, scenario)
+    requested = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
     assert [(line.action, line.source) for line in requested] == [
         ("Map", "midi"),
         ("Hello", "midi"),
     ]
-    assert [line.text for line in stage.lines if isinstance(line, m.Marker)] == ["map", "a smile"]
-    assert stage.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
-    assert [ear.told for ear in ears] == [[(True, "")]] * 5
+    assert [line.text for line in rig.lines if isinstance(line, m.Marker)] == ["map", "a smile"]
+    assert rig.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
+    assert [outcome.told for outcome in ears] == [[(True, "")]] * 5
 
 
 @pytest.mark.parametrize(
@@ -119,26 +121,26 @@ def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
 def test_a_hand_on_a_panel_counts_as_old_as_the_process_stood_still(
     tmp_path: Path, ask: Ask
 ) -> None:
-    ear = Ear()
+    outcome = RequestOutcome()
 
-    async def scenario(stage: Stage) -> None:
-        assert isinstance(stage.session.clock, LoopClock)
+    async def scenario(rig: SessionRig) -> None:
+        assert isinstance(rig.session.clock, LoopClock)
         await asyncio.sleep(1)
-        stage.session.stop("test")
-        stage.session.clock.stood_still_us += 5_000_000
-        from_a_thread(stage, ask, ear)  # it reads late what waited in its port
+        rig.session.stop("test")
+        rig.session.clock.stood_still_us += 5_000_000
+        from_a_thread(rig, ask, outcome)  # it reads late what waited in its port
         await asyncio.sleep(0)
         await asyncio.sleep(0)
-        assert stage.session.bus.latched
+        assert rig.session.bus.latched
 
-    stage = on_stage(tmp_path, scenario)
-    [(carried, why)] = ear.told
+    rig = on_stage(tmp_path, scenario)
+    [(carried, why)] = outcome.told
     assert not carried
     assert "too late" in why
-    assert {verb for verb, _ in stage.puppet().calls} <= {"stop", "close"}
+    assert {verb for verb, _ in rig.driver().calls} <= {"stop", "close"}
     logged = [
         getattr(line, "reason", "") or getattr(line, "text", "")
-        for line in stage.lines
+        for line in rig.lines
         if isinstance(line, m.ActionRefused | m.Refused | m.Notice)
     ]
     assert any("too late" in text for text in logged)
@@ -147,20 +149,20 @@ def test_a_hand_on_a_panel_counts_as_old_as_the_process_stood_still(
 def test_the_stop_of_a_panel_and_what_a_body_asks_for_by_itself_are_never_too_old(
     tmp_path: Path,
 ) -> None:
-    ears = [Ear(), Ear()]
+    ears = [RequestOutcome(), RequestOutcome()]
 
-    async def scenario(stage: Stage) -> None:
-        assert isinstance(stage.session.clock, LoopClock)
-        stage.session.clock.stood_still_us += 5_000_000
-        from_a_thread(stage, Ask("verb", "say", {"text": "Hi"}), ears[0])
+    async def scenario(rig: SessionRig) -> None:
+        assert isinstance(rig.session.clock, LoopClock)
+        rig.session.clock.stood_still_us += 5_000_000
+        from_a_thread(rig, Ask("verb", "say", {"text": "Hi"}), ears[0])
         await asyncio.sleep(1.5)
-        stage.session.clock.stood_still_us += 5_000_000
-        from_a_thread(stage, Ask("stop", source="midi", key="button 1"), ears[1])
+        rig.session.clock.stood_still_us += 5_000_000
+        from_a_thread(rig, Ask("stop", source="midi", key="button 1"), ears[1])
         await asyncio.sleep(1)
-        assert stage.session.bus.latched
+        assert rig.session.bus.latched
 
     on_stage(tmp_path, scenario)
-    assert [ear.told for ear in ears] == [[(True, "")]] * 2
+    assert [outcome.told for outcome in ears] == [[(True, "")]] * 2
 
 
 @pytest.mark.parametrize(
@@ -175,42 +177,42 @@ def test_the_stop_of_a_panel_and_what_a_body_asks_for_by_itself_are_never_too_ol
     ],
 )
 def test_what_cannot_be_done_is_told_to_who_asked(tmp_path: Path, ask: Ask, why: str) -> None:
-    ear = Ear()
+    outcome = RequestOutcome()
 
-    async def scenario(stage: Stage) -> None:
-        from_a_thread(stage, ask, ear)
+    async def scenario(rig: SessionRig) -> None:
+        from_a_thread(rig, ask, outcome)
 
     on_stage(tmp_path, scenario)
-    assert ear.told == [(False, why)]
+    assert outcome.told == [(False, why)]
 
 
 def test_an_ask_that_makes_no_sense_at_all_is_answered(tmp_path: Path) -> None:
     """A driver of a stranger may put anything into an ask; whoever asked waits for an answer."""
     odd: Any = 5
-    ear, after = Ear(), Ear()
+    outcome, after = RequestOutcome(), RequestOutcome()
 
-    async def scenario(stage: Stage) -> None:
-        from_a_thread(stage, Ask("verb", "say", odd), ear)
+    async def scenario(rig: SessionRig) -> None:
+        from_a_thread(rig, Ask("verb", "say", odd), outcome)
         await asyncio.sleep(1)
-        from_a_thread(stage, Ask("verb", "say", {"text": "Hi"}), after)
+        from_a_thread(rig, Ask("verb", "say", {"text": "Hi"}), after)
 
     on_stage(tmp_path, scenario)
-    [(carried, why)] = ear.told
+    [(carried, why)] = outcome.told
     assert not carried
     assert "TypeError" in why
     assert after.told == [(True, "")]
 
 
 def test_the_stop_ends_what_was_asked_for_and_tells_so(tmp_path: Path) -> None:
-    ear = Ear()
+    outcome = RequestOutcome()
 
-    async def scenario(stage: Stage) -> None:
-        from_a_thread(stage, Ask("verb", "say", {"text": "Hi"}), ear)
+    async def scenario(rig: SessionRig) -> None:
+        from_a_thread(rig, Ask("verb", "say", {"text": "Hi"}), outcome)
         await asyncio.sleep(0.3)
-        stage.session.stop("key")
+        rig.session.stop("key")
 
     on_stage(tmp_path, scenario)
-    [(carried, why)] = ear.told
+    [(carried, why)] = outcome.told
     assert not carried
     assert "stop" in why
 
@@ -219,17 +221,17 @@ def test_the_stop_ends_what_was_asked_for_and_tells_so(tmp_path: Path) -> None:
 def test_two_robots_keep_to_themselves(tmp_path: Path) -> None:
     robots = ("joy.body", "joy.panel", "grim.body", "grim.panel")
 
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         for robot in ("joy", "grim"):
             text = {"text": f"I am {robot}"}
             ask = Ask("verb", "say", text, on="body", source="midi")
-            from_a_thread(stage, ask, Ear(), f"{robot}.panel")
+            from_a_thread(rig, ask, RequestOutcome(), f"{robot}.panel")
             await asyncio.sleep(2)
 
-    stage = on_stage(tmp_path, scenario, *robots)
-    assert ("say", {"text": "I am joy"}) in stage.puppet("joy.body").calls
-    assert ("say", {"text": "I am grim"}) in stage.puppet("grim.body").calls
-    said = [driver for driver in robots for call in stage.puppet(driver).calls if call[0] == "say"]
+    rig = on_stage(tmp_path, scenario, *robots)
+    assert ("say", {"text": "I am joy"}) in rig.driver("joy.body").calls
+    assert ("say", {"text": "I am grim"}) in rig.driver("grim.body").calls
+    said = [driver for driver in robots for call in rig.driver(driver).calls if call[0] == "say"]
     assert said == ["joy.body", "grim.body"]
 
 
@@ -238,27 +240,27 @@ def test_two_robots_keep_to_themselves(tmp_path: Path) -> None:
 
 @pytest.mark.toolkit("M3", "U4")
 def test_the_release_lets_drivers_stir_again_and_one_that_fails_is_named(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.stop("key")
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.stop("key")
         await asyncio.sleep(1)
-        stage.session.release("key", known=["broken"])
+        rig.session.release("key", known=["broken"])
 
-    stage = on_stage(tmp_path, scenario, "robot", "broken", kind=Breather)
-    calls = [name for name, _ in stage.puppet().calls]
+    rig = on_stage(tmp_path, scenario, "robot", "broken", kind=SelfMovingDriver)
+    calls = [name for name, _ in rig.driver().calls]
     assert calls.index("stop") < calls.index("resume")
-    notices = [line.text for line in stage.lines if isinstance(line, m.Notice)]
+    notices = [line.text for line in rig.lines if isinstance(line, m.Notice)]
     assert "broken: resume failed: it cannot" in notices
 
 
 def test_who_does_not_know_who_may_still_move_does_not_release_the_stop(tmp_path: Path) -> None:
-    ears = [Ear(), Ear(), Ear()]
+    ears = [RequestOutcome(), RequestOutcome(), RequestOutcome()]
 
-    async def scenario(stage: Stage) -> None:
-        session, release = stage.session, Ask("release", source="midi")
+    async def scenario(rig: SessionRig) -> None:
+        session, release = rig.session, Ask("release", source="midi")
         session.stop("key")
-        from_a_thread(stage, release, ears[0])  # before anybody has confirmed
+        from_a_thread(rig, release, ears[0])  # before anybody has confirmed
         await asyncio.sleep(2)
-        from_a_thread(stage, release, ears[1])
+        from_a_thread(rig, release, ears[1])
         await asyncio.sleep(1)
         assert session.bus.latched
         with pytest.raises(RequestError, match="not confirmed by broken, which"):
@@ -266,22 +268,22 @@ def test_who_does_not_know_who_may_still_move_does_not_release_the_stop(tmp_path
         session.release("key", known=["broken"])
         session.stop("key")
         await asyncio.sleep(2)
-        stage.puppet("broken").context.health(Health.CONNECTED)  # is stopped again, and confirms
+        rig.driver("broken").context.health(Health.CONNECTED)  # is stopped again, and confirms
         await asyncio.sleep(2)
-        from_a_thread(stage, release, ears[2])
+        from_a_thread(rig, release, ears[2])
         await asyncio.sleep(1)
 
     on_stage(tmp_path, scenario, "robot", "broken")
-    (early,), (alone,), (all_confirmed,) = (ear.told for ear in ears)
+    (early,), (alone,), (all_confirmed,) = (outcome.told for outcome in ears)
     assert "by robot, broken, which may still move" in early[1]
     assert "by broken, which may still move" in alone[1]
     assert all_confirmed == (True, "")
 
 
-class Sonar(PassiveDriver):
+class UnpluggedSonar(PassiveDriver):
     """Is unplugged, and cannot take a stop."""
 
-    Settings = Nothing
+    Settings = NoSettings
     summary = "for tests"
     heard: ClassVar[list[str]] = []
 
@@ -294,40 +296,44 @@ class Sonar(PassiveDriver):
 
 
 def test_what_neither_moves_nor_sounds_need_not_confirm_a_stop(tmp_path: Path) -> None:
-    Sonar.heard.clear()
-    ear = Ear()
+    UnpluggedSonar.heard.clear()
+    outcome = RequestOutcome()
 
-    async def go() -> Stage:
+    async def go() -> SessionRig:
         made = experiment(tmp_path)
-        sonar = DriverSpec("sonar", "sonar", Nothing(), (), (), HERE)
-        stage = Stage(
+        sonar = DriverSpec("sonar", "sonar", NoSettings(), (), (), HERE)
+        rig = SessionRig(
             tmp_path,
-            catalogue={"puppet": Puppet, "sonar": Sonar},
+            catalogue={"puppet": ScriptedDriver, "sonar": UnpluggedSonar},
             made=replace(made, drivers=(*made.drivers, sonar)),
         )
-        await stage.session.open()
-        stage.session.stop("key")
+        await rig.session.open()
+        rig.session.stop("key")
         await asyncio.sleep(2)
-        from_a_thread(stage, Ask("release", source="midi"), ear)
+        from_a_thread(rig, Ask("release", source="midi"), outcome)
         await asyncio.sleep(1)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
-    stage = run_virtual(go())
-    (told,) = [line for line in stage.lines if isinstance(line, m.StopConfirmed)]
-    assert (told.confirmed, told.missing, told.unreached) == (["robot"], [], [])
-    assert Sonar.heard == ["all"]
-    assert ear.told == [(True, "")]
+    rig = run_virtual(go())
+    (stop_confirmed,) = [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
+    assert (stop_confirmed.confirmed, stop_confirmed.missing, stop_confirmed.unreached) == (
+        ["robot"],
+        [],
+        [],
+    )
+    assert UnpluggedSonar.heard == ["all"]
+    assert outcome.told == [(True, "")]
 
 
 def test_a_driver_that_does_not_move_by_itself_needs_no_resume(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.stop("key")
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.stop("key")
         await asyncio.sleep(1)
-        stage.session.release("key")
+        rig.session.release("key")
 
-    stage = on_stage(tmp_path, scenario)
-    assert "resume" not in [name for name, _ in stage.puppet().calls]
+    rig = on_stage(tmp_path, scenario)
+    assert "resume" not in [name for name, _ in rig.driver().calls]
 
 
 # -- feeds and what is shown ----------------------------------------------------------------------
@@ -335,8 +341,8 @@ def test_a_driver_that_does_not_move_by_itself_needs_no_resume(tmp_path: Path) -
 
 @pytest.mark.toolkit("U1")
 def test_drivers_of_one_robot_share_feeds_and_those_of_two_do_not(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        context = {name: stage.puppet(name).context for name in stage.session.drivers}
+    async def scenario(rig: SessionRig) -> None:
+        context = {name: rig.driver(name).context for name in rig.session.drivers}
         feed = context["joy.servos"].feed("setpoints", of="body")
         assert feed.latest().serial == 0
         context["joy.body"].feed("setpoints").put({"pan": 10.0})
@@ -364,18 +370,16 @@ def test_many_threads_may_write_a_feed_and_every_value_is_counted() -> None:
 
 @pytest.mark.toolkit("F1")
 def test_what_a_driver_shows_bears_its_name_and_stands_in_the_welcome(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        context = stage.puppet().context
+    async def scenario(rig: SessionRig) -> None:
+        context = rig.driver().context
         face = FaceShown(width=8, rows="00 ff", emotion="happy", intensity=1.0)
         context.show(face)
         context.show(m.ControlsMoved(values={"pitch": 1}))
         context.show(m.ControlsMoved(values={"tempo": 2}, waiting=["tempo"]))
         context.show(m.BodyChanged(values={"mode": "normal"}))
 
-    stage = on_stage(tmp_path, scenario)
-    held = {
-        type(each): each for each in stage.session.state.messages() if isinstance(each, m.Shown)
-    }
+    rig = on_stage(tmp_path, scenario)
+    held = {type(each): each for each in rig.session.state.messages() if isinstance(each, m.Shown)}
     face, controls = held[FaceShown], held[m.ControlsMoved]
     assert isinstance(face, FaceShown)
     assert isinstance(controls, m.ControlsMoved)

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import run_virtual
-from tests.sensing.test_stream import MESSAGES
-from tests.session.engaged import WIZARD, Room, effect, guided, in_room
+from tests.sensing.test_engagement_stream import MESSAGES
+from tests.session.engagement_rig import WIZARD, EngagementRig, effect, guided, in_room
 from tests.session.rig import call, together
 from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
@@ -30,19 +30,19 @@ ASKING = EngagementSettings(handshake=HandshakeSettings(by="robot"))
 def test_no_message_fails_in_the_hub(steps: list[tuple[Any, float]]) -> None:
     """E9: in a whole session, with effects, handshake and attention."""
 
-    async def go(folder: Path) -> Room:
+    async def go(folder: Path) -> EngagementRig:
         effects = effect("PersonDetected", together(call("say", text="Come near")))
-        room = Room(folder, guided(folder, ASKING, effects))
-        await room.session.open()
+        rig = EngagementRig(folder, guided(folder, ASKING, effects))
+        await rig.session.open()
         for message, pause in steps:
-            room.session.hub.publish(message)
+            rig.session.hub.publish(message)
             await asyncio.sleep(pause)
-        await room.session.close("test", rest=False)
-        return room
+        await rig.session.close("test", rest=False)
+        return rig
 
     with tempfile.TemporaryDirectory() as folder:
-        room = run_virtual(go(Path(folder)))
-    assert not [text for text in room.notices if "the engagement model failed" in text]
+        rig = run_virtual(go(Path(folder)))
+    assert not [text for text in rig.notices if "the engagement model failed" in text]
 
 
 def test_no_verb_fails_whatever_it_says(tmp_path: Path) -> None:
@@ -50,40 +50,40 @@ def test_no_verb_fails_whatever_it_says(tmp_path: Path) -> None:
     junk: list[Any] = [None, "", "on", "Wait", "done", -1, 1e300, math.nan, True, [], {"a": 1}]
     names = ["sign", "value", "to", "run", "kind", "samples", "threshold", "metres", "code", "what"]
 
-    async def scenario(room: Room) -> None:
+    async def scenario(rig: EngagementRig) -> None:
         chance = random.Random(1)
         for _ in range(1500):
             verb = chance.choice([*ENGAGEMENT_VERBS])
             args = {chance.choice(names): chance.choice(junk) for _ in range(3)}
-            room.tell(verb, **args)
+            rig.tell(verb, **args)
             await asyncio.sleep(0.001)
-        await room.visit(4, identity="V1")
+        await rig.visit(4, identity="V1")
 
-    room = in_room(tmp_path, scenario)
-    asked = [line for line in room.of(m.Command) if line.driver == "engagement"]
-    ended = [line for line in room.of(m.End) if line.command in {each.command for each in asked}]
+    rig = in_room(tmp_path, scenario)
+    asked = [line for line in rig.of(m.Command) if line.driver == "engagement"]
+    ended = [line for line in rig.of(m.End) if line.command in {each.command for each in asked}]
     assert len(asked) == len(ended) >= 1500
-    assert not [text for text in room.notices if "failed" in text]
-    assert not room.of(m.Failed)
+    assert not [text for text in rig.notices if "failed" in text]
+    assert not rig.of(m.Failed)
 
 
 def test_a_failure_inside_is_told_once_and_the_session_goes_on(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async def scenario(room: Room) -> None:
-        model = room.session.engagement._model
+    async def scenario(rig: EngagementRig) -> None:
+        model = rig.session.engagement._model
         assert model is not None
         model.follower.sensors.update(presence="no sign at all", gaze="none either")
         for _ in range(5):
-            room.sense(presence=1, gaze=1)
-        with_robot = room.session.play("Welcome", WIZARD)
+            rig.sense(presence=1, gaze=1)
+        with_robot = rig.session.play("Welcome", WIZARD)
         assert with_robot
 
-    room = in_room(tmp_path, scenario)
-    told = [text for text in room.notices if "the engagement model failed" in text]
+    rig = in_room(tmp_path, scenario)
+    told = [text for text in rig.notices if "the engagement model failed" in text]
     assert len(told) == len(set(told)) == 2
     assert len([record for record in caplog.records if record.exc_info]) == 2
-    assert ("say", {"text": "Welcome"}) in room.robot.calls
+    assert ("say", {"text": "Welcome"}) in rig.robot.calls
 
 
 @pytest.mark.parametrize("place", ["no/such/folder/\0visitors.json", ".", "file/visitors.json"])
@@ -91,34 +91,34 @@ def test_a_place_that_takes_no_file_costs_no_name(tmp_path: Path, place: str) ->
     (tmp_path / "file").touch()
     settings = EngagementSettings(signals="none", visitors=str(tmp_path / place))
 
-    async def scenario(room: Room) -> None:
-        room.tell("sense", sign="all", value="on")
+    async def scenario(rig: EngagementRig) -> None:
+        rig.tell("sense", sign="all", value="on")
         await asyncio.sleep(0.1)
-        room.tell("visitor", code="Anna")
+        rig.tell("visitor", code="Anna")
         await asyncio.sleep(0.5)
-        model = room.session.engagement._model
+        model = rig.session.engagement._model
         assert model is not None
         visiting = model.visitors
         visiting.visitors.wait(10)
         await asyncio.sleep(0.5)
         assert visiting.visitors.is_taken("anna")
 
-    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
-    assert room.path[-1] == "EngagedWithKnown"
-    assert any(text.startswith("visitors: ") for text in room.notices)
+    rig = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    assert rig.path[-1] == "EngagedWithKnown"
+    assert any(text.startswith("visitors: ") for text in rig.notices)
 
 
 def test_nothing_comes_after_the_end(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        room.tell("force", to="RobotReplies")
+    async def scenario(rig: EngagementRig) -> None:
+        rig.tell("force", to="RobotReplies")
         await asyncio.sleep(0.1)
-        await room.session.close("early")
-        seen = len(room.lines)
-        room.sense(presence=1)
+        await rig.session.close("early")
+        seen = len(rig.lines)
+        rig.sense(presence=1)
         await asyncio.sleep(200)
-        assert len(room.lines) == seen + 1
+        assert len(rig.lines) == seen + 1
         try:
-            room.tell("toggle", sign="gaze")
+            rig.tell("toggle", sign="gaze")
         except RequestError:
             return
         raise AssertionError

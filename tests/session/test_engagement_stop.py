@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.engaged import PLAIN, Guide, Room, effect, guided, in_room
+from tests.session.engagement_rig import PLAIN, EngagementRig, GuideDriver, effect, guided, in_room
 from tests.session.rig import call, together
 from woz_tui.config.engagement import (
     AttentionSettings,
@@ -30,71 +30,71 @@ EVERYTHING = EngagementSettings(
 )
 
 
-async def no_state_by_itself(room: Room) -> None:
+async def no_state_by_itself(rig: EngagementRig) -> None:
     for state in ("RobotThinks", "PersonDetected", "RobotReplies"):
-        room.tell("force", to=state)
+        rig.tell("force", to=state)
         await asyncio.sleep(1)
 
 
-async def nobody_nearly_there(room: Room) -> None:
-    room.tell("sense", sign="presence", value="on")
-    room.tell("sense", sign="gaze", value="on")
-    room.tell("sense", sign="distance", value="4")
+async def nobody_nearly_there(rig: EngagementRig) -> None:
+    rig.tell("sense", sign="presence", value="on")
+    rig.tell("sense", sign="gaze", value="on")
+    rig.tell("sense", sign="distance", value="4")
     await asyncio.sleep(1)
-    assert room.shown.state == "PersonDetected"
+    assert rig.engagement_shown.state == "PersonDetected"
 
 
-async def no_cable(room: Room) -> None:
-    room.robot.context.health(Health.LOST, "the cable")
-    room.robot.context.health(Health.CONNECTED, "a puppet")
+async def no_cable(rig: EngagementRig) -> None:
+    rig.robot.context.health(Health.LOST, "the cable")
+    rig.robot.context.health(Health.CONNECTED, "a puppet")
     await asyncio.sleep(1)
 
 
-async def no_sound(room: Room) -> None:
-    room.stands_there()
+async def no_sound(rig: EngagementRig) -> None:
+    rig.stands_there()
     await asyncio.sleep(0.1)
-    room.sense(loudness=0.01, direction=0.0)
-    room.sense(loudness=0.5)
-    room.sense(direction=50.0)
+    rig.sense(loudness=0.01, direction=0.0)
+    rig.sense(loudness=0.5)
+    rig.sense(direction=50.0)
     await asyncio.sleep(5)
 
 
-async def no_stranger(room: Room) -> None:
-    room.tell("handshake", what="begin")
+async def no_stranger(rig: EngagementRig) -> None:
+    rig.tell("handshake", what="begin")
     await asyncio.sleep(20)
-    assert room.path[-1] == "Handshake"
+    assert rig.path[-1] == "Handshake"
 
 
 @pytest.mark.parametrize(
     "scene", [no_state_by_itself, nobody_nearly_there, no_cable, no_sound, no_stranger]
 )
 def test_nothing_makes_the_model_ask_for_anything(
-    tmp_path: Path, scene: Callable[[Room], Awaitable[None]]
+    tmp_path: Path, scene: Callable[[EngagementRig], Awaitable[None]]
 ) -> None:
-    async def scenario(room: Room) -> None:
+    async def scenario(rig: EngagementRig) -> None:
         await asyncio.sleep(1)
-        room.session.stop("key")
-        before = len(room.commands)
-        await scene(room)
-        assert room.commands[before:] == []
+        rig.session.stop("key")
+        before = len(rig.commands)
+        await scene(rig)
+        assert rig.commands[before:] == []
 
     effects = effect("RobotThinks", together(call("say", text="Well")))
     in_room(tmp_path, scenario, guided(tmp_path, EVERYTHING, effects))
 
 
 def test_a_question_that_was_stopped_is_not_asked_again_by_itself(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        room.tell("handshake", what="begin")
+    async def scenario(rig: EngagementRig) -> None:
+        rig.tell("handshake", what="begin")
         await asyncio.sleep(0.5)
-        assert ("say", {"text": EVERYTHING.handshake.ask}) in room.commands
-        room.session.stop("key")
-        before = len(room.commands)
+        assert ("say", {"text": EVERYTHING.handshake.ask}) in rig.commands
+        rig.session.stop("key")
+        before = len(rig.commands)
         await asyncio.sleep(20)
-        assert room.commands[before:] == []
-        assert room.shown.state == "Handshake"
-        room.session.release("key")
+        assert rig.commands[before:] == []
+        assert rig.engagement_shown.state == "Handshake"
+        rig.session.release("key")
         await asyncio.sleep(0.5)
-        asked = [args["text"] for verb, args in room.commands[before:] if verb == "say"]
+        asked = [args["text"] for verb, args in rig.commands[before:] if verb == "say"]
         assert asked == [EVERYTHING.handshake.ask]
 
     in_room(tmp_path, scenario, guided(tmp_path, EVERYTHING))
@@ -103,13 +103,13 @@ def test_a_question_that_was_stopped_is_not_asked_again_by_itself(tmp_path: Path
 def test_what_the_robot_says_itself_is_no_answer_however_late_it_is_understood(
     tmp_path: Path,
 ) -> None:
-    async def scenario(room: Room) -> None:
-        room.tell("handshake", what="begin")
+    async def scenario(rig: EngagementRig) -> None:
+        rig.tell("handshake", what="begin")
         await asyncio.sleep(0.3)  # it speaks for a second
-        await room.hears(1, 1.0)
-        room.session.hub.publish(m.SpeechText(driver="robot", segment=1, text="my name is Ada"))
+        await rig.hears(1, 1.0)
+        rig.session.hub.publish(m.SpeechText(driver="robot", segment=1, text="my name is Ada"))
         await asyncio.sleep(1)
-        said = [args["text"] for verb, args in room.commands if verb == "say"]
+        said = [args["text"] for verb, args in rig.commands if verb == "say"]
         assert said == [EVERYTHING.handshake.ask]
 
     in_room(tmp_path, scenario, guided(tmp_path, EVERYTHING))
@@ -118,38 +118,38 @@ def test_what_the_robot_says_itself_is_no_answer_however_late_it_is_understood(
 def test_looking_away_goes_on_over_a_reload(tmp_path: Path) -> None:
     settings = replace(PLAIN, attention=AttentionSettings(look=True, seconds=2.0))
 
-    async def scenario(room: Room) -> None:
-        await no_sound_yet(room)
-        room.session.adopt(guided(tmp_path, replace(settings, samples=3)), ["samples"])
+    async def scenario(rig: EngagementRig) -> None:
+        await no_sound_yet(rig)
+        rig.session.adopt(guided(tmp_path, replace(settings, samples=3)), ["samples"])
         await asyncio.sleep(4)
 
-    async def no_sound_yet(room: Room) -> None:
-        room.stands_there()
-        room.sense(loudness=0.01, direction=0.0)
+    async def no_sound_yet(rig: EngagementRig) -> None:
+        rig.stands_there()
+        rig.sense(loudness=0.01, direction=0.0)
         await asyncio.sleep(0.5)
-        room.sense(loudness=0.5)
-        room.sense(direction=50.0)
+        rig.sense(loudness=0.5)
+        rig.sense(direction=50.0)
         await asyncio.sleep(0.5)
 
-    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
-    assert [args["yaw"] for verb, args in room.commands if verb == "gaze"] == [50.0, 0.0]
+    rig = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    assert [args["yaw"] for verb, args in rig.commands if verb == "gaze"] == [50.0, 0.0]
 
 
 def test_a_mode_by_hand_outlasts_other_numbers_of_attention(tmp_path: Path) -> None:
     settings = replace(PLAIN, attention=AttentionSettings(look=True, seconds=2.0))
     other = replace(PLAIN, attention=AttentionSettings(look=True, seconds=1.0))
 
-    async def scenario(room: Room) -> None:
-        room.tell("attend", mode="FullyEngaged")
-        room.stands_there()
+    async def scenario(rig: EngagementRig) -> None:
+        rig.tell("attend", mode="FullyEngaged")
+        rig.stands_there()
         await asyncio.sleep(0.1)
-        room.session.adopt(guided(tmp_path, other), ["seconds"])
-        room.sense(loudness=0.5)
-        room.sense(direction=50.0)
+        rig.session.adopt(guided(tmp_path, other), ["seconds"])
+        rig.sense(loudness=0.5)
+        rig.sense(direction=50.0)
         await asyncio.sleep(5)
 
-    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
-    assert [verb for verb, _ in room.commands] == []
+    rig = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    assert [verb for verb, _ in rig.commands] == []
 
 
 def test_an_effect_that_fails_when_nobody_has_said_anything_is_told(tmp_path: Path) -> None:
@@ -157,25 +157,25 @@ def test_an_effect_that_fails_when_nobody_has_said_anything_is_told(tmp_path: Pa
     effects = effect("Wait", together(call("say", text="Bye {visitor}")))
     settings = replace(PLAIN, timeouts=Timeouts(approach=2.0))
 
-    async def scenario(room: Room) -> None:
-        room.tell("sense", sign="presence", value="on")
+    async def scenario(rig: EngagementRig) -> None:
+        rig.tell("sense", sign="presence", value="on")
         await asyncio.sleep(3)
-        assert [text for text in room.notices if "on Wait" in text]
+        assert [text for text in rig.notices if "on Wait" in text]
 
     in_room(tmp_path, scenario, guided(tmp_path, settings, effects))
 
 
 def test_nothing_is_published_while_nothing_changes(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await room.visit(8, gaze=0)
-        before = len(room.of(m.EngagementShown))
-        await room.visit(60, gaze=0)
-        assert len(room.of(m.EngagementShown)) == before
+    async def scenario(rig: EngagementRig) -> None:
+        await rig.visit(8, gaze=0)
+        before = len(rig.of(m.EngagementShown))
+        await rig.visit(60, gaze=0)
+        assert len(rig.of(m.EngagementShown)) == before
 
     in_room(tmp_path, scenario)
 
 
-class Ringing(Guide):
+class SlowBeepDriver(GuideDriver):
     """Its beep takes a while."""
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -185,17 +185,17 @@ class Ringing(Guide):
 
 
 def test_a_beep_that_finds_the_robot_busy_is_left_out_without_a_word(tmp_path: Path) -> None:
-    async def go() -> Room:
-        room = Room(tmp_path, guided(tmp_path, EngagementSettings()), Ringing)
-        await room.session.open()
+    async def go() -> EngagementRig:
+        rig = EngagementRig(tmp_path, guided(tmp_path, EngagementSettings()), SlowBeepDriver)
+        await rig.session.open()
         for state in ("RobotThinks", "RobotReplies", "RobotThinks"):
-            room.tell("force", to=state)
+            rig.tell("force", to=state)
             await asyncio.sleep(0.3)
-        assert [end.code for end in room.of(m.Refused)] == ["busy"]
-        assert room.notices == []
+        assert [end.code for end in rig.of(m.Refused)] == ["busy"]
+        assert rig.notices == []
         await asyncio.sleep(5)
-        await room.session.close("test")
-        return room
+        await rig.session.close("test")
+        return rig
 
-    room = run_virtual(go())
-    assert [verb for verb, _ in room.robot.calls].count("sound") == 1
+    rig = run_virtual(go())
+    assert [verb for verb, _ in rig.robot.calls].count("sound") == 1

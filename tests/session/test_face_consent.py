@@ -10,7 +10,15 @@ from typing import Any
 
 import pytest
 
-from tests.session.engaged import PLAIN, WIZARD, Guide, Room, effect, guided, in_room
+from tests.session.engagement_rig import (
+    PLAIN,
+    WIZARD,
+    EngagementRig,
+    GuideDriver,
+    effect,
+    guided,
+    in_room,
+)
 from tests.session.rig import HERE, action, call, together
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Panel
@@ -26,16 +34,16 @@ PROGRAM = RequestOrigin("program", "", "con2")
 BY_ROBOT = replace(PLAIN, handshake=replace(PLAIN.handshake, by="robot"))
 
 
-class Learner(Guide):
+class Learner(GuideDriver):
     """Learns a face in a second, and forgets it, as a Pepper does."""
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         name = Argument("name", "text", required=True)
-        given = Argument("given", "flag", default=True)
+        argument = Argument("given", "flag", default=True)
         return (
             *super().verbs(settings),
-            Verb("face_consent", "", (name, given), lane="consent"),
+            Verb("face_consent", "", (name, argument), lane="consent"),
             Verb("learn_face", "", (name,), lane="eye"),
         )
 
@@ -64,66 +72,68 @@ def _keys() -> tuple[Action, ...]:
 
 def played(
     tmp_path: Path,
-    scenario: Callable[[Room], Awaitable[None]],
+    scenario: Callable[[EngagementRig], Awaitable[None]],
     settings: EngagementSettings = PLAIN,
     on_enter: Mapping[str, Action] | None = None,
-) -> Room:
-    made = guided(tmp_path, settings, on_enter)
-    spec: DriverSpec = replace(made.drivers[0], verbs=Learner.verbs(None))
-    panels = (*made.panels, Panel("Faces", _keys(), HERE))
-    return in_room(tmp_path, scenario, replace(made, drivers=(spec,), panels=panels), kind=Learner)
+) -> EngagementRig:
+    experiment = guided(tmp_path, settings, on_enter)
+    spec: DriverSpec = replace(experiment.drivers[0], verbs=Learner.verbs(None))
+    panels = (*experiment.panels, Panel("Faces", _keys(), HERE))
+    return in_room(
+        tmp_path, scenario, replace(experiment, drivers=(spec,), panels=panels), kind=Learner
+    )
 
 
-def learnt(room: Room) -> list[Json]:
-    assert isinstance(room.robot, Learner)
-    return room.robot.learnt
+def learnt(rig: EngagementRig) -> list[Json]:
+    assert isinstance(rig.robot, Learner)
+    return rig.robot.learnt
 
 
-def refused(room: Room) -> list[str]:
-    return [line.code for line in room.of(m.Refused)]
+def refused(rig: EngagementRig) -> list[str]:
+    return [line.code for line in rig.of(m.Refused)]
 
 
-async def press(room: Room, *names: str, origin: RequestOrigin = WIZARD) -> None:
+async def press(rig: EngagementRig, *names: str, origin: RequestOrigin = WIZARD) -> None:
     for name in names:
         try:
-            room.session.play(name, origin)
+            rig.session.play(name, origin)
         except RequestError as error:
             assert "face_consent" in error.hint, error.reason
-        await room.visit(1.5)
+        await rig.visit(1.5)
 
 
 @pytest.mark.parametrize("settings", [PLAIN, BY_ROBOT], ids=["by wizard", "by robot"])
 def test_a_name_in_a_handshake_is_no_consent(tmp_path: Path, settings: EngagementSettings) -> None:
-    async def scenario(room: Room) -> None:
-        await room.visit(6.0)
-        assert room.path[-1] == "Handshake"
-        await press(room, "Anna")
+    async def scenario(rig: EngagementRig) -> None:
+        await rig.visit(6.0)
+        assert rig.path[-1] == "Handshake"
+        await press(rig, "Anna")
 
-    room = played(tmp_path, scenario, settings)
-    assert "eng2know" in room.outcomes
-    assert learnt(room) == []
-    [notice] = [each for each in room.of(m.Notice) if "face" in each.text]
+    rig = played(tmp_path, scenario, settings)
+    assert "eng2know" in rig.outcomes
+    assert learnt(rig) == []
+    [notice] = [each for each in rig.of(m.Notice) if "face" in each.text]
     assert "face_consent" in notice.remedy
     assert notice.tells == ("identity",)
 
 
 def test_who_consented_is_learnt_with_the_handshake(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await room.visit(6.0)
-        await press(room, "Consents", "Anna")
+    async def scenario(rig: EngagementRig) -> None:
+        await rig.visit(6.0)
+        await press(rig, "Consents", "Anna")
 
     assert learnt(played(tmp_path, scenario)) == ["Anna"]
 
 
 def test_the_present_visitor_consents_by_a_key_for_all(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await room.visit(6.0)
-        await press(room, "Anna", "{visitor} consents", "Learns")
+    async def scenario(rig: EngagementRig) -> None:
+        await rig.visit(6.0)
+        await press(rig, "Anna", "{visitor} consents", "Learns")
 
-    room = played(tmp_path, scenario)
-    assert learnt(room) == ["Anna"]
-    [told] = [line for line in room.of(m.Command) if line.verb == "face_consent"]
-    [done] = [line for line in room.of(m.Done) if line.command == told.command]
+    rig = played(tmp_path, scenario)
+    assert learnt(rig) == ["Anna"]
+    [told] = [line for line in rig.of(m.Command) if line.verb == "face_consent"]
+    [done] = [line for line in rig.of(m.Done) if line.command == told.command]
     sees_all, blind = Redactor(), Redactor(StudySettings(perception=PerceptionView(["identity"])))
     for line in (told, done):
         assert "Anna" in str(sees_all.message(line))
@@ -131,32 +141,32 @@ def test_the_present_visitor_consents_by_a_key_for_all(tmp_path: Path) -> None:
 
 
 def test_a_key_of_the_file_learns_nothing_without_a_consent(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await press(room, "Learns")
+    async def scenario(rig: EngagementRig) -> None:
+        await press(rig, "Learns")
 
-    room = played(tmp_path, scenario)
-    assert learnt(room) == []
-    [end] = room.of(m.Refused)
+    rig = played(tmp_path, scenario)
+    assert learnt(rig) == []
+    [end] = rig.of(m.Refused)
     assert end.code == "consent"
     assert "face_consent" in end.remedy
 
 
 def test_a_consent_is_for_a_name_and_good_for_one_learning(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await press(room, "Consents")
-        room.tell("learn_face", name="Berta")
-        room.tell("learn_face", name=" ANNA ")
+    async def scenario(rig: EngagementRig) -> None:
+        await press(rig, "Consents")
+        rig.tell("learn_face", name="Berta")
+        rig.tell("learn_face", name=" ANNA ")
         await asyncio.sleep(1.5)
-        room.tell("learn_face", name="Anna")
+        rig.tell("learn_face", name="Anna")
 
-    room = played(tmp_path, scenario)
-    assert learnt(room) == [" ANNA "]
-    assert refused(room) == ["consent", "consent"]
+    rig = played(tmp_path, scenario)
+    assert learnt(rig) == [" ANNA "]
+    assert refused(rig) == ["consent", "consent"]
 
 
 def test_one_key_may_do_both(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await press(room, "Consents and learns")
+    async def scenario(rig: EngagementRig) -> None:
+        await press(rig, "Consents and learns")
 
     assert learnt(played(tmp_path, scenario)) == ["Anna"]
 
@@ -172,24 +182,24 @@ def test_one_key_may_do_both(tmp_path: Path) -> None:
     ids=["program", "as the model", "typed", "driver"],
 )
 def test_a_verb_by_itself_gives_no_consent(tmp_path: Path, origin: RequestOrigin) -> None:
-    async def scenario(room: Room) -> None:
-        room.session.send("face_consent", {"name": "Anna"}, "", origin)
+    async def scenario(rig: EngagementRig) -> None:
+        rig.session.send("face_consent", {"name": "Anna"}, "", origin)
         await asyncio.sleep(0.5)
-        room.session.send("learn_face", {"name": "Anna"}, "", origin)
+        rig.session.send("learn_face", {"name": "Anna"}, "", origin)
 
-    room = played(tmp_path, scenario)
-    assert learnt(room) == []
-    assert refused(room) == ["consent", "consent"]
+    rig = played(tmp_path, scenario)
+    assert learnt(rig) == []
+    assert refused(rig) == ["consent", "consent"]
 
 
 @pytest.mark.parametrize("source", ["program", "phase", "engagement", "replay"])
 def test_what_no_person_presses_gives_no_consent(tmp_path: Path, source: str) -> None:
-    async def scenario(room: Room) -> None:
-        await press(room, "Consents and learns", origin=RequestOrigin(source, "", "con2"))
+    async def scenario(rig: EngagementRig) -> None:
+        await press(rig, "Consents and learns", origin=RequestOrigin(source, "", "con2"))
 
-    room = played(tmp_path, scenario)
-    assert learnt(room) == []
-    assert refused(room) == ["consent"]
+    rig = played(tmp_path, scenario)
+    assert learnt(rig) == []
+    assert refused(rig) == ["consent"]
 
 
 def test_the_engagement_model_gives_no_consent_by_itself(tmp_path: Path) -> None:
@@ -198,56 +208,56 @@ def test_the_engagement_model_gives_no_consent_by_itself(tmp_path: Path) -> None
         together(call("learn_face", name="{visitor}")),
     )
 
-    async def scenario(room: Room) -> None:
-        await room.visit(6.0)
-        await press(room, "Anna")
+    async def scenario(rig: EngagementRig) -> None:
+        await rig.visit(6.0)
+        await press(rig, "Anna")
 
-    room = played(tmp_path, scenario, on_enter=effect("EngagedWithKnown", *steps))
-    assert learnt(room) == []
-    assert refused(room) == ["consent"]
+    rig = played(tmp_path, scenario, on_enter=effect("EngagedWithKnown", *steps))
+    assert learnt(rig) == []
+    assert refused(rig) == ["consent"]
 
 
 def test_what_is_withdrawn_counts_no_more(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await press(room, "Consents", "Withdraws", "Learns")
+    async def scenario(rig: EngagementRig) -> None:
+        await press(rig, "Consents", "Withdraws", "Learns")
 
-    room = played(tmp_path, scenario)
-    assert learnt(room) == []
-    assert ("face_consent", {"name": "Anna", "given": False}) in room.robot.calls, "it deletes"
+    rig = played(tmp_path, scenario)
+    assert learnt(rig) == []
+    assert ("face_consent", {"name": "Anna", "given": False}) in rig.robot.calls, "it deletes"
 
 
 def test_what_a_program_withdraws_counts_no_more(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await press(room, "Consents")
-        room.session.send("face_consent", {"name": "anna", "given": False}, "", PROGRAM)
-        await press(room, "Learns")
+    async def scenario(rig: EngagementRig) -> None:
+        await press(rig, "Consents")
+        rig.session.send("face_consent", {"name": "anna", "given": False}, "", PROGRAM)
+        await press(rig, "Learns")
 
     assert learnt(played(tmp_path, scenario)) == []
 
 
 def test_a_consent_withdrawn_under_the_stop_or_in_the_queue_counts_no_more(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
-        await press(room, "Consents")
-        room.session.stop("key")
+    async def scenario(rig: EngagementRig) -> None:
+        await press(rig, "Consents")
+        rig.session.stop("key")
         await asyncio.sleep(1.0)
-        room.session.send("face_consent", {"name": "Anna", "given": False}, "", WIZARD)
-        room.session.release("key")
-        await press(room, "Learns")
+        rig.session.send("face_consent", {"name": "Anna", "given": False}, "", WIZARD)
+        rig.session.release("key")
+        await press(rig, "Learns")
 
     assert learnt(played(tmp_path, scenario)) == []
 
 
 def test_a_consent_withdrawn_while_the_learning_waits_counts_no_more(tmp_path: Path) -> None:
-    async def scenario(room: Room) -> None:
+    async def scenario(rig: EngagementRig) -> None:
         for name in ("Anna", "Berta"):
             key = action(f"{name} consents", together(call("face_consent", name=name)))
-            room.session.runner.play(key, WIZARD)
+            rig.session.runner.play(key, WIZARD)
         await asyncio.sleep(0.5)
         for name in ("Berta", "Anna"):
-            room.tell("learn_face", name=name)
+            rig.tell("learn_face", name=name)
         await asyncio.sleep(0.5)
-        room.tell("face_consent", name="Anna", given=False)
+        rig.tell("face_consent", name="Anna", given=False)
 
-    room = played(tmp_path, scenario)
-    assert learnt(room) == ["Berta"]
-    assert refused(room) == ["consent"]
+    rig = played(tmp_path, scenario)
+    assert learnt(rig) == ["Berta"]
+    assert refused(rig) == ["consent"]

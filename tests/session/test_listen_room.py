@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from tests.session.engaged import WIZARD
+from tests.session.engagement_rig import WIZARD
 from tools import EXPERIMENTS
 from tools.demo_session import catalogue
 from woz_tui.config.loading import load
@@ -43,11 +43,11 @@ async def rehearsed(path: Path, folder: Path) -> list[m.AnyMessage]:
 @pytest.mark.parametrize("file", ["guide.yaml", "demo.yaml"])
 def test_the_rooms_noise_is_learnt_and_told(tmp_path: Path, file: str) -> None:
     heard = run_virtual(rehearsed(EXPERIMENTS / file, tmp_path))
-    (asked,) = (one for one in heard if isinstance(one, m.Command) and one.verb == "listen_room")
-    (done,) = (one for one in heard if isinstance(one, m.Done) and one.command == asked.command)
+    (command,) = (one for one in heard if isinstance(one, m.Command) and one.verb == "listen_room")
+    (done,) = (one for one in heard if isinstance(one, m.Done) and one.command == command.command)
     assert done.sent["seconds"] == 10.0
     assert done.sent["was"] == pytest.approx(0.027)
-    assert 10_000_000 <= done.t - asked.t < 11_000_000
+    assert 10_000_000 <= done.t - command.t < 11_000_000
     told = [
         one.value
         for one in heard

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Stage
-from tests.session.studied import STUDY, studied
+from tests.session.rig import SessionRig
+from tests.session.study_rig import STUDY, study_experiment
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.config.study import ResponseShaping
@@ -32,23 +32,23 @@ OUTCOMES = ("begin", "begin", "done", "done", "aborted", "excluded", "break", "r
 class RandomWizard:
     """Does one thing after the other, whatever it is; what is refused is refused."""
 
-    def __init__(self, stage: Stage, seed: int) -> None:
-        self.stage = stage
+    def __init__(self, rig: SessionRig, seed: int) -> None:
+        self.rig = rig
         self.chance = random.Random(seed)
         self.asked: list[str] = []
         self._deeds: tuple[tuple[int, Callable[[], object]], ...] = (
             (30, self._play),
             (8, self._speak),
             (8, self._cue),
-            (4, lambda: self.stage.session.cancel(self.asked[-1])),
-            (3, lambda: self.stage.session.stop("key")),
-            (9, lambda: self.stage.session.release("key")),
-            (10, lambda: self.stage.session.study.trial(self.chance.choice(OUTCOMES), "")),
+            (4, lambda: self.rig.session.cancel(self.asked[-1])),
+            (3, lambda: self.rig.session.stop("key")),
+            (9, lambda: self.rig.session.release("key")),
+            (10, lambda: self.rig.session.study.trial(self.chance.choice(OUTCOMES), "")),
             (4, self._assign),
             (16, self._ask),
-            (2, lambda: self.stage.session.lock("Base", self.chance.random() < 0.5)),
-            (2, lambda: self.stage.session.mistake("", "slipped")),
-            (1, lambda: self.stage.session.adopt(self.stage.session.experiment, ["nothing"])),
+            (2, lambda: self.rig.session.lock("Base", self.chance.random() < 0.5)),
+            (2, lambda: self.rig.session.mistake("", "slipped")),
+            (1, lambda: self.rig.session.adopt(self.rig.session.experiment, ["nothing"])),
         )
 
     def act(self) -> None:
@@ -59,29 +59,27 @@ class RandomWizard:
             deed()
 
     def _play(self) -> None:
-        panels = self.stage.session.experiment.panels
+        panels = self.rig.session.experiment.panels
         names = [action.name for panel in panels for action in panel.actions]
         mode = self.chance.choice(MODES)
-        self.asked.append(self.stage.session.play(self.chance.choice(names), KEY, mode))
+        self.asked.append(self.rig.session.play(self.chance.choice(names), KEY, mode))
 
     def _speak(self) -> None:
         text: dict[str, m.Json] = {"text": f"typed {self.chance.random()}"}
         mode = self.chance.choice(MODES)
-        self.asked.append(self.stage.session.send("say", text, "", KEY, when_busy=mode))
+        self.asked.append(self.rig.session.send("say", text, "", KEY, when_busy=mode))
 
     def _cue(self) -> None:
-        now = self.stage.session.hub.now()
-        self.stage.session.hub.publish(
-            m.SpeechEnded(driver="robot", segment=1, began=now, ended=now)
-        )
+        now = self.rig.session.hub.now()
+        self.rig.session.hub.publish(m.SpeechEnded(driver="robot", segment=1, began=now, ended=now))
 
     def _assign(self) -> None:
         participant = f"P{self.chance.randrange(100):02d}"
         order = ["warm", "cold"] if self.chance.random() < 0.5 else ["cold", "warm"]
-        self.stage.session.study.assign(participant, order)
+        self.rig.session.study.assign(participant, order)
 
     def _ask(self) -> None:
-        study = self.stage.session.study
+        study = self.rig.session.study
         current = study.state.questionnaire
         if current is None or current.started is None:
             due = [each.questionnaire for each in study.state.due]
@@ -100,30 +98,32 @@ class RandomWizard:
             )
 
 
-async def _whole(tmp_path: Path, seed: int) -> Stage:
+async def _whole(tmp_path: Path, seed: int) -> SessionRig:
     loop = asyncio.get_running_loop()
     failed: list[object] = []
     loop.set_exception_handler(lambda loop, told: failed.append(told))
     shaped = replace(STUDY, shaping=ResponseShaping(0.8, 2.0, ("speech",)))
-    stage = Stage(tmp_path, identity=SessionIdentity(seed=seed), made=studied(tmp_path, shaped))
-    await stage.session.open()
-    stage.session.bus.unwatched = ""
-    wizard = RandomWizard(stage, seed)
+    rig = SessionRig(
+        tmp_path, identity=SessionIdentity(seed=seed), made=study_experiment(tmp_path, shaped)
+    )
+    await rig.session.open()
+    rig.session.bus.unwatched = ""
+    wizard = RandomWizard(rig, seed)
     while loop.time() < HALF_AN_HOUR:
         await asyncio.sleep(wizard.chance.expovariate(1.0))
         wizard.act()
-    await stage.session.close("over")
+    await rig.session.close("over")
     await asyncio.sleep(1)
     assert failed == []
     assert asyncio.all_tasks() == {asyncio.current_task()}
     assert not [timer for timer in loop._scheduled if not timer.cancelled()]  # type: ignore[attr-defined]
-    return stage
+    return rig
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_whatever_the_wizard_does_everything_has_its_end(tmp_path: Path, seed: int) -> None:
-    stage = run_virtual(_whole(tmp_path, seed))
-    lines = stage.lines
+    rig = run_virtual(_whole(tmp_path, seed))
+    lines = rig.lines
     held = [line for line in lines if isinstance(line, m.ActionHeld)]
     assert len(held) > 20
     last = {name: line.seq for line in lines if _goes_on(line) for name in _ids(line)}
@@ -136,12 +136,12 @@ def test_whatever_the_wizard_does_everything_has_its_end(tmp_path: Path, seed: i
         course = [isinstance(each, begins) for each in lines if isinstance(each, (begins, ends))]
         assert course == [True, False] * (len(course) // 2)
         assert len(course) > 10
-    verdict = verify(stage.recorder.path)
+    verdict = verify(rig.recorder.path)
     assert verdict.sentences() == []
     assert verdict.lines == lines[-1].seq + 1
     ended = [each for each in lines if isinstance(each, m.ActionEnd)]
     assert (
-        read_report(stage.recorder.path, FigureOptions(all_trials=True)).figures.whole.actions
+        read_report(rig.recorder.path, FigureOptions(all_trials=True)).figures.whole.actions
         == len(ended)
         > 300
     )

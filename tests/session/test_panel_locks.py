@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.config.reading import errors, panel, read
+from tests.config.reading import errors, panel, read_experiment
 from tests.fakes.virtual_time import run_virtual
-from tests.host.rig import served
-from tests.session.rig import HERE, Stage, experiment
-from tests.session.test_driver_requests import Ear, from_a_thread
+from tests.host.rig import served_session
+from tests.session.rig import HERE, SessionRig, experiment
+from tests.session.test_driver_requests import RequestOutcome, from_a_thread
 from woz_tui.config.experiment import ArrowKeySteps, Experiment, Panel
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Ask
@@ -37,54 +37,54 @@ def with_movement(tmp_path: Path, *, locked: bool = True) -> Experiment:
     )
 
 
-def on_stage(tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]]) -> Stage:
-    async def go() -> Stage:
-        stage = Stage(tmp_path)
-        stage.session.experiment = with_movement(tmp_path)
-        await stage.session.open()
-        stage.session.bus.unwatched = ""
-        await scenario(stage)
+def on_stage(tmp_path: Path, scenario: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path)
+        rig.session.experiment = with_movement(tmp_path)
+        await rig.session.open()
+        rig.session.bus.unwatched = ""
+        await scenario(rig)
         await asyncio.sleep(2)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
 
 def test_arrow_keys_of_a_locked_panel_are_refused_and_logged(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match=LOCKED) as caught:
-            stage.session.send("drive", {"x": 0.1}, "", ARROW)
+            rig.session.send("drive", {"x": 0.1}, "", ARROW)
         assert (caught.value.hint, caught.value.command) == ("find 'Unlock Movement'", "find")
-        stage.session.send("play", {"move": "nod"}, "", ARROW)  # nothing covers it
+        rig.session.send("play", {"move": "nod"}, "", ARROW)  # nothing covers it
 
-    stage = on_stage(tmp_path, scenario)
-    [refused] = [line for line in stage.lines if isinstance(line, m.Refused)]
+    rig = on_stage(tmp_path, scenario)
+    [refused] = [line for line in rig.lines if isinstance(line, m.Refused)]
     assert (refused.code, refused.reason) == ("locked", LOCKED)
-    assert [verb for verb, _ in stage.puppet().calls][:1] == ["play"]
+    assert [verb for verb, _ in rig.driver().calls][:1] == ["play"]
 
 
 def test_unlocked_they_move_and_locked_again_they_do_not(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.lock("Movement", False)
-        stage.session.send("drive", {"x": 0.1}, "", ARROW)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.lock("Movement", False)
+        rig.session.send("drive", {"x": 0.1}, "", ARROW)
         await asyncio.sleep(0)
-        stage.session.lock("Movement", True)
+        rig.session.lock("Movement", True)
         with pytest.raises(RequestError):
-            stage.session.send("drive", {"x": 0.2}, "", ARROW)
+            rig.session.send("drive", {"x": 0.2}, "", ARROW)
 
-    stage = on_stage(tmp_path, scenario)
-    drives = [args for verb, args in stage.puppet().calls if verb == "drive"]
+    rig = on_stage(tmp_path, scenario)
+    drives = [args for verb, args in rig.driver().calls if verb == "drive"]
     assert drives == [{"x": 0.1}]
 
 
 def test_knobs_are_hands_too_and_what_a_driver_does_by_itself_is_not(tmp_path: Path) -> None:
-    hand, own = Ear(), Ear()
+    hand, own = RequestOutcome(), RequestOutcome()
 
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         drive = {"x": 0.1}
-        from_a_thread(stage, Ask("verb", "drive", drive, source="midi", key="knob 1"), hand)
-        from_a_thread(stage, Ask("verb", "drive", drive, source="body"), own)
+        from_a_thread(rig, Ask("verb", "drive", drive, source="midi", key="knob 1"), hand)
+        from_a_thread(rig, Ask("verb", "drive", drive, source="body"), own)
         await asyncio.sleep(10)
 
     on_stage(tmp_path, scenario)
@@ -93,15 +93,15 @@ def test_knobs_are_hands_too_and_what_a_driver_does_by_itself_is_not(tmp_path: P
 
 
 def test_actions_of_other_panels_still_do_it(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        assert stage.session.play("Hello", RequestOrigin("key", "h", "con1"))
+    async def scenario(rig: SessionRig) -> None:
+        assert rig.session.play("Hello", RequestOrigin("key", "h", "con1"))
 
-    stage = on_stage(tmp_path, scenario)
-    assert stage.puppet().calls[0][0] == "say"
+    rig = on_stage(tmp_path, scenario)
+    assert rig.driver().calls[0][0] == "say"
 
 
 def test_a_file_names_covered_verbs_and_a_panel_of_them_needs_no_actions(tmp_path: Path) -> None:
-    found = read(tmp_path, FILE)
+    found = read_experiment(tmp_path, FILE)
     assert found.panels[1].covers == ("screen",)
     assert not found.panels[1].locked
     assert [view.covers for view in panel_views(found, {})] == [[], ["screen"]]
@@ -116,23 +116,23 @@ def test_a_covered_verb_that_nobody_offers_is_told_at_its_place(tmp_path: Path) 
 
 
 def test_a_changed_cover_is_among_the_differences(tmp_path: Path) -> None:
-    old = read(tmp_path, FILE)
-    new = read(tmp_path, FILE.replace("[screen]", "[screen, say]"))
+    old = read_experiment(tmp_path, FILE)
+    new = read_experiment(tmp_path, FILE.replace("[screen]", "[screen, say]"))
     assert compare(old, new).changes == ("the lock of panel 'Movement' covers screen, say",)
 
 
 def test_steps_of_the_arrow_keys_are_settings_of_the_file(tmp_path: Path) -> None:
-    assert read(tmp_path, FILE).steps == ArrowKeySteps()
-    found = read(tmp_path, FILE + "steps: {head: 10, drive: 0.25}\n")
+    assert read_experiment(tmp_path, FILE).steps == ArrowKeySteps()
+    found = read_experiment(tmp_path, FILE + "steps: {head: 10, drive: 0.25}\n")
     assert found.steps == ArrowKeySteps(head=10, drive=0.25)
     assert errors(tmp_path, FILE + "steps: {head: 0}\n") == [
         "8:9: steps.head: 0 is out of range; allowed is 0.1 to 90 °"
     ]
-    assert compare(read(tmp_path, FILE), found).changes == ("steps changed",)
+    assert compare(read_experiment(tmp_path, FILE), found).changes == ("steps changed",)
 
 
 async def test_consoles_hear_of_the_steps_at_the_start(tmp_path: Path) -> None:
-    async with served(tmp_path) as rig:
+    async with served_session(tmp_path) as rig:
         peer = await rig.connect()
         welcome = await peer.hello()
         assert welcome["settings"]["steps"] == asdict(ArrowKeySteps())

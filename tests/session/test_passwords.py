@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tests.session.engaged import WIZARD, Guide, Room, guided, in_room
+from tests.session.engagement_rig import WIZARD, EngagementRig, GuideDriver, guided, in_room
 from tests.session.rig import HERE, action, call, together
 from woz_tui.config.experiment import Panel
 from woz_tui.drivers.contract import DriverError, Job
@@ -25,7 +25,7 @@ SHOWN = "http://ada:***@host/a.png"
 PROGRAM = RequestOrigin("program", "", "con2")
 
 
-class Talkative(Guide):
+class Talkative(GuideDriver):
     """Repeats what it was given, by every way that a driver has."""
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -43,8 +43,8 @@ def test_no_way_brings_a_password_into_the_log_or_the_stream(tmp_path: Path) -> 
     lines: list[bytes] = []
     key = action("Shows", together(call("screen", file=PICTURE)))
 
-    async def scenario(room: Room) -> None:
-        session = room.session
+    async def scenario(rig: EngagementRig) -> None:
+        session = rig.session
         stream = session.hub.subscribe(10_000, True, lambda: None)
         await asyncio.sleep(0)
         for verb, args in (
@@ -72,13 +72,13 @@ def test_no_way_brings_a_password_into_the_log_or_the_stream(tmp_path: Path) -> 
         files=(tmp_path / "made.yaml",),
         texts=(f"screen: {PICTURE}\n",),
     )
-    room = in_room(tmp_path, scenario, experiment, kind=Talkative)
+    rig = in_room(tmp_path, scenario, experiment, kind=Talkative)
     log = b"".join(path.read_bytes() for path in tmp_path.rglob("*.jsonl"))
     for told in (log, b"".join(lines)):
         assert SHOWN.encode() in told
         assert b"PASSWORD" not in told
-    assert ("screen", {"file": PICTURE}) in room.robot.calls, "the robot needs it to fetch it"
-    assert len([line for line in room.of(m.Note) if line.text]) == 1
+    assert ("screen", {"file": PICTURE}) in rig.robot.calls, "the robot needs it to fetch it"
+    assert len([line for line in rig.of(m.Note) if line.text]) == 1
 
 
 def test_an_answer_has_none_and_a_request_arrives_as_it_is() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Stage, experiment
+from tests.session.rig import SessionRig, experiment
 from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.config.study import Design, Study
 from woz_tui.protocol import messages as m
@@ -28,57 +28,57 @@ PHASES = (
 
 def on_stage(
     tmp_path: Path,
-    scenario: Callable[[Stage], Awaitable[None]],
+    scenario: Callable[[SessionRig], Awaitable[None]],
     study: Study = Study(),  # noqa: B008 - frozen
     phases: tuple[Phase, ...] = PHASES,
-) -> Stage:
-    async def go() -> Stage:
+) -> SessionRig:
+    async def go() -> SessionRig:
         made = replace(experiment(tmp_path), phases=phases, study=study)
-        stage = Stage(tmp_path, made=made)
-        await stage.session.open()
-        await scenario(stage)
-        await stage.session.close("test")
-        return stage
+        rig = SessionRig(tmp_path, made=made)
+        await rig.session.open()
+        await scenario(rig)
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
 
-def changes(stage: Stage) -> list[tuple[str, str]]:
-    return [(line.phase, line.source) for line in stage.lines if isinstance(line, m.PhaseChanged)]
+def changes(rig: SessionRig) -> list[tuple[str, str]]:
+    return [(line.phase, line.source) for line in rig.lines if isinstance(line, m.PhaseChanged)]
 
 
-def refused(session: Session, phase: str = "") -> str:
+def refusal_reason(session: Session, phase: str = "") -> str:
     with pytest.raises(RequestError) as caught:
         session.phase(phase, KEY)
     return caught.value.reason
 
 
 def test_one_after_the_other(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         assert session.phases.name == "opening"
-        assert refused(session, "closing") == "closing comes after The ride"
-        assert refused(session, "opening") == "Opening is the present phase"
-        assert refused(session, "lunch") == "there is no phase 'lunch'"
+        assert refusal_reason(session, "closing") == "closing comes after The ride"
+        assert refusal_reason(session, "opening") == "Opening is the present phase"
+        assert refusal_reason(session, "lunch") == "there is no phase 'lunch'"
         session.phase("", KEY)
         session.phase("", KEY)
-        assert refused(session) == "no later phase can begin now"
+        assert refusal_reason(session) == "no later phase can begin now"
         session.phase("ride", KEY)  # whatever has begun may begin again
         session.phase("opening", KEY)
         session.phase("closing", KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    assert changes(stage) == [
+    rig = on_stage(tmp_path, scenario)
+    assert changes(rig) == [
         ("opening", "session"),
         *((name, "key") for name in ("ride", "closing", "ride", "opening", "closing")),
     ]
-    first = next(line for line in stage.lines if isinstance(line, m.PhaseChanged))
+    first = next(line for line in rig.lines if isinstance(line, m.PhaseChanged))
     assert first.planned_us == 120_000_000
 
 
 def test_what_a_phase_plays_when_somebody_enters_it(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         session.set(participant="P01")
         session.phase("ride", KEY)
         assert session.phases.name == "ride"
@@ -86,14 +86,14 @@ def test_what_a_phase_plays_when_somebody_enters_it(tmp_path: Path) -> None:
         session.phase("opening", KEY)
         await asyncio.sleep(2)
 
-    stage = on_stage(tmp_path, scenario)
-    played = [line for line in stage.lines if isinstance(line, m.ActionRequested)]
+    rig = on_stage(tmp_path, scenario)
+    played = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
     assert [(line.action, line.source) for line in played] == [("Hello", "phase")]
 
 
 def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         session.phase("ride", KEY)
         with pytest.raises(RequestError, match="'Speech' is locked in the phase The ride"):
             session.play("Hello", KEY)
@@ -106,10 +106,10 @@ def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path
         session.lock("Speech", False)
         session.play("Welcome", KEY)
 
-    stage = on_stage(tmp_path, scenario)
+    rig = on_stage(tmp_path, scenario)
     locks = [
         (line.panel, line.locked, line.source)
-        for line in stage.lines
+        for line in rig.lines
         if isinstance(line, m.PanelLocked)
     ]
     assert locks == [
@@ -122,8 +122,8 @@ def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path
 
 
 def test_a_lock_that_a_hand_has_set_stays_also_where_a_phase_had_set_it(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         session.phase("ride", KEY)
         session.lock("Speech", False)
         session.lock("Speech", True)
@@ -136,8 +136,8 @@ def test_a_lock_that_a_hand_has_set_stays_also_where_a_phase_had_set_it(tmp_path
 
 
 def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         assert session.phases.name == ""
         session.study.assign("P01", ["warm", "cold"])
         assert session.phases.name == ""
@@ -149,17 +149,17 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
         assert session.phases.name == ""
         session.play("Hello", KEY)
         session.study.trial("begin", "")
-        assert refused(session, "closing")
+        assert refusal_reason(session, "closing")
 
-    stage = on_stage(tmp_path, scenario, Study(design=Design()))
-    assert changes(stage) == [("opening", "trial"), ("ride", "key"), ("opening", "trial")]
-    trials = [line.action for line in stage.lines if isinstance(line, m.ActionRequested)]
+    rig = on_stage(tmp_path, scenario, Study(design=Design()))
+    assert changes(rig) == [("opening", "trial"), ("ride", "key"), ("opening", "trial")]
+    trials = [line.action for line in rig.lines if isinstance(line, m.ActionRequested)]
     assert trials == ["Hello", "Hello", "Hello"]
 
 
 def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session, between = stage.session, ("phases begin with a trial", "trial")
+    async def scenario(rig: SessionRig) -> None:
+        session, between = rig.session, ("phases begin with a trial", "trial")
 
         def refused_by_space() -> tuple[str, str]:
             with pytest.raises(RequestError) as caught:
@@ -168,11 +168,11 @@ def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
 
         session.adopt(replace(session.experiment, script=()), ["script"])
         session.study.assign("P01", ["warm", "cold"])
-        assert (refused(session), refused_by_space()) == (between[0], between)
+        assert (refusal_reason(session), refused_by_space()) == (between[0], between)
         session.study.trial("begin", "")
         session.phase("", KEY)
         session.study.trial("done", "")
-        assert refused(session, "opening") == between[0]
+        assert refusal_reason(session, "opening") == between[0]
         assert session.state.study.next_phase(PHASES) is None  # the screen offers none
 
     scripted = replace(PHASES[0], script=("Hello",))
@@ -180,25 +180,25 @@ def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
 
 
 def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         session.phase("ride", KEY)
         session.set(participant="P02")
         assert session.phases.name == "opening"
-        assert refused(session, "closing")
+        assert refusal_reason(session, "closing")
         session.set(condition="warm")
 
-    stage = on_stage(tmp_path, scenario)
-    assert changes(stage)[-1] == ("opening", "session")
-    assert not [line for line in stage.lines if isinstance(line, m.ActionRequested)]
+    rig = on_stage(tmp_path, scenario)
+    assert changes(rig)[-1] == ("opening", "session")
+    assert not [line for line in rig.lines if isinstance(line, m.ActionRequested)]
 
 
 def test_a_reload_keeps_the_phase_where_it_still_is(tmp_path: Path) -> None:
     def without(made: Experiment, name: str) -> Experiment:
         return replace(made, phases=tuple(each for each in made.phases if each.name != name))
 
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         session.phase("ride", KEY)
         session.adopt(without(session.experiment, "closing"), ["phases"])
         assert (session.phases.name, session.locked["Speech"]) == ("ride", True)
@@ -206,15 +206,15 @@ def test_a_reload_keeps_the_phase_where_it_still_is(tmp_path: Path) -> None:
         assert (session.phases.name, session.locked["Speech"]) == ("", False)
         session.phase("", KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    assert changes(stage)[-2:] == [("", "reload"), ("opening", "key")]
+    rig = on_stage(tmp_path, scenario)
+    assert changes(rig)[-2:] == [("", "reload"), ("opening", "key")]
 
 
 def test_without_phases_nothing_is_said_of_them(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.set(participant="P01", condition="warm")
-        stage.session.study.trial("begin", "")
-        assert refused(stage.session) == "the experiment has no phases"
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.set(participant="P01", condition="warm")
+        rig.session.study.trial("begin", "")
+        assert refusal_reason(rig.session) == "the experiment has no phases"
 
-    stage = on_stage(tmp_path, scenario, phases=())
-    assert not changes(stage)
+    rig = on_stage(tmp_path, scenario, phases=())
+    assert not changes(rig)

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.config.reading import HEAD, errors, read
+from tests.config.reading import HEAD, errors, read_experiment
 from tests.fakes.virtual_time import run_virtual
-from tests.host.rig import served
-from tests.session.rig import Stage, experiment
-from tests.session.test_driver_requests import Ear, from_a_thread
+from tests.host.rig import served_session
+from tests.session.rig import SessionRig, experiment
+from tests.session.test_driver_requests import RequestOutcome, from_a_thread
 from woz_tui.config.experiment import Experiment, Profile
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Ask
@@ -40,48 +40,48 @@ def for_children(tmp_path: Path, profile: Profile = CHILD) -> Experiment:
     return replace(experiment(tmp_path), profiles={profile.name: profile})
 
 
-def on_stage(tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]]) -> Stage:
+def on_stage(tmp_path: Path, scenario: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
     """A session in which the profile child is in use."""
 
-    async def go() -> Stage:
-        stage = Stage(tmp_path)
-        stage.session.experiment = for_children(tmp_path)
-        await stage.session.open()
-        stage.session.use_profile("child", "key")
-        await scenario(stage)
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path)
+        rig.session.experiment = for_children(tmp_path)
+        await rig.session.open()
+        rig.session.use_profile("child", "key")
+        await scenario(rig)
         await asyncio.sleep(3)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
 
 def test_only_its_actions_are_played_and_the_others_are_refused_in_the_log(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Hello", KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Hello", KEY)
         with pytest.raises(RequestError, match=f"'Map' {NOT}"):
-            stage.session.play("Map", KEY)
+            rig.session.play("Map", KEY)
         with pytest.raises(RequestError, match=f"'Welcome' {NOT}"):
-            stage.session.move_script(1)
-            stage.session.script_next(KEY)
+            rig.session.move_script(1)
+            rig.session.script_next(KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    assert stage.puppet().calls[0] == ("say", {"text": "Hello P07"})
-    refused = [line.action for line in stage.lines if isinstance(line, m.ActionRefused)]
+    rig = on_stage(tmp_path, scenario)
+    assert rig.driver().calls[0] == ("say", {"text": "Hello P07"})
+    refused = [line.action for line in rig.lines if isinstance(line, m.ActionRefused)]
     assert refused == ["Map", "Welcome"]
-    assert "play" not in [verb for verb, _ in stage.puppet().calls]
+    assert "play" not in [verb for verb, _ in rig.driver().calls]
 
 
 def test_verbs_by_themselves_are_refused_but_those_it_names(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.send("play", {"move": "nod"}, "", KEY)
-        stage.session.send("mark", {"text": "smile"}, "", KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.send("play", {"move": "nod"}, "", KEY)
+        rig.session.send("mark", {"text": "smile"}, "", KEY)
         with pytest.raises(RequestError, match=f"'say' {NOT}"):
-            stage.session.send("say", {"text": "no"}, "", RequestOrigin("palette"))
+            rig.session.send("say", {"text": "no"}, "", RequestOrigin("palette"))
 
-    stage = on_stage(tmp_path, scenario)
-    assert [verb for verb, _ in stage.puppet().calls[:2]] == ["play", "rest"]
-    [refused] = [line for line in stage.lines if isinstance(line, m.Refused)]
+    rig = on_stage(tmp_path, scenario)
+    assert [verb for verb, _ in rig.driver().calls[:2]] == ["play", "rest"]
+    [refused] = [line for line in rig.lines if isinstance(line, m.Refused)]
     assert (refused.code, refused.reason) == ("profile", f"'say' {NOT}")
 
 
@@ -100,8 +100,8 @@ def test_verbs_by_themselves_are_refused_but_those_it_names(tmp_path: Path) -> N
 def test_controls_and_modes(
     tmp_path: Path, verb: str, args: dict[str, m.Json], allowed: bool
 ) -> None:
-    async def scenario(stage: Stage) -> None:
-        refusal = stage.session.profiles.no_verb(verb, args)
+    async def scenario(rig: SessionRig) -> None:
+        refusal = rig.session.profiles.no_verb(verb, args)
         assert (refusal is None) is allowed
         assert refusal is None or refusal.reason.endswith(NOT)
 
@@ -109,32 +109,32 @@ def test_controls_and_modes(
 
 
 def test_a_control_panel_is_held_to_it_and_a_body_s_own_asks_are_not(tmp_path: Path) -> None:
-    hand, own = Ear(), Ear()
+    hand, own = RequestOutcome(), RequestOutcome()
 
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         say = {"text": "Hi"}
-        from_a_thread(stage, Ask("verb", "say", say, source="midi", key="button 7"), hand)
-        from_a_thread(stage, Ask("verb", "say", say, source="body"), own)
+        from_a_thread(rig, Ask("verb", "say", say, source="midi", key="button 7"), hand)
+        from_a_thread(rig, Ask("verb", "say", say, source="body"), own)
 
-    stage = on_stage(tmp_path, scenario)
+    rig = on_stage(tmp_path, scenario)
     assert hand.told == [(False, f"'say' {NOT}")]
     assert own.told == [(True, "")]
-    assert [verb for verb, _ in stage.puppet().calls].count("say") == 1
+    assert [verb for verb, _ in rig.driver().calls].count("say") == 1
 
 
 def test_the_stop_and_its_release_always_count(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.stop("midi")
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.stop("midi")
         await asyncio.sleep(1)
-        stage.session.release("key")
+        rig.session.release("key")
 
-    stage = on_stage(tmp_path, scenario)
-    assert stage.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
+    rig = on_stage(tmp_path, scenario)
+    assert rig.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
 
 
 def test_a_reload_keeps_the_profile_also_when_it_is_gone_from_the_file(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         wider = replace(CHILD, actions=frozenset({"Map"}))
         session.adopt(for_children(tmp_path, wider), ["profile 'child' changed"])
         assert session.profiles.current == wider
@@ -147,16 +147,16 @@ def test_a_reload_keeps_the_profile_also_when_it_is_gone_from_the_file(tmp_path:
         with pytest.raises(RequestError, match="there is no profile 'child'"):
             session.use_profile("child", "key")
 
-    stage = on_stage(tmp_path, scenario)
+    rig = on_stage(tmp_path, scenario)
     assert "the profile child was removed from the file, but is still in use" in [
-        line.text for line in stage.lines if isinstance(line, m.Notice)
+        line.text for line in rig.lines if isinstance(line, m.Notice)
     ]
-    changed = [line.profile for line in stage.lines if isinstance(line, m.ProfileChanged)]
+    changed = [line.profile for line in rig.lines if isinstance(line, m.ProfileChanged)]
     assert changed == ["child", ""]
 
 
 async def test_over_the_socket_everybody_gets_the_panels_that_are_left(tmp_path: Path) -> None:
-    async with served(tmp_path) as host:
+    async with served_session(tmp_path) as host:
         host.session.experiment = for_children(tmp_path)
         peer, other = await host.connect(), await host.connect()
         welcome = await peer.hello()
@@ -195,13 +195,15 @@ FILE = (
 
 
 def test_the_file_says_what_a_profile_allows(tmp_path: Path) -> None:
-    found = read(tmp_path, f"{FILE}  child: {{panels: [Speech], verbs: [say], hide: yes}}\n")
+    found = read_experiment(
+        tmp_path, f"{FILE}  child: {{panels: [Speech], verbs: [say], hide: yes}}\n"
+    )
     child = found.profiles["child"]
     assert child == Profile(
         frozenset({"Speech"}), name="child", verbs=frozenset({"say"}), hide=True
     )
     assert child.plays(found.panels[0].actions[0])
-    without = read(tmp_path, f"{FILE}  child: {{actions: [Hello]}}\n")
+    without = read_experiment(tmp_path, f"{FILE}  child: {{actions: [Hello]}}\n")
     assert compare(found, without).changes == ("profile 'child' changed",)
     assert not compare(found, without).drivers
 

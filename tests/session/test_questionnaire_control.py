@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.session.rig import Stage
-from tests.session.studied import on_stage, said
+from tests.session.rig import SessionRig
+from tests.session.study_rig import on_stage, short_messages
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
 from woz_tui.session.participant_identity import RequestError
@@ -17,39 +17,39 @@ from woz_tui.timeline.study_history import DueQuestionnaire
 ROUND = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
 
 
-def trials(stage: Stage, *outcomes: str) -> None:
+def trials(rig: SessionRig, *outcomes: str) -> None:
     for outcome in outcomes:
-        stage.session.study.trial("begin", "")
-        stage.session.study.trial(outcome, "")
+        rig.session.study.trial("begin", "")
+        rig.session.study.trial(outcome, "")
 
 
-def begun(stage: Stage) -> None:
-    order = [*stage.session.study.propose("P01").order]
-    stage.session.study.assign("P01", order)
+def begin_questionnaire(rig: SessionRig) -> None:
+    order = [*rig.session.study.propose("P01").order]
+    rig.session.study.assign("P01", order)
 
 
-def ask(stage: Stage, name: str, what: str = "begin", source: str = "wizard") -> None:
-    stage.session.study.questioning.begin_or_end(name, what, source)
+def ask(rig: SessionRig, name: str, what: str = "begin", source: str = "wizard") -> None:
+    rig.session.study.questioning.begin_or_end(name, what, source)
 
 
-def answer(stage: Stage, item: str, value: float | None = None, **rest: object) -> None:
+def answer(rig: SessionRig, item: str, value: float | None = None, **rest: object) -> None:
     request = AskAnswer(questionnaire="ux", item=item, value=value, **rest)  # type: ignore[arg-type]
-    stage.session.study.questioning.answer(request)
+    rig.session.study.questioning.answer(request)
 
 
-def due(stage: Stage) -> list[DueQuestionnaire]:
-    return stage.session.study.state.due
+def due(rig: SessionRig) -> list[DueQuestionnaire]:
+    return rig.session.study.state.due
 
 
 def test_what_is_due_after_which_trial(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        begun(stage)
+    async def scenario(rig: SessionRig) -> None:
+        begin_questionnaire(rig)
         seen = []
         for outcome in ("aborted", "done", "excluded", "done", "done"):
-            stage.session.study.trial("begin", "")
-            assert due(stage) == []
-            stage.session.study.trial(outcome, "")
-            seen.append([*due(stage)])
+            rig.session.study.trial("begin", "")
+            assert due(rig) == []
+            rig.session.study.trial(outcome, "")
+            seen.append([*due(rig)])
         assert seen == [
             [],
             [DueQuestionnaire("each", 1)],
@@ -62,25 +62,25 @@ def test_what_is_due_after_which_trial(tmp_path: Path) -> None:
 
 
 def test_a_round_from_its_beginning_to_its_end(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        begun(stage)
-        trials(stage, "done", "done")
-        ask(stage, "ux", source="participant")
-        answer(stage, "pleasant", 3, answered_us=2_000_000)
-        answer(stage, "pleasant", 5.0)
-        answer(stage, "else", skipped=True)
-        ask(stage, "ux", "done")
-        assert due(stage) == [DueQuestionnaire("each", 2)]
+    async def scenario(rig: SessionRig) -> None:
+        begin_questionnaire(rig)
+        trials(rig, "done", "done")
+        ask(rig, "ux", source="participant")
+        answer(rig, "pleasant", 3, answered_us=2_000_000)
+        answer(rig, "pleasant", 5.0)
+        answer(rig, "else", skipped=True)
+        ask(rig, "ux", "done")
+        assert due(rig) == [DueQuestionnaire("each", 2)]
 
-    stage = on_stage(tmp_path, scenario)
-    assert said(stage, *ROUND) == [
+    rig = on_stage(tmp_path, scenario)
+    assert short_messages(rig, *ROUND) == [
         "questionnaire.started 2 ux",
         "questionnaire.answered ux pleasant",
         "questionnaire.answered ux pleasant",
         "questionnaire.answered ux else",
         "questionnaire.ended ux done",
     ]
-    started, first, second, third, ended = (line for line in stage.lines if isinstance(line, ROUND))
+    started, first, second, third, ended = (line for line in rig.lines if isinstance(line, ROUND))
     assert isinstance(started, m.QuestionnaireStarted)
     assert (started.title, started.source) == ("How was it?", "participant")
     assert started.items == [
@@ -126,66 +126,69 @@ def test_a_round_from_its_beginning_to_its_end(tmp_path: Path) -> None:
 def test_what_is_no_answer(
     tmp_path: Path, item: str, value: float | None, rest: dict[str, object], reason: str
 ) -> None:
-    async def scenario(stage: Stage) -> None:
-        ask(stage, "ux")
+    async def scenario(rig: SessionRig) -> None:
+        ask(rig, "ux")
         with pytest.raises(RequestError) as caught:
-            answer(stage, item, value, **rest)
+            answer(rig, item, value, **rest)
         assert caught.value.reason == reason
 
-    stage = on_stage(tmp_path, scenario)
-    assert said(stage, *ROUND) == ["questionnaire.started -1 ux", "questionnaire.ended ux left"]
+    rig = on_stage(tmp_path, scenario)
+    assert short_messages(rig, *ROUND) == [
+        "questionnaire.started -1 ux",
+        "questionnaire.ended ux left",
+    ]
 
 
 def test_what_cannot_be_asked(tmp_path: Path) -> None:
-    def why(stage: Stage, name: str, what: str, source: str = "wizard") -> str:
+    def why(rig: SessionRig, name: str, what: str, source: str = "wizard") -> str:
         with pytest.raises(RequestError) as caught:
-            ask(stage, name, what, source)
+            ask(rig, name, what, source)
         return f"{caught.value.reason}; {caught.value.hint}"
 
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match="the questionnaire 'ux' is not open"):
-            answer(stage, "pleasant", 3)
-        assert why(stage, "xu", "begin") == (
+            answer(rig, "pleasant", 3)
+        assert why(rig, "xu", "begin") == (
             "there is no questionnaire 'xu'; there are each, ux, last, whenever"
         )
-        assert why(stage, "ux", "done") == "the questionnaire 'ux' is not open; none is"
-        assert why(stage, "ux", "begin", "participant") == (
+        assert why(rig, "ux", "done") == "the questionnaire 'ux' is not open; none is"
+        assert why(rig, "ux", "begin", "participant") == (
             "the questionnaire 'ux' is not due yet; the wizard can start it"
         )
-        ask(stage, "ux")
-        assert why(stage, "last", "begin") == "the questionnaire 'ux' is open; end it first"
-        assert why(stage, "last", "done") == ("the questionnaire 'last' is not open; 'ux' is")
-        assert why(stage, "ux", "done") == "1 item has no answer yet: pleasant; "
+        ask(rig, "ux")
+        assert why(rig, "last", "begin") == "the questionnaire 'ux' is open; end it first"
+        assert why(rig, "last", "done") == ("the questionnaire 'last' is not open; 'ux' is")
+        assert why(rig, "ux", "done") == "1 item has no answer yet: pleasant; "
         with pytest.raises(RequestError, match="the questionnaire 'ux' is open"):
-            stage.session.study.assign("P01", ["warm", "cold"])
-        ask(stage, "ux", "declined")
-        assert "ux" in stage.session.study.state.had
+            rig.session.study.assign("P01", ["warm", "cold"])
+        ask(rig, "ux", "declined")
+        assert "ux" in rig.session.study.state.had
 
-    stage = on_stage(tmp_path, scenario)
-    assert said(stage, *ROUND) == [
+    rig = on_stage(tmp_path, scenario)
+    assert short_messages(rig, *ROUND) == [
         "questionnaire.started -1 ux",
         "questionnaire.ended ux declined",
     ]
 
 
 def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        begun(stage)
-        trials(stage, "done", "done")
-        ask(stage, "ux")
-        answer(stage, "pleasant", 2)
-        ask(stage, "ux", "left")
-        assert DueQuestionnaire("ux", 2) in due(stage)
-        ask(stage, "ux")
-        current = stage.session.study.state.questionnaire
+    async def scenario(rig: SessionRig) -> None:
+        begin_questionnaire(rig)
+        trials(rig, "done", "done")
+        ask(rig, "ux")
+        answer(rig, "pleasant", 2)
+        ask(rig, "ux", "left")
+        assert DueQuestionnaire("ux", 2) in due(rig)
+        ask(rig, "ux")
+        current = rig.session.study.state.questionnaire
         assert current is not None
         assert current.answers == {}
-        answer(stage, "pleasant", 4)
-        ask(stage, "ux", "done")
-        ask(stage, "whenever")
+        answer(rig, "pleasant", 4)
+        ask(rig, "ux", "done")
+        ask(rig, "whenever")
 
-    stage = on_stage(tmp_path, scenario)
-    ends = [line for line in stage.lines if isinstance(line, m.QuestionnaireEnded)]
+    rig = on_stage(tmp_path, scenario)
+    ends = [line for line in rig.lines if isinstance(line, m.QuestionnaireEnded)]
     assert [(line.questionnaire, line.reason, line.answered) for line in ends] == [
         ("ux", "left", 1),
         ("ux", "done", 1),
@@ -194,26 +197,26 @@ def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None
 
 
 def test_a_questionnaire_by_hand_inside_a_trial_belongs_to_it(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        begun(stage)
-        stage.session.study.trial("begin", "")
-        ask(stage, "whenever")
-        stage.session.study.trial("done", "")
+    async def scenario(rig: SessionRig) -> None:
+        begin_questionnaire(rig)
+        rig.session.study.trial("begin", "")
+        ask(rig, "whenever")
+        rig.session.study.trial("done", "")
         with pytest.raises(RequestError, match="the questionnaire 'whenever' is open"):
-            stage.session.study.trial("begin", "")
+            rig.session.study.trial("begin", "")
 
-    stage = on_stage(tmp_path, scenario)
-    assert said(stage, m.QuestionnaireStarted) == ["questionnaire.started 1 whenever"]
+    rig = on_stage(tmp_path, scenario)
+    assert short_messages(rig, m.QuestionnaireStarted) == ["questionnaire.started 1 whenever"]
 
 
 def test_the_next_participant_begins_with_nothing_due(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        begun(stage)
-        trials(stage, "done", "done")
-        ask(stage, "ux", "begin")
-        ask(stage, "ux", "declined")
-        stage.session.set("P02")
-        assert (due(stage), {*stage.session.study.state.had}) == ([], set())
-        assert stage.session.study.state.next_trial == 1
+    async def scenario(rig: SessionRig) -> None:
+        begin_questionnaire(rig)
+        trials(rig, "done", "done")
+        ask(rig, "ux", "begin")
+        ask(rig, "ux", "declined")
+        rig.session.set("P02")
+        assert (due(rig), {*rig.session.study.state.had}) == ([], set())
+        assert rig.session.study.state.next_trial == 1
 
     on_stage(tmp_path, scenario)

@@ -12,7 +12,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from tests.session.rig import Stage
+from tests.session.rig import SessionRig
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Ask, Verb
 from woz_tui.protocol import messages as m
@@ -24,165 +24,169 @@ KEY = RequestOrigin("key", "h")
 SECOND = 1_000_000
 
 
-def shaped(stage: Stage, floor_us: int = 800_000, jitter_us: int = 0) -> None:
-    stage.session.hub.publish(
+def shaped(rig: SessionRig, floor_us: int = 800_000, jitter_us: int = 0) -> None:
+    rig.session.hub.publish(
         m.ShapingChanged(floor_us=floor_us, jitter_us=jitter_us, cues=["speech", "marker"])
     )
 
 
-def spoken(stage: Stage) -> int:
+def visitor_stops(rig: SessionRig) -> int:
     """The visitor has just stopped; when."""
-    now = stage.session.hub.now()
-    stage.session.hub.publish(m.SpeechEnded(driver="ears", segment=1, began=0, ended=now))
+    now = rig.session.hub.now()
+    rig.session.hub.publish(m.SpeechEnded(driver="ears", segment=1, began=0, ended=now))
     return now
 
 
-def at(stage: Stage, kind: type[m.Message]) -> list[int]:
-    return [line.t for line in stage.lines if isinstance(line, kind)]
+def at(rig: SessionRig, kind: type[m.Message]) -> list[int]:
+    return [line.t for line in rig.lines if isinstance(line, kind)]
 
 
 @pytest.fixture
-def play(tmp_path: Path) -> Callable[[Callable[[Stage], Awaitable[None]]], Stage]:
+def play(tmp_path: Path) -> Callable[[Callable[[SessionRig], Awaitable[None]]], SessionRig]:
     """Runs a scene on a shaped session in virtual time; the stage afterwards."""
 
-    def run(scene: Callable[[Stage], Awaitable[None]]) -> Stage:
-        async def whole() -> Stage:
-            stage = Stage(tmp_path)
-            await stage.session.open()
-            shaped(stage)
-            await scene(stage)
-            await stage.session.close("over")
-            return stage
+    def run(scene: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
+        async def whole() -> SessionRig:
+            rig = SessionRig(tmp_path)
+            await rig.session.open()
+            shaped(rig)
+            await scene(rig)
+            await rig.session.close("over")
+            return rig
 
         return run_virtual(whole())
 
     return run
 
 
-Play = Callable[[Callable[[Stage], Awaitable[None]]], Stage]
+Play = Callable[[Callable[[SessionRig], Awaitable[None]]], SessionRig]
 
 
 def test_an_answer_that_comes_too_soon_begins_at_the_floor(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        ended = spoken(stage)
+    async def scene(rig: SessionRig) -> None:
+        ended = visitor_stops(rig)
         await asyncio.sleep(0.2)
-        stage.session.play("Hello", KEY)
-        assert stage.puppet().calls == []
+        rig.session.play("Hello", KEY)
+        assert rig.driver().calls == []
         await asyncio.sleep(3)
-        (held,) = (line for line in stage.lines if isinstance(line, m.ActionHeld))
-        assert (held.sort, held.cued, held.until) == ("speech", ended, ended + 800_000)
-        assert at(stage, m.ActionRequested) == [held.t]
-        assert at(stage, m.Command)[0] == pytest.approx(held.until, abs=100)
-        assert isinstance(stage.lines[-1], m.ActionDone | m.Checkpoint | m.ClockTie)
+        (action_held,) = (line for line in rig.lines if isinstance(line, m.ActionHeld))
+        assert (action_held.sort, action_held.cued, action_held.until) == (
+            "speech",
+            ended,
+            ended + 800_000,
+        )
+        assert at(rig, m.ActionRequested) == [action_held.t]
+        assert at(rig, m.Command)[0] == pytest.approx(action_held.until, abs=100)
+        assert isinstance(rig.lines[-1], m.ActionDone | m.Checkpoint | m.ClockTie)
 
-    assert play(scene).puppet().calls[0] == ("say", {"text": "Hello P07"})
+    assert play(scene).driver().calls[0] == ("say", {"text": "Hello P07"})
 
 
 def test_a_newcomer_is_told_what_is_held(play: Play) -> None:
-    def standing(stage: Stage) -> list[str]:
-        state = stage.session.state.messages()
+    def standing(rig: SessionRig) -> list[str]:
+        state = rig.session.state.messages()
         return [type(line).__name__ for line in state if isinstance(line, m.ActionHeld)]
 
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        stage.session.play("Hello", KEY)
-        stage.session.send("say", {"text": "typed"}, "", KEY)  # nothing to be seen before it begins
-        assert standing(stage) == ["ActionHeld"]
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        rig.session.play("Hello", KEY)
+        rig.session.send("say", {"text": "typed"}, "", KEY)  # nothing to be seen before it begins
+        assert standing(rig) == ["ActionHeld"]
         await asyncio.sleep(4)
-        assert standing(stage) == []
+        assert standing(rig) == []
 
     play(scene)
 
 
 def test_an_answer_that_comes_late_enough_begins_at_once(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
         await asyncio.sleep(0.9)
-        stage.session.play("Hello", KEY)
+        rig.session.play("Hello", KEY)
         await asyncio.sleep(0.001)
-        assert stage.puppet().calls == [("say", {"text": "Hello P07"})]
+        assert rig.driver().calls == [("say", {"text": "Hello P07"})]
 
     assert play(scene).kinds(m.ActionHeld) == []
 
 
 def test_without_a_cue_nothing_is_held(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        stage.session.hub.publish(m.Marker(text="preflight: 3 checks", source="preflight"))
-        stage.session.play("Hello", KEY)
+    async def scene(rig: SessionRig) -> None:
+        rig.session.hub.publish(m.Marker(text="preflight: 3 checks", source="preflight"))
+        rig.session.play("Hello", KEY)
 
     assert play(scene).kinds(m.ActionHeld) == []
 
 
 def test_the_order_of_the_presses_is_the_order_of_the_acts(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        stage.session.play("Welcome", KEY)
-        stage.session.send("say", {"text": "typed"}, "", KEY)
-        spoken(stage)
-        stage.session.play("Hello", KEY)
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        rig.session.play("Welcome", KEY)
+        rig.session.send("say", {"text": "typed"}, "", KEY)
+        visitor_stops(rig)
+        rig.session.play("Hello", KEY)
         await asyncio.sleep(6)
 
-    said = [args["text"] for verb, args in play(scene).puppet().calls if verb == "say"]
+    said = [args["text"] for verb, args in play(scene).driver().calls if verb == "say"]
     assert said == ["Welcome", "typed", "Hello P07"]
 
 
 @pytest.mark.parametrize("source", ["preflight", "action"])
 def test_a_marker_that_no_human_has_put_is_no_cue(play: Play, source: str) -> None:
-    async def scene(stage: Stage) -> None:
-        stage.session.hub.publish(m.Marker(text="look", source=source))
-        stage.session.play("Hello", KEY)
+    async def scene(rig: SessionRig) -> None:
+        rig.session.hub.publish(m.Marker(text="look", source=source))
+        rig.session.play("Hello", KEY)
 
     assert play(scene).kinds(m.ActionHeld) == []
 
 
 def test_a_marker_delays_from_the_moment_that_its_program_measured(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        hub = stage.session.hub
+    async def scene(rig: SessionRig) -> None:
+        hub = rig.session.hub
         hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["marker"]))
         await asyncio.sleep(2)
         flip = hub.now() - SECOND // 2
         hub.publish(m.Marker(text="onset", source="program", at=flip))
-        stage.session.play("Hello", KEY)
-        [held] = (line for line in stage.lines if isinstance(line, m.ActionHeld))
-        assert (held.cued, held.until) == (flip, flip + SECOND)
+        rig.session.play("Hello", KEY)
+        [action_held] = (line for line in rig.lines if isinstance(line, m.ActionHeld))
+        assert (action_held.cued, action_held.until) == (flip, flip + SECOND)
 
     play(scene)
 
 
 def test_a_marker_of_an_earlier_moment_shortens_no_delay(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        hub = stage.session.hub
+    async def scene(rig: SessionRig) -> None:
+        hub = rig.session.hub
         hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech", "marker"]))
         await asyncio.sleep(3)
-        now = spoken(stage)
+        now = visitor_stops(rig)
         hub.publish(m.Marker(text="onset", source="program", at=now - 2 * SECOND))
-        stage.session.play("Hello", KEY)
-        [held] = (line for line in stage.lines if isinstance(line, m.ActionHeld))
-        assert (held.sort, held.until) == ("speech", now + SECOND)
+        rig.session.play("Hello", KEY)
+        [action_held] = (line for line in rig.lines if isinstance(line, m.ActionHeld))
+        assert (action_held.sort, action_held.until) == ("speech", now + SECOND)
 
     play(scene)
 
 
 @pytest.mark.parametrize("listed", [True, False])
 def test_what_the_model_sees_is_a_cue_if_the_file_says_so(play: Play, listed: bool) -> None:
-    async def scene(stage: Stage) -> None:
+    async def scene(rig: SessionRig) -> None:
         cues = ["engagement"] if listed else ["marker"]
-        stage.session.hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=cues))
-        stage.session.hub.publish(
+        rig.session.hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=cues))
+        rig.session.hub.publish(
             m.EngagementChanged(
                 was="UserSpeaks", now="RobotThinks", outcome="spoken", why="", verdicts={}
             )
         )
-        stage.session.play("Hello", KEY)
+        rig.session.play("Hello", KEY)
 
     assert play(scene).kinds(m.ActionHeld) == ["ActionHeld"] * listed
 
 
 def test_a_cue_of_before_counts_no_more_when_the_settings_change(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        shaped(stage, 500_000)
-        stage.session.play("Hello", KEY)
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        shaped(rig, 500_000)
+        rig.session.play("Hello", KEY)
 
     assert play(scene).kinds(m.ActionHeld) == []
 
@@ -196,92 +200,92 @@ def test_what_streams_is_brief_or_drives_is_no_answer(how: dict[str, bool]) -> N
 def test_waiting_for_the_moment_is_no_waiting_for_the_robot(play: Play) -> None:
     """The time limit of a command counts from when it is sent."""
 
-    async def scene(stage: Stage) -> None:
-        stage.session.runner.deadline = 2.0
-        shaped(stage, 20 * SECOND)
-        spoken(stage)
-        stage.session.send("say", {"text": "typed"}, "", KEY)
-        stage.session.play("Hello", KEY)
+    async def scene(rig: SessionRig) -> None:
+        rig.session.runner.deadline = 2.0
+        shaped(rig, 20 * SECOND)
+        visitor_stops(rig)
+        rig.session.send("say", {"text": "typed"}, "", KEY)
+        rig.session.play("Hello", KEY)
         await asyncio.sleep(30)
 
-    said = [args["text"] for verb, args in play(scene).puppet().calls if verb == "say"]
+    said = [args["text"] for verb, args in play(scene).driver().calls if verb == "say"]
     assert said == ["typed", "Hello P07"]
 
 
 @pytest.mark.parametrize("source", ["engagement", "replay"])
 def test_what_no_hand_asked_for_is_not_held(play: Play, source: str) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        stage.session.play("Hello", RequestOrigin(source))
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        rig.session.play("Hello", RequestOrigin(source))
 
     assert play(scene).kinds(m.ActionHeld) == []
 
 
 @pytest.mark.parametrize("action", ["Go", "Cold"])
 def test_driving_and_notes_to_oneself_are_not_held(play: Play, action: str) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        stage.session.play(action, KEY)
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        rig.session.play(action, KEY)
 
     assert play(scene).kinds(m.ActionHeld) == []
 
 
 def test_a_stop_ends_what_is_held(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        run = stage.session.play("Hello", KEY)
-        command = stage.session.send("say", {"text": "typed"}, "", KEY)
-        stage.session.stop("key")
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        run = rig.session.play("Hello", KEY)
+        command = rig.session.send("say", {"text": "typed"}, "", KEY)
+        rig.session.stop("key")
         await asyncio.sleep(1)
-        stage.session.release("key")
+        rig.session.release("key")
         await asyncio.sleep(3)
         assert [
             line.reason
-            for line in stage.lines
+            for line in rig.lines
             if isinstance(line, m.ActionStopped) and line.run == run
         ] == ["stop pressed"]
         assert [
             line.reason
-            for line in stage.lines
+            for line in rig.lines
             if isinstance(line, m.Refused) and line.command == command
         ] == ["stop pressed"]
 
-    assert not [call for call in play(scene).puppet().calls if call[0] == "say"]
+    assert not [call for call in play(scene).driver().calls if call[0] == "say"]
 
 
 def test_what_is_held_can_be_cut_short(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        stage.session.cancel(stage.session.play("Hello", KEY))
-        stage.session.cancel(stage.session.send("say", {"text": "typed"}, "", KEY))
-        stage.session.play("Welcome", KEY)
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        rig.session.cancel(rig.session.play("Hello", KEY))
+        rig.session.cancel(rig.session.send("say", {"text": "typed"}, "", KEY))
+        rig.session.play("Welcome", KEY)
         await asyncio.sleep(3)
 
-    said = [args["text"] for verb, args in play(scene).puppet().calls if verb == "say"]
+    said = [args["text"] for verb, args in play(scene).driver().calls if verb == "say"]
     assert said == ["Welcome"]
 
 
 def test_every_request_has_its_end_when_the_session_ends_meanwhile(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        stage.session.play("Hello", KEY)
-        stage.session.send("say", {"text": "typed"}, "", KEY)
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        rig.session.play("Hello", KEY)
+        rig.session.send("say", {"text": "typed"}, "", KEY)
 
-    stage = play(scene)
-    assert stage.kinds(m.ActionEnd) == ["ActionStopped"]
-    assert stage.kinds(m.Command, m.End) == ["Command", "Refused"]
+    rig = play(scene)
+    assert rig.kinds(m.ActionEnd) == ["ActionStopped"]
+    assert rig.kinds(m.Command, m.End) == ["Command", "Refused"]
 
 
 def test_a_driver_hears_that_what_it_asked_for_never_began(play: Play) -> None:
     told: list[tuple[bool, str]] = []
 
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        context = stage.puppet().context
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        context = rig.driver().context
         context.ask(Ask("verb", "say", {"text": "held"}), lambda *how: told.append(how))
         await asyncio.sleep(0.1)
-        assert stage.kinds(m.ActionHeld) == ["ActionHeld"]
-        stage.session.stop("key")
+        assert rig.kinds(m.ActionHeld) == ["ActionHeld"]
+        rig.session.stop("key")
 
     play(scene)
     assert told == [(False, "stop pressed")]
@@ -374,14 +378,14 @@ def test_what_was_dropped_keeps_nothing_waiting() -> None:
 
 
 def test_nothing_waits_behind_what_was_held_and_has_been_replaced(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        spoken(stage)
-        stage.session.play("Map", KEY)
-        stage.session.cancel(stage.session.play("Welcome", KEY))
-        shaped(stage, 0)
-        stage.session.play("Hello", KEY)
+    async def scene(rig: SessionRig) -> None:
+        visitor_stops(rig)
+        rig.session.play("Map", KEY)
+        rig.session.cancel(rig.session.play("Welcome", KEY))
+        shaped(rig, 0)
+        rig.session.play("Hello", KEY)
         await asyncio.sleep(0.001)
-        assert stage.puppet().calls == [("say", {"text": "Hello P07"})]
+        assert rig.driver().calls == [("say", {"text": "Hello P07"})]
 
     assert play(scene).kinds(m.ActionSuperseded) == ["ActionSuperseded"]
 

@@ -3,14 +3,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import HERE, Nothing, Stage
+from tests.session.rig import HERE, NoSettings, SessionRig
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.sensor_names import published_names
 from woz_tui.protocol import messages as m
 
 
 def spec(name: str, *sensors: str) -> DriverSpec:
-    return DriverSpec(name, "puppet", Nothing(), (), sensors, HERE)
+    return DriverSpec(name, "puppet", NoSettings(), (), sensors, HERE)
 
 
 def test_a_name_that_one_driver_has_stays_as_it_is() -> None:
@@ -30,14 +30,14 @@ def test_shared_names_say_whose_they_are() -> None:
 
 def test_two_robots_do_not_overwrite_each_other(tmp_path: Path) -> None:
     async def go() -> list[str]:
-        stage = Stage(tmp_path, ("left.robot", "right.robot"))
-        await stage.session.open()
+        rig = SessionRig(tmp_path, ("left.robot", "right.robot"))
+        await rig.session.open()
         for name in ("left.robot", "right.robot"):
-            context = stage.puppet(name).context
+            context = rig.driver(name).context
             context.reading("distance", 1.0)
             context.sensor("distance", "stale")
-        held = stage.session.state.messages()
-        await stage.session.close("test")
+        held = rig.session.state.messages()
+        await rig.session.close("test")
         return [
             f"{type(line).__name__} {line.sensor}"
             for line in held

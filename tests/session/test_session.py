@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Puppet, Stage, action, call, experiment, together
+from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config import utterance_template
 from woz_tui.config.experiment import FilePosition, Problem
 from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
@@ -27,75 +27,75 @@ ENDLESS = "(?:(?:A|A)+(?:A|A|A|A)*(?:A|A|A|A)*)+1"
 
 def on_stage(
     tmp_path: Path,
-    scenario: Callable[[Stage], Awaitable[None]],
+    scenario: Callable[[SessionRig], Awaitable[None]],
     drivers: tuple[str, ...] = ("robot",),
     identity: SessionIdentity | None = None,
-) -> Stage:
-    async def go() -> Stage:
-        stage = Stage(tmp_path, drivers, identity)
-        await stage.session.open()
-        await scenario(stage)
+) -> SessionRig:
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path, drivers, identity)
+        await rig.session.open()
+        await scenario(rig)
         await asyncio.sleep(5)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
 
 def test_a_press_becomes_commands_with_variables_filled_in(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        assert stage.session.play("Hello", KEY) == "a00001"
+    async def scenario(rig: SessionRig) -> None:
+        assert rig.session.play("Hello", KEY) == "a00001"
 
-    stage = on_stage(tmp_path, scenario)
-    assert stage.puppet().calls[0] == ("say", {"text": "Hello P07"})
-    (command,) = [line for line in stage.lines if isinstance(line, m.Command)]
+    rig = on_stage(tmp_path, scenario)
+    assert rig.driver().calls[0] == ("say", {"text": "Hello P07"})
+    (command,) = [line for line in rig.lines if isinstance(line, m.Command)]
     assert (command.run, command.action, command.key) == ("a00001", "Hello", "h")
-    assert stage.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionDone"]
+    assert rig.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionDone"]
 
 
 def test_an_action_that_was_not_played_says_why_in_words_for_the_wizard(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         for _ in range(17):  # a second each
-            stage.session.play("Hello", KEY)
+            rig.session.play("Hello", KEY)
         with pytest.raises(RequestError, match="queue full") as full:  # the seventeenth that waits
-            stage.session.play("Hello", KEY)
+            rig.session.play("Hello", KEY)
         assert (full.value.hint, full.value.command) == ("empty the queue, or wait", "queue_empty")
         await asyncio.sleep(15)
-        stage.session.play("Hello", KEY)
-        stage.session.play("Welcome", KEY, "replace")
+        rig.session.play("Hello", KEY)
+        rig.session.play("Welcome", KEY, "replace")
 
-    stage = on_stage(tmp_path, scenario)
-    refused = [end.reason for end in stage.lines if isinstance(end, m.ActionRefused)]
+    rig = on_stage(tmp_path, scenario)
+    refused = [end.reason for end in rig.lines if isinstance(end, m.ActionRefused)]
     assert refused[0] == "queue full (16): not played"
     assert set(refused[1:]) == {"not said: robot was busy for 10 s"}
-    (stopped,) = [end.reason for end in stage.lines if isinstance(end, m.ActionSuperseded)]
+    (stopped,) = [end.reason for end in rig.lines if isinstance(end, m.ActionSuperseded)]
     assert stopped == 'replaced by "Welcome"'
 
 
 def test_together_and_steps_in_order_with_a_pause(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Welcome", KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Welcome", KEY)
         await asyncio.sleep(3)
-        stage.session.play("Map", KEY)
+        rig.session.play("Map", KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    times = [line.t for line in stage.lines if isinstance(line, m.Dispatched)]
+    rig = on_stage(tmp_path, scenario)
+    times = [line.t for line in rig.lines if isinstance(line, m.Dispatched)]
     assert times[0] == times[1]
     map_said, pointed, marked = times[2:]
     assert pointed - map_said == pytest.approx(1_500_000, abs=100)
     assert pointed == marked
-    assert [line.text for line in stage.lines if isinstance(line, m.Marker)] == ["map"]
+    assert [line.text for line in rig.lines if isinstance(line, m.Marker)] == ["map"]
 
 
 def test_a_failed_step_ends_the_action_and_names_the_reason(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Fall", KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Fall", KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    (end,) = [line for line in stage.lines if isinstance(line, m.ActionEnd)]
+    rig = on_stage(tmp_path, scenario)
+    (end,) = [line for line in rig.lines if isinstance(line, m.ActionEnd)]
     assert isinstance(end, m.ActionFailed)
     assert end.reason == "robot: it fell over"
-    assert ("say", {"text": "Ouch"}) not in stage.puppet().calls
+    assert ("say", {"text": "Ouch"}) not in rig.driver().calls
 
 
 @pytest.mark.parametrize(
@@ -113,72 +113,70 @@ def test_a_failed_step_ends_the_action_and_names_the_reason(tmp_path: Path) -> N
 def test_refusals_are_said_and_logged(
     tmp_path: Path, name: str, reason: str, hint: str, command: str
 ) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.lock("Base", True)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.lock("Base", True)
         with pytest.raises(RequestError) as caught:
-            stage.session.play(name, KEY)
+            rig.session.play(name, KEY)
         error = caught.value
         assert (error.reason, error.hint, error.command) == (reason, hint, command)
 
-    stage = on_stage(tmp_path, scenario, identity=SessionIdentity())
-    assert stage.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionRefused"]
-    assert not [call for call in stage.puppet().calls if call[0] == "say"]
+    rig = on_stage(tmp_path, scenario, identity=SessionIdentity())
+    assert rig.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionRefused"]
+    assert not [call for call in rig.driver().calls if call[0] == "say"]
 
 
 def test_the_stop_ends_runs_in_a_command_and_runs_in_a_pause(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Map", KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Map", KEY)
         await asyncio.sleep(1.2)  # in its pause
-        stage.session.play("Hello", KEY)
+        rig.session.play("Hello", KEY)
         await asyncio.sleep(0.1)
-        stage.session.stop("key")
+        rig.session.stop("key")
         with pytest.raises(RequestError):
-            stage.session.play("Hello", KEY)
+            rig.session.play("Hello", KEY)
         await asyncio.sleep(3)
-        stage.session.release("key")
-        stage.session.play("Welcome", KEY)
+        rig.session.release("key")
+        rig.session.play("Welcome", KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    ends = [
-        (line.run, type(line).__name__) for line in stage.lines if isinstance(line, m.ActionEnd)
-    ]
+    rig = on_stage(tmp_path, scenario)
+    ends = [(line.run, type(line).__name__) for line in rig.lines if isinstance(line, m.ActionEnd)]
     assert sorted(ends) == [
         ("a00001", "ActionStopped"),
         ("a00002", "ActionStopped"),
         ("a00003", "ActionRefused"),
         ("a00004", "ActionDone"),
     ]
-    assert ("play", {"move": "point"}) not in stage.puppet().calls
+    assert ("play", {"move": "point"}) not in rig.driver().calls
 
 
 def test_script_moves_on_and_ends(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.script_next(KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.script_next(KEY)
         await asyncio.sleep(0.1)
-        stage.session.script_next(KEY)
+        rig.session.script_next(KEY)
         await asyncio.sleep(2)
         with pytest.raises(RequestError, match="no more lines"):
-            stage.session.script_next(KEY)
-        stage.session.move_script(0)
+            rig.session.script_next(KEY)
+        rig.session.move_script(0)
         with pytest.raises(RequestError, match="2 lines"):
-            stage.session.move_script(3)
+            rig.session.move_script(3)
 
-    stage = on_stage(tmp_path, scenario)
-    assert [line.position for line in stage.lines if isinstance(line, m.ScriptMoved)] == [1, 2, 0]
+    rig = on_stage(tmp_path, scenario)
+    assert [line.position for line in rig.lines if isinstance(line, m.ScriptMoved)] == [1, 2, 0]
 
 
 def test_a_refused_script_line_is_not_skipped(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.stop("key")
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.stop("key")
         with pytest.raises(RequestError):
-            stage.session.script_next(KEY)
-        assert stage.session.scripts.now.position == 0
+            rig.session.script_next(KEY)
+        assert rig.session.scripts.now.position == 0
 
     on_stage(tmp_path, scenario)
 
 
 def test_set_checks_everything_before_it_sets_anything(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         for participant, condition in (
             ("Anna", None),
             ("P1", None),
@@ -186,44 +184,44 @@ def test_set_checks_everything_before_it_sets_anything(tmp_path: Path) -> None:
             ("../x", None),
         ):
             with pytest.raises(RequestError):
-                stage.session.set(participant, condition)
-        assert stage.session.identity.participant == "P07"
-        stage.session.set("P08", "cold", 2)
+                rig.session.set(participant, condition)
+        assert rig.session.identity.participant == "P07"
+        rig.session.set("P08", "cold", 2)
 
-    stage = on_stage(tmp_path, scenario)
-    assert stage.session.values()["participant"] == "P08"
-    assert stage.kinds(m.SessionChanged) == ["SessionChanged"]
+    rig = on_stage(tmp_path, scenario)
+    assert rig.session.values()["participant"] == "P08"
+    assert rig.kinds(m.SessionChanged) == ["SessionChanged"]
 
 
 def test_verbs_of_the_session_are_commands_like_others(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Cold", KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Cold", KEY)
         await asyncio.sleep(0)
         await asyncio.sleep(0)
-        assert stage.session.identity.condition == "cold"
-        stage.session.play("Hot", KEY)
+        assert rig.session.identity.condition == "cold"
+        rig.session.play("Hot", KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    refused = [line for line in stage.lines if isinstance(line, m.ActionRefused)]
+    rig = on_stage(tmp_path, scenario)
+    refused = [line for line in rig.lines if isinstance(line, m.ActionRefused)]
     assert refused[0].reason == "session: there is no condition 'hot'"
 
 
 def test_a_verb_needs_a_driver_that_offers_it(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match=r"offered by left\.robot and right\.robot"):
-            stage.session.send("say", {"text": "x"}, "", KEY)
+            rig.session.send("say", {"text": "x"}, "", KEY)
         with pytest.raises(RequestError, match="no driver offers 'sing'"):
-            stage.session.send("sing", {}, "", KEY)
-        stage.session.send("say", {"text": "hi"}, "left", KEY)
+            rig.session.send("sing", {}, "", KEY)
+        rig.session.send("say", {"text": "hi"}, "left", KEY)
 
-    stage = on_stage(tmp_path, scenario, drivers=("left.robot", "right.robot"))
-    assert stage.puppet("left.robot").calls[0] == ("say", {"text": "hi"})
+    rig = on_stage(tmp_path, scenario, drivers=("left.robot", "right.robot"))
+    assert rig.driver("left.robot").calls[0] == ("say", {"text": "hi"})
 
 
 def test_a_driver_that_cannot_open_fails_alone(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Cold", KEY)
-        findings = {finding.subject: finding for finding in await preflight(stage.session)}
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Cold", KEY)
+        findings = {finding.subject: finding for finding in await preflight(rig.session)}
         assert findings["broken"].level == "error"
         assert "no such device" in findings["broken"].text
         assert findings["robot"].level == "ok"
@@ -232,8 +230,8 @@ def test_a_driver_that_cannot_open_fails_alone(tmp_path: Path) -> None:
 
 
 def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        assert "experiment" not in {one.subject for one in await preflight(stage.session)}
+    async def scenario(rig: SessionRig) -> None:
+        assert "experiment" not in {one.subject for one in await preflight(rig.session)}
         odd = [
             Problem(
                 FilePosition("made.yaml", line, 1),
@@ -243,8 +241,8 @@ def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
             )
             for line in (7, 9)
         ]
-        stage.session.experiment = replace(stage.session.experiment, warnings=tuple(odd))
-        findings = {finding.subject: finding for finding in await preflight(stage.session)}
+        rig.session.experiment = replace(rig.session.experiment, warnings=tuple(odd))
+        findings = {finding.subject: finding for finding in await preflight(rig.session)}
         assert findings["experiment"] == Finding(
             "warning",
             "experiment",
@@ -262,17 +260,17 @@ def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) 
     )
 
     async def go() -> dict[str, Finding]:
-        stage = Stage(tmp_path, made=replace(made, drivers=(spec,)))
-        await stage.session.open()
-        context = stage.puppet().context
+        rig = SessionRig(tmp_path, made=replace(made, drivers=(spec,)))
+        await rig.session.open()
+        context = rig.driver().context
         context.sensor("battery", "ok", every=10.0)
         context.reading("battery", 0.8)
         context.reading("distance", 1.2)
         context.reading("prepared", None, text="12 of 12")
         await asyncio.sleep(5)
         context.reading("mood", None, text="calm")
-        found = {finding.subject: finding for finding in await preflight(stage.session)}
-        await stage.session.close("test")
+        found = {finding.subject: finding for finding in await preflight(rig.session)}
+        await rig.session.close("test")
         return found
 
     findings = run_virtual(go())
@@ -283,21 +281,21 @@ def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) 
 
 
 def test_the_end_rests_closes_and_signs_the_log(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Map", KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Map", KEY)
         await asyncio.sleep(0.1)
 
-    stage = on_stage(tmp_path, scenario)
-    assert [verb for verb, _ in stage.puppet().calls][-2:] == ["rest", "close"]
-    lines = [json.loads(line) for line in stage.recorder.path.read_text().splitlines()]
+    rig = on_stage(tmp_path, scenario)
+    assert [verb for verb, _ in rig.driver().calls][-2:] == ["rest", "close"]
+    lines = [json.loads(line) for line in rig.recorder.path.read_text().splitlines()]
     assert lines[0]["kind"] == "session.start"
     assert lines[-1]["kind"] == "session.end"
     assert len(lines[-1]["sha256"]) == 64
     with pytest.raises(RequestError, match="ending"):
-        stage.session.play("Hello", KEY)
+        rig.session.play("Hello", KEY)
 
 
-class Slow(Puppet):
+class SlowDriver(ScriptedDriver):
     """Takes its time for everything."""
 
     async def perform(self, job: Job) -> Mapping[str, m.Json]:
@@ -319,21 +317,21 @@ class Slow(Puppet):
 
 @pytest.mark.parametrize("at", [0.0, 0.1, 0.25, 0.5, 1.0, 1.25, 1.29, 1.31, 1.5, 1.75, 1.79])
 def test_a_stop_at_any_moment_of_the_end_is_confirmed_in_the_log(tmp_path: Path, at: float) -> None:
-    async def go() -> Stage:
-        stage = Stage(tmp_path, catalogue={"puppet": Slow})
-        await stage.session.open()
-        stage.session.play("Hello", KEY)
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path, catalogue={"puppet": SlowDriver})
+        await rig.session.open()
+        rig.session.play("Hello", KEY)
         await asyncio.sleep(0.1)
-        closing = asyncio.create_task(stage.session.close("test"))
+        closing = asyncio.create_task(rig.session.close("test"))
         await asyncio.sleep(at)
-        stage.session.stop("key")
+        rig.session.stop("key")
         await asyncio.sleep(0.15)
-        stage.session.stop("key")  # a second press joins the first
+        rig.session.stop("key")  # a second press joins the first
         await closing
-        return stage
+        return rig
 
-    stage = run_virtual(go())
-    kinds = [json.loads(line)["kind"] for line in stage.recorder.path.read_text().splitlines()]
+    rig = run_virtual(go())
+    kinds = [json.loads(line)["kind"] for line in rig.recorder.path.read_text().splitlines()]
     stops = [kind for kind in kinds if kind.startswith("stop.")]
     assert stops == ["stop.pressed", "stop.confirmed"] * (len(stops) // 2)
     assert stops
@@ -341,52 +339,54 @@ def test_a_stop_at_any_moment_of_the_end_is_confirmed_in_the_log(tmp_path: Path,
 
 
 def test_a_driver_that_has_closed_confirms_no_stop(tmp_path: Path) -> None:
-    class Closing(Slow):
+    class Closing(SlowDriver):
         async def close(self) -> None:
             if self.name == "robot":
                 await super().close()
 
-    async def go() -> Stage:
-        stage = Stage(tmp_path, ("robot", "head"), catalogue={"puppet": Closing})
-        await stage.session.open()
-        closing = asyncio.create_task(stage.session.close("test", rest=False))
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path, ("robot", "head"), catalogue={"puppet": Closing})
+        await rig.session.open()
+        closing = asyncio.create_task(rig.session.close("test", rest=False))
         await asyncio.sleep(0.1)
-        stage.session.stop("key")
+        rig.session.stop("key")
         await closing
-        return stage
+        return rig
 
-    (told,) = [line for line in run_virtual(go()).lines if isinstance(line, m.StopConfirmed)]
-    assert (told.confirmed, told.unreached) == (["robot"], ["head"])
+    (stop_confirmed,) = [
+        line for line in run_virtual(go()).lines if isinstance(line, m.StopConfirmed)
+    ]
+    assert (stop_confirmed.confirmed, stop_confirmed.unreached) == (["robot"], ["head"])
 
 
 def test_a_driver_that_cannot_rest_says_why_in_its_own_words(tmp_path: Path) -> None:
-    class Gone(Puppet):
+    class Gone(ScriptedDriver):
         async def rest(self) -> None:
             raise DeviceLostError("the cable is out")
 
-    async def go() -> Stage:
-        stage = Stage(tmp_path, catalogue={"puppet": Gone})
-        await stage.session.open()
-        await stage.session.close("test")
-        return stage
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path, catalogue={"puppet": Gone})
+        await rig.session.open()
+        await rig.session.close("test")
+        return rig
 
     notices = [line.text for line in run_virtual(go()).lines if isinstance(line, m.Notice)]
     assert "robot: rest failed: the cable is out" in notices
 
 
 def test_the_stop_is_not_released_any_more_while_the_session_ends(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.stop("key")
-        await stage.session.close("test")
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.stop("key")
+        await rig.session.close("test")
         with pytest.raises(RequestError, match="ending"):
-            stage.session.release("key")
+            rig.session.release("key")
 
     on_stage(tmp_path, scenario)
 
 
 def test_a_newcomer_is_told_what_still_holds(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         session.play("Hello", KEY)
         await asyncio.sleep(2)
         session.play("Map", KEY)
@@ -421,17 +421,17 @@ def test_a_newcomer_is_told_what_still_holds(tmp_path: Path) -> None:
 def test_a_voice_is_told_beforehand_what_it_will_say(tmp_path: Path) -> None:
     prepared: list[list[str]] = []
 
-    class Voice(Puppet):
+    class Voice(ScriptedDriver):
         async def prepare(self, utterances: list[str]) -> None:
             prepared.append(utterances)
 
     async def go() -> None:
-        stage = Stage(tmp_path, catalogue={"puppet": Voice}, identity=SessionIdentity())
-        await stage.session.open()
+        rig = SessionRig(tmp_path, catalogue={"puppet": Voice}, identity=SessionIdentity())
+        await rig.session.open()
         await asyncio.sleep(0)
-        stage.session.set("P08")
+        rig.session.set("P08")
         await asyncio.sleep(0)
-        await stage.session.close("test")
+        await rig.session.close("test")
 
     run_virtual(go())
     assert prepared[0] == ["Welcome", "Look at the map", "Ouch", "x"]
@@ -456,42 +456,42 @@ def test_it_is_told_with_which_voice_and_only_once_of_each(tmp_path: Path) -> No
 
 
 def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match="late"):
-            stage.session.play("Hello", KEY, stale="stale: late")
+            rig.session.play("Hello", KEY, stale="stale: late")
         with pytest.raises(RequestError, match="late"):
-            stage.session.script_next(KEY, stale="stale: late")
+            rig.session.script_next(KEY, stale="stale: late")
         with pytest.raises(RequestError, match="late"):
-            stage.session.send("drive", {"x": 1.0}, "", KEY, stale="stale: late")
-        assert stage.session.scripts.now.position == 0
+            rig.session.send("drive", {"x": 1.0}, "", KEY, stale="stale: late")
+        assert rig.session.scripts.now.position == 0
 
-    stage = on_stage(tmp_path, scenario)
-    assert [line.reason for line in stage.lines if isinstance(line, m.ActionRefused)] == [
+    rig = on_stage(tmp_path, scenario)
+    assert [line.reason for line in rig.lines if isinstance(line, m.ActionRefused)] == [
         "stale: late",
         "stale: late",
     ]
-    refused = [line for line in stage.lines if isinstance(line, m.Refused)]
+    refused = [line for line in rig.lines if isinstance(line, m.Refused)]
     assert [(line.code, line.reason) for line in refused] == [("stale", "stale: late")]
-    assert all(verb in ("rest", "close") for verb, _ in stage.puppet().calls)
+    assert all(verb in ("rest", "close") for verb, _ in rig.driver().calls)
 
 
 def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match="nothing has been played"):
-            stage.session.mistake("", "")
-        hello = stage.session.play("Hello", KEY)
-        typed = stage.session.send("say", {"text": "x"}, "", KEY)
-        stage.session.mistake("", "typo")
-        stage.session.mistake(hello, "")
+            rig.session.mistake("", "")
+        hello = rig.session.play("Hello", KEY)
+        typed = rig.session.send("say", {"text": "x"}, "", KEY)
+        rig.session.mistake("", "typo")
+        rig.session.mistake(hello, "")
         with pytest.raises(RequestError, match="there is no action with the id 'a00099'"):
-            stage.session.mistake("a00099", "")
+            rig.session.mistake("a00099", "")
         assert typed == "c00002"
-        by_itself = stage.session.play("Welcome", RequestOrigin("engagement"))
-        stage.session.mistake("", "still the one by hand")
-        stage.session.mistake(by_itself, "")
+        by_itself = rig.session.play("Welcome", RequestOrigin("engagement"))
+        rig.session.mistake("", "still the one by hand")
+        rig.session.mistake(by_itself, "")
 
-    stage = on_stage(tmp_path, scenario)
-    labels = [(line.run, line.action) for line in stage.lines if isinstance(line, m.Mistake)]
+    rig = on_stage(tmp_path, scenario)
+    labels = [(line.run, line.action) for line in rig.lines if isinstance(line, m.Mistake)]
     assert labels == [
         *(("c00002", "say"), ("a00001", "Hello")),
         *(("c00002", "say"), ("a00002", "Welcome")),

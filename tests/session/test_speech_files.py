@@ -10,7 +10,7 @@ from woz_drivers.microphone import speech_segments
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
 
-from tests.drivers.heard import until
+from tests.drivers.published_messages import until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square
 from tests.session.rig import HERE
@@ -69,10 +69,14 @@ async def test_the_log_names_the_file_beside_it(
 
     written = [line.message for line in log_reader.read(recorder.path)]
     (started,) = [one for one in written if isinstance(one, m.SpeechStarted)]
-    (ended,) = [one for one in written if isinstance(one, m.SpeechEnded)]
+    (speech_ended,) = [one for one in written if isinstance(one, m.SpeechEnded)]
     (text,) = [one for one in written if isinstance(one, m.SpeechText)]
-    assert (started.driver, ended.driver, text.driver) == ("ears", "ears", "ears")
-    assert ended.file == "2026-03-01T10-00-00_P07_S01.media/ears-0001.wav"
+    assert (started.driver, speech_ended.driver, text.driver) == ("ears", "ears", "ears")
+    assert speech_ended.file == "2026-03-01T10-00-00_P07_S01.media/ears-0001.wav"
     assert text.text == "heard-0001.wav"
-    with wave.open(str(recorder.path.parent / ended.file)) as file:
-        assert file.getnframes() / file.getframerate() == (ended.ended - ended.began) / 1e6 == 0.5
+    with wave.open(str(recorder.path.parent / speech_ended.file)) as file:
+        assert (
+            file.getnframes() / file.getframerate()
+            == (speech_ended.ended - speech_ended.began) / 1e6
+            == 0.5
+        )

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from PIL import Image, ImageChops, ImageSequence
 
-from tests.session.rig import HERE, Nothing, action, call, experiment, together
+from tests.session.rig import HERE, NoSettings, action, call, experiment, together
 from tools import signal_pictures
 from woz_tui.config.engagement import STATES, EngagementSettings
 from woz_tui.config.experiment import DriverSpec, Engagement, Experiment
@@ -34,16 +34,16 @@ SCREEN, SOUND = Verb("screen", "", (FILE,)), Verb("sound", "", (FILE,))
 SIGNS = ("presence", "gaze", "distance")
 
 
-def made(
+def make_experiment(
     tmp_path: Path, robots: Mapping[str, tuple[Verb, ...]], engagement: Engagement | None = None
 ) -> Experiment:
     drivers = tuple(
-        DriverSpec(name, "t", Nothing(), verbs, (), HERE) for name, verbs in robots.items()
+        DriverSpec(name, "t", NoSettings(), verbs, (), HERE) for name, verbs in robots.items()
     )
     return replace(experiment(tmp_path), drivers=drivers, engagement=engagement or Engagement())
 
 
-def shown(experiment: Experiment, situation: str) -> list[tuple[str, str, Json]]:
+def shown_signals(experiment: Experiment, situation: str) -> list[tuple[str, str, Json]]:
     """Driver, verb, main argument; files without their folder."""
     return [
         (one.driver, one.verb, Path(str(next(iter(one.args.values())))).name)
@@ -68,15 +68,15 @@ def test_every_state_has_its_eyes_and_its_picture(
     tmp_path: Path, state: str, eyes: str, screen: str
 ) -> None:
     """E6: what each state shows."""
-    one = made(tmp_path, {"robot": (EYES, SCREEN)})
-    assert shown(one, state) == [("robot", "eyes", eyes), ("robot", "screen", screen)]
+    one = make_experiment(tmp_path, {"robot": (EYES, SCREEN)})
+    assert shown_signals(one, state) == [("robot", "eyes", eyes), ("robot", "screen", screen)]
 
 
 def test_only_the_end_of_an_utterance_beeps(tmp_path: Path) -> None:
     """E6: the beep belongs to one state, which every utterance enters once."""
-    one = made(tmp_path, {"robot": (SOUND,)})
+    one = make_experiment(tmp_path, {"robot": (SOUND,)})
     assert set(SIGNALS) == {*STATES, NEARLY, "stop"}
-    assert {name for name in SIGNALS if shown(one, name)} == {"RobotThinks"}
+    assert {name for name in SIGNALS if shown_signals(one, name)} == {"RobotThinks"}
 
 
 def test_every_robot_shows_what_it_can(tmp_path: Path) -> None:
@@ -85,21 +85,23 @@ def test_every_robot_shows_what_it_can(tmp_path: Path) -> None:
     picky = Verb("eyes", "", (Argument("color", "choice", choices=("red", "green")),))
     odd = Verb("screen", "", (FILE, Argument("page", "whole", required=True)))
     robots = {"left.face": (EYES,), "right": (plain, SOUND), "third": (picky, odd), "x": (silent,)}
-    one = made(tmp_path, robots)
+    one = make_experiment(tmp_path, robots)
     calls = default_signals(one)["RobotThinks"]
     assert [(each.driver, dict(each.args)) for each in calls] == [
         ("left.face", {"color": "white", "animation": "blink"}),
         ("right", {"color": "white"}),
         ("right", {"file": os.path.relpath(FOLDER / "beep.wav", tmp_path)}),
     ]
-    assert ("third", "eyes", "green") in shown(one, "UserSpeaks")
+    assert ("third", "eyes", "green") in shown_signals(one, "UserSpeaks")
 
 
 def test_files_are_found_from_the_experiments_folder_also_through_links(tmp_path: Path) -> None:
     (tmp_path / "deep" / "er").mkdir(parents=True)
     (tmp_path / "link").symlink_to(tmp_path / "deep" / "er")
     for folder in (tmp_path, tmp_path / "link"):
-        one = replace(made(folder, {"robot": (SCREEN, SOUND)}), path=folder / "made.yaml")
+        one = replace(
+            make_experiment(folder, {"robot": (SCREEN, SOUND)}), path=folder / "made.yaml"
+        )
         calls = [each for calls in default_signals(one).values() for each in calls]
         assert calls
         for each in calls:
@@ -126,28 +128,31 @@ def test_signals_are_worth_no_line_of_their_own(
 
 def test_what_the_experiment_says_takes_the_place_of_the_default(tmp_path: Path) -> None:
     effect = action("on RobotThinks", together(call("eyes", "left", color="red")))
-    one = made(tmp_path, {"left": (EYES, SCREEN, SOUND), "right": (EYES,)})
+    one = make_experiment(tmp_path, {"left": (EYES, SCREEN, SOUND), "right": (EYES,)})
     one = replace(
         one,
         engagement=Engagement(effects={"RobotThinks": effect}, plays={"UserSpeaks": ("Welcome",)}),
     )
-    assert shown(one, "RobotThinks") == [
+    assert shown_signals(one, "RobotThinks") == [
         ("right", "eyes", "white"),
         ("left", "screen", "thinking.gif"),
         ("left", "sound", "beep.wav"),
     ]
-    assert len(shown(one, "UserSpeaks")) == 3
+    assert len(shown_signals(one, "UserSpeaks")) == 3
     screen = replace(
         one.panels[0].actions[0], name="Show", steps=(together(call("screen", "left", file="a")),)
     )
     panels = (replace(one.panels[0], actions=(screen,)),)
     one = replace(one, panels=panels, engagement=Engagement(plays={"UserSpeaks": ("Show",)}))
-    assert shown(one, "UserSpeaks") == [("left", "eyes", "green"), ("right", "eyes", "green")]
+    assert shown_signals(one, "UserSpeaks") == [
+        ("left", "eyes", "green"),
+        ("right", "eyes", "green"),
+    ]
 
 
 def test_they_can_be_switched_off(tmp_path: Path) -> None:
     off = Engagement(EngagementSettings(signals="none"))
-    assert default_signals(made(tmp_path, {"robot": (EYES,)}, off)) == {}
+    assert default_signals(make_experiment(tmp_path, {"robot": (EYES,)}, off)) == {}
     assert default_signals(experiment(tmp_path)) == {}
 
 
@@ -170,7 +175,7 @@ def test_nearly_engaged(verdicts: dict[str, Json], uses: tuple[str, ...], is_so:
 
 def test_who_is_nearly_engaged_sees_green_come_and_go_until_they_are_not(tmp_path: Path) -> None:
     """E6: intermittent green while all conditions hold but the distance."""
-    signals = StateSignals(made(tmp_path, {"robot": (EYES, SCREEN)}))
+    signals = StateSignals(make_experiment(tmp_path, {"robot": (EYES, SCREEN)}))
     assert signals.nearly_engaged(True) == ()  # nothing was entered yet
     assert [one.verb for one in signals.entered("PersonDetected")] == ["eyes", "screen"]
     [green] = signals.nearly_engaged(True)

@@ -9,9 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.log.disks import FaultyDisk
-from tests.session.rig import Stage
-from tests.session.studied import STUDY, had, log, on_stage, renamed, said, studied
+from tests.log.failing_disks import FaultyDisk
+from tests.session.rig import SessionRig
+from tests.session.study_rig import (
+    STUDY,
+    had,
+    log,
+    on_stage,
+    renamed,
+    short_messages,
+    study_experiment,
+)
 from woz_tui.config.study import PerceptionLimits, Study
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import PreflightCheck
@@ -24,40 +32,40 @@ KEY = RequestOrigin("key", "h", "con1")
 TRIALS = (m.ConditionsAssigned, m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded)
 
 
-def refused(stage: Stage, *asks: str) -> str:
+def refusal_reason(rig: SessionRig, *asks: str) -> str:
     """Why a trial's ask is refused."""
     with pytest.raises(RequestError) as caught:
         for what in asks:
-            stage.session.study.trial(what, "")
+            rig.session.study.trial(what, "")
     return f"{caught.value.reason}; {caught.value.hint}".rstrip("; ")
 
 
-def assigned(stage: Stage, participant: str = "P01") -> None:
-    order = [*stage.session.study.propose(participant).order]
-    stage.session.study.assign(participant, order)
+def assign_participant(rig: SessionRig, participant: str = "P01") -> None:
+    order = [*rig.session.study.propose(participant).order]
+    rig.session.study.assign(participant, order)
 
 
 def test_a_whole_participant(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        study = stage.session.study
-        assigned(stage)
+    async def scenario(rig: SessionRig) -> None:
+        study = rig.session.study
+        assign_participant(rig)
         assert study.state.planned == 4
         for what in ("begin", "done", "begin", "aborted", "begin", "excluded", "break", "resume"):
             study.trial(what, "")
         for _ in range(2):
             study.trial("begin", "")
             study.trial("done", "")
-        assert refused(stage, "begin") == (
+        assert refusal_reason(rig, "begin") == (
             "all 4 trials of P01 are done; choose the next participant,"
             " or set a trial number to repeat a trial"
         )
-        stage.session.set(trial=2)
+        rig.session.set(trial=2)
         study.trial("begin", "")
         study.trial("done", "")
-        assert "all 4 trials of P01 are done" in refused(stage, "begin")
+        assert "all 4 trials of P01 are done" in refusal_reason(rig, "begin")
 
-    stage = on_stage(tmp_path, scenario)
-    assert said(stage, *TRIALS) == [
+    rig = on_stage(tmp_path, scenario)
+    assert short_messages(rig, *TRIALS) == [
         "condition.assigned",
         "trial.started 1 warm",
         "trial.ended 1 done",
@@ -74,26 +82,26 @@ def test_a_whole_participant(tmp_path: Path) -> None:
         "trial.started 2 warm",
         "trial.ended 2 done",
     ]
-    (order,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
+    (order,) = (line for line in rig.lines if isinstance(line, m.ConditionsAssigned))
     assert (order.method, order.row, order.order) == ("latin-square", 0, ["warm", "cold"])
-    assert {line.planned for line in stage.lines if isinstance(line, m.TrialStarted)} == {4}
+    assert {line.planned for line in rig.lines if isinstance(line, m.TrialStarted)} == {4}
 
 
 def test_the_condition_of_a_trial_is_set_before_it_begins(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
         for what in ("begin", "done", "begin", "done"):
-            stage.session.study.trial(what, "")
-        stage.session.set(condition="warm")
-        stage.session.play("Greet", KEY)
-        stage.session.study.trial("begin", "")
+            rig.session.study.trial(what, "")
+        rig.session.set(condition="warm")
+        rig.session.play("Greet", KEY)
+        rig.session.study.trial("begin", "")
         await asyncio.sleep(2)
-        stage.session.play("Greet", KEY)
+        rig.session.play("Greet", KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    texts = [args["text"] for verb, args in stage.puppet().calls if verb == "say"]
+    rig = on_stage(tmp_path, scenario)
+    texts = [args["text"] for verb, args in rig.driver().calls if verb == "say"]
     assert texts == ["Hello P01! I am in the museum.", "Hello. I am in the museum."]
-    changed = [line for line in stage.lines if isinstance(line, m.SessionChanged | m.TrialStarted)]
+    changed = [line for line in rig.lines if isinstance(line, m.SessionChanged | m.TrialStarted)]
     last = changed[-2:]
     assert isinstance(last[0], m.SessionChanged)
     assert (last[0].condition, last[0].trial) == ("cold", 3)
@@ -105,20 +113,20 @@ def test_a_condition_that_is_not_in_the_file_any_more_begins_no_trial_and_is_not
 ) -> None:
     """The one that holds already, and one that comes next."""
 
-    async def scenario(stage: Stage) -> None:
-        stage.session.study.assign("P01", order)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.study.assign("P01", order)
         for _ in range(over):
-            stage.session.study.trial("begin", "")
-            stage.session.study.trial("done", "")
-        stage.session.adopt(renamed(tmp_path), [])
+            rig.session.study.trial("begin", "")
+            rig.session.study.trial("done", "")
+        rig.session.adopt(renamed(tmp_path), [])
         with pytest.raises(RequestError) as caught:
-            stage.session.study.trial("begin", "")
+            rig.session.study.trial("begin", "")
         assert caught.value.command == "start"
         said = f"{caught.value.reason}; {caught.value.hint}"
         assert "P01" in said
         assert not {"warm", "friendly"} & {*re.findall(r"\w+", said)}
 
-    assert len(said(on_stage(tmp_path, scenario), m.TrialStarted)) == over
+    assert len(short_messages(on_stage(tmp_path, scenario), m.TrialStarted)) == over
 
 
 def test_behind_a_trial_out_of_turn_comes_the_first_that_is_not_over(tmp_path: Path) -> None:
@@ -130,12 +138,12 @@ def test_behind_a_trial_out_of_turn_comes_the_first_that_is_not_over(tmp_path: P
         title="Made by hand",
     )
 
-    async def scenario(stage: Stage) -> None:
-        study = stage.session.study
-        assigned(stage)
+    async def scenario(rig: SessionRig) -> None:
+        study = rig.session.study
+        assign_participant(rig)
         assert study.state.next_trial == 2
         for number, following in ((4, 2), (2, 3), (1, 3), (3, 5)):
-            stage.session.set(trial=number)
+            rig.session.set(trial=number)
             study.trial("begin", "")
             study.trial("done", "")
             assert study.state.next_trial == following
@@ -151,47 +159,48 @@ def test_a_reload_leaves_the_trials_of_the_participant_who_is_there(
     """The file has more of them in each condition, fewer, or no design any more."""
     design = replace(STUDY.design, trials=trials) if STUDY.design and trials else None
 
-    async def scenario(stage: Stage) -> None:
-        study = stage.session.study
+    async def scenario(rig: SessionRig) -> None:
+        study = rig.session.study
         study.assign("P01", ["warm", "cold"])
         for _ in range(3):
             study.trial("begin", "")
             study.trial("done", "")
-        stage.session.adopt(studied(tmp_path, replace(STUDY, design=design)), [])
+        rig.session.adopt(study_experiment(tmp_path, replace(STUDY, design=design)), [])
         study.trial("begin", "")
         study.trial("done", "")
         assert [each.questionnaire for each in study.state.due] == ["each", "ux", "last"]
-        assert "all 4 trials of P01 are done" in refused(stage, "begin")
+        assert "all 4 trials of P01 are done" in refusal_reason(rig, "begin")
 
-    stage = on_stage(tmp_path, scenario)
-    begun = [line for line in stage.lines if isinstance(line, m.TrialStarted)]
+    rig = on_stage(tmp_path, scenario)
+    begun = [line for line in rig.lines if isinstance(line, m.TrialStarted)]
     assert [(line.condition, line.planned) for line in begun] == [
         ("warm", 4), ("warm", 4), ("cold", 4), ("cold", 4),
     ]  # fmt: skip
 
 
 def test_refusals(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        study = stage.session.study
-        assert refused(stage, "begin") == "no participant is set; choose one first"
-        stage.session.set("P05")
+    async def scenario(rig: SessionRig) -> None:
+        study = rig.session.study
+        assert refusal_reason(rig, "begin") == "no participant is set; choose one first"
+        rig.session.set("P05")
         assert (
-            refused(stage, "begin") == "no condition is set; choose the participant's order first"
+            refusal_reason(rig, "begin")
+            == "no condition is set; choose the participant's order first"
         )
-        assert refused(stage, "done") == "no trial is running; start one"
-        assert refused(stage, "resume") == "no break is running"
-        assert refused(stage, "break", "break") == "a break is already running"
-        stage.session.set(condition="cold")
+        assert refusal_reason(rig, "done") == "no trial is running; start one"
+        assert refusal_reason(rig, "resume") == "no break is running"
+        assert refusal_reason(rig, "break", "break") == "a break is already running"
+        rig.session.set(condition="cold")
         study.trial("begin", "")
-        assert refused(stage, "begin") == "trial 1 is running; end it first"
+        assert refusal_reason(rig, "begin") == "trial 1 is running; end it first"
         with pytest.raises(RequestError, match="trial 1 is running"):
-            stage.session.set("P06")
+            rig.session.set("P06")
         with pytest.raises(RequestError, match="trial 1 is running"):
             study.assign("P06", ["warm", "cold"])
-        stage.session.set("P05")
+        rig.session.set("P05")
 
-    stage = on_stage(tmp_path, scenario)
-    assert said(stage, *TRIALS) == [
+    rig = on_stage(tmp_path, scenario)
+    assert short_messages(rig, *TRIALS) == [
         "break.started",
         "break.ended",
         "trial.started 1 cold",
@@ -212,32 +221,32 @@ def test_refusals(tmp_path: Path) -> None:
 def test_orders_that_cannot_be_assigned(
     tmp_path: Path, participant: str, order: list[str], reason: str
 ) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError) as caught:
-            stage.session.study.assign(participant, order)
+            rig.session.study.assign(participant, order)
         assert caught.value.reason == reason
 
-    stage = on_stage(tmp_path, scenario)
-    assert not said(stage, m.ConditionsAssigned, m.SessionChanged)
+    rig = on_stage(tmp_path, scenario)
+    assert not short_messages(rig, m.ConditionsAssigned, m.SessionChanged)
 
 
 def test_an_order_other_than_the_proposed_one_was_chosen_by_hand(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.study.propose("P01")
-        stage.session.study.assign("P01", ["cold", "warm"])
-        stage.session.study.trial("begin", "")
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.study.propose("P01")
+        rig.session.study.assign("P01", ["cold", "warm"])
+        rig.session.study.trial("begin", "")
 
-    stage = on_stage(tmp_path, scenario)
-    (line,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
+    rig = on_stage(tmp_path, scenario)
+    (line,) = (line for line in rig.lines if isinstance(line, m.ConditionsAssigned))
     assert (line.method, line.row, line.why) == ("hand", -1, "chosen by the wizard")
-    assert said(stage, m.TrialStarted) == ["trial.started 1 cold"]
+    assert short_messages(rig, m.TrialStarted) == ["trial.started 1 cold"]
 
 
 def test_a_proposal_says_which_logs_could_not_be_read(tmp_path: Path) -> None:
     (tmp_path / "recordings" / "2026-02-01T10-00-00_S01.jsonl").mkdir(parents=True)
 
-    async def scenario(stage: Stage) -> None:
-        assert stage.session.study.propose("P01").why == (
+    async def scenario(rig: SessionRig) -> None:
+        assert rig.session.study.propose("P01").why == (
             "row 1 of 2: least used so far (0 participants);"
             " not counted because they cannot be read: 2026-02-01T10-00-00_S01.jsonl"
         )
@@ -246,22 +255,22 @@ def test_a_proposal_says_which_logs_could_not_be_read(tmp_path: Path) -> None:
 
 
 def test_without_a_design_there_is_nothing_to_propose_but_trials_count(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match="the file has no design"):
-            stage.session.study.propose("P01")
+            rig.session.study.propose("P01")
         with pytest.raises(RequestError, match="the file has no design"):
-            stage.session.study.assign("P01", [])
+            rig.session.study.assign("P01", [])
         for what in ("begin", "done", "begin", "aborted", "begin"):
-            stage.session.study.trial(what, "")
+            rig.session.study.trial(what, "")
 
     who = SessionIdentity(participant="P07", condition="warm")
-    stage = on_stage(tmp_path, scenario, Study(), who)
-    assert said(stage, m.TrialStarted) == [
+    rig = on_stage(tmp_path, scenario, Study(), who)
+    assert short_messages(rig, m.TrialStarted) == [
         "trial.started 1 warm",
         "trial.started 2 warm",
         "trial.started 2 warm",
     ]
-    assert all(line.planned == 0 for line in stage.lines if isinstance(line, m.TrialStarted))
+    assert all(line.planned == 0 for line in rig.lines if isinstance(line, m.TrialStarted))
 
 
 def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
@@ -271,18 +280,18 @@ def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
         had("P02", ["cold", "warm"], "ddd", row=1),
     )
 
-    async def scenario(stage: Stage) -> None:
-        proposal = stage.session.study.propose("P02")
+    async def scenario(rig: SessionRig) -> None:
+        proposal = rig.session.study.propose("P02")
         assert (proposal.condition, proposal.trial, proposal.row) == ("warm", 4, 1)
-        assert stage.session.study.propose("P01").row == 0
-        stage.session.study.assign("P02", ["cold", "warm"])
-        stage.session.study.trial("begin", "")
-        stage.session.study.trial("done", "")
-        assert stage.session.study.propose("P02").trial == 5
+        assert rig.session.study.propose("P01").row == 0
+        rig.session.study.assign("P02", ["cold", "warm"])
+        rig.session.study.trial("begin", "")
+        rig.session.study.trial("done", "")
+        assert rig.session.study.propose("P02").trial == 5
 
-    stage = on_stage(tmp_path, scenario)
-    assert said(stage, m.TrialStarted) == ["trial.started 4 warm"]
-    (line,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
+    rig = on_stage(tmp_path, scenario)
+    assert short_messages(rig, m.TrialStarted) == ["trial.started 4 warm"]
+    (line,) = (line for line in rig.lines if isinstance(line, m.ConditionsAssigned))
     assert (line.method, line.row) == ("latin-square", 1)
     assert line.why == "P02 continues with their own order: 3 of 4 trials done"
 
@@ -297,11 +306,11 @@ def test_a_questionnaire_that_an_earlier_session_owes_is_told(
     name = "2026-03-01T10-00-00_P01_S01"
     log(tmp_path / "recordings", name, lines, title="Made by hand")
 
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
 
-    stage = on_stage(tmp_path, scenario)
-    notices = [line.text for line in stage.lines if isinstance(line, m.Notice)]
+    rig = on_stage(tmp_path, scenario)
+    notices = [line.text for line in rig.lines if isinstance(line, m.Notice)]
     owed = [text for text in notices if "has not answered" in text]
     assert owed == ([] if answered else ["P01 has not answered: How was it?"])
 
@@ -317,33 +326,33 @@ def test_what_is_owed_is_told_after_a_crash_when_the_session_begins_with_the_par
         title="Made by hand",
     )
 
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
 
-    stage = on_stage(tmp_path, scenario, identity=SessionIdentity(participant="P01"))
-    notices = [line.text for line in stage.lines if isinstance(line, m.Notice)]
+    rig = on_stage(tmp_path, scenario, identity=SessionIdentity(participant="P01"))
+    notices = [line.text for line in rig.lines if isinstance(line, m.Notice)]
     assert [text for text in notices if "has not answered" in text]
 
 
 def test_no_number_is_set_while_a_trial_runs(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
-        stage.session.study.trial("begin", "")
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
+        rig.session.study.trial("begin", "")
         with pytest.raises(RequestError, match="trial 1 is running"):
-            stage.session.set(trial=3)
-        stage.session.set(trial=1)
-        stage.session.study.trial("done", "")
-        stage.session.set(trial=3)
+            rig.session.set(trial=3)
+        rig.session.set(trial=1)
+        rig.session.study.trial("done", "")
+        rig.session.set(trial=3)
 
-    assert said(on_stage(tmp_path, scenario), m.TrialStarted) == ["trial.started 1 warm"]
+    assert short_messages(on_stage(tmp_path, scenario), m.TrialStarted) == ["trial.started 1 warm"]
 
 
 def test_participants_of_this_very_session_count(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         rows = []
         for number in range(1, 5):
-            assigned(stage, f"P0{number}")
-            rows.append(stage.session.study.state.assigned)
+            assign_participant(rig, f"P0{number}")
+            rows.append(rig.session.study.state.assigned)
         assert [row.row for row in rows if row is not None] == [0, 1, 0, 1]
 
     on_stage(tmp_path, scenario)
@@ -354,11 +363,11 @@ def test_earlier_participants_count_where_the_log_begins_in_another_folder(tmp_p
     log(recordings, "2026-02-01T10-00-00_S01", had("P01", ["warm", "cold"], "d", row=0))
     disk.faults[recordings] = "readonly"
 
-    async def scenario(stage: Stage) -> None:
-        assert stage.recorder.path.parent == tmp_path / "more"
-        study = stage.session.study
+    async def scenario(rig: SessionRig) -> None:
+        assert rig.recorder.path.parent == tmp_path / "more"
+        study = rig.session.study
         assert study.propose("P01").trial == 2
-        assigned(stage, "P02")
+        assign_participant(rig, "P02")
         assert [study.propose(who).row for who in ("P02", "P03")] == [1, 0]
 
     on_stage(tmp_path, scenario, disk=disk)
@@ -367,14 +376,14 @@ def test_earlier_participants_count_where_the_log_begins_in_another_folder(tmp_p
 def test_a_break_inside_a_trial_ends_with_it_and_one_before_it_when_it_begins(
     tmp_path: Path,
 ) -> None:
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
         for what in ("begin", "break", "done", "break", "begin", "break"):
-            stage.session.study.trial(what, "")
+            rig.session.study.trial(what, "")
 
-    stage = on_stage(tmp_path, scenario)
+    rig = on_stage(tmp_path, scenario)
     ending = ["break.ended", "trial.ended 1 done", "break.started", "break.ended"]
-    assert said(stage, *TRIALS)[1:] == [
+    assert short_messages(rig, *TRIALS)[1:] == [
         "trial.started 1 warm",
         "break.started",
         *ending,
@@ -386,30 +395,28 @@ def test_a_break_inside_a_trial_ends_with_it_and_one_before_it_when_it_begins(
 
 
 def test_what_is_under_way_ends_before_the_session_does(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
-        stage.session.study.trial("begin", "")
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
+        rig.session.study.trial("begin", "")
 
-    stage = on_stage(tmp_path, scenario)
-    (ended,) = (line for line in stage.lines if isinstance(line, m.TrialEnded))
-    assert (ended.outcome, ended.text) == ("aborted", "the session ended")
-    assert isinstance(stage.lines[-1], m.SessionEnd)
+    rig = on_stage(tmp_path, scenario)
+    (trial_ended,) = (line for line in rig.lines if isinstance(line, m.TrialEnded))
+    assert (trial_ended.outcome, trial_ended.text) == ("aborted", "the session ended")
+    assert isinstance(rig.lines[-1], m.SessionEnd)
 
 
 def test_what_shapes_the_answers_is_said_at_the_beginning_and_when_it_changes(
     tmp_path: Path,
 ) -> None:
-    async def scenario(stage: Stage) -> None:
-        same = studied(tmp_path)
-        stage.session.adopt(same, [])
-        stage.session.adopt(
+    async def scenario(rig: SessionRig) -> None:
+        same = study_experiment(tmp_path)
+        rig.session.adopt(same, [])
+        rig.session.adopt(
             replace(same, study=replace(STUDY, shaping=None, perception=PerceptionLimits())), []
         )
 
-    stage = on_stage(tmp_path, scenario)
-    told = [
-        line for line in stage.lines if isinstance(line, m.ShapingChanged | m.PerceptionChanged)
-    ]
+    rig = on_stage(tmp_path, scenario)
+    told = [line for line in rig.lines if isinstance(line, m.ShapingChanged | m.PerceptionChanged)]
     assert [(type(line).__name__, *_fields(line)) for line in told] == [
         ("PerceptionChanged", ["distance"], ["transcript"]),
         ("ShapingChanged", 800_000, 400_000, ["speech"]),
@@ -425,39 +432,39 @@ def _fields(line: m.ShapingChanged | m.PerceptionChanged) -> tuple[object, ...]:
 
 
 def test_without_these_sections_nothing_is_said(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         await asyncio.sleep(1)
 
-    stage = on_stage(tmp_path, scenario, Study())
-    assert not said(stage, m.ShapingChanged, m.PerceptionChanged)
+    rig = on_stage(tmp_path, scenario, Study())
+    assert not short_messages(rig, m.ShapingChanged, m.PerceptionChanged)
 
 
 def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError) as caught:
-            stage.session.play("Greet", KEY)
+            rig.session.play("Greet", KEY)
         assert caught.value.reason == (
             "{greeting} has no value yet: it depends on the condition, and no condition is set"
         )
-        stage.session.set(condition="warm")
+        rig.session.set(condition="warm")
         with pytest.raises(RequestError) as caught:
-            stage.session.play("Greet", KEY)
+            rig.session.play("Greet", KEY)
         assert caught.value.reason == (
             "{greeting} has no value yet: {participant} has no value yet"
         )
-        only_warm = replace(stage.session.experiment, by_condition={"greeting": {"warm": "Hi"}})
-        stage.session.adopt(only_warm, [])
-        stage.session.set(condition="cold")
+        only_warm = replace(rig.session.experiment, by_condition={"greeting": {"warm": "Hi"}})
+        rig.session.adopt(only_warm, [])
+        rig.session.set(condition="cold")
         with pytest.raises(RequestError, match="no text for the present condition"):
-            stage.session.play("Greet", KEY)
+            rig.session.play("Greet", KEY)
 
-    stage = on_stage(tmp_path, scenario)
-    assert stage.kinds(m.ActionEnd) == ["ActionRefused"] * 3
+    rig = on_stage(tmp_path, scenario)
+    assert rig.kinds(m.ActionEnd) == ["ActionRefused"] * 3
 
 
 def test_a_blind_wizard_is_shown_labels_and_no_text_that_tells(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
         session.set("P01", "cold")
         assert session.values()["greeting"] == "Hello."
         findings = {finding.subject: finding.text for finding in await preflight(session)}
@@ -474,23 +481,23 @@ def test_a_blind_wizard_is_shown_labels_and_no_text_that_tells(tmp_path: Path) -
 
 
 def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        study = stage.session.study
+    async def scenario(rig: SessionRig) -> None:
+        study = rig.session.study
         study.check("the door is shut", True, "", "wizard")
         study.check("the camera sees the table", True, "", "wizard")
         study.check("the camera sees the table", False, "moved", "wizard")
         with pytest.raises(RequestError) as caught:
             study.check("the door", True, "", "wizard")
         assert "there are the door is shut, the camera" in caught.value.hint
-        found = await preflight(stage.session)
+        found = await preflight(rig.session)
         assert {finding.subject for finding in found} < {*study.state.checks}
         assert study_snapshot(study.settings, study.state).preflight == [
             PreflightCheck("the door is shut", ok=True),
             PreflightCheck("the camera sees the table", ok=False),
         ]
 
-    stage = on_stage(tmp_path, scenario)
-    lines = [line for line in stage.lines if isinstance(line, m.PreflightChecked)]
+    rig = on_stage(tmp_path, scenario)
+    lines = [line for line in rig.lines if isinstance(line, m.PreflightChecked)]
     assert [(line.level, line.source) for line in lines[:3]] == [
         ("ok", "wizard"),
         ("ok", "wizard"),
@@ -503,8 +510,8 @@ def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: 
 def test_the_script_begins_anew_with_trial_and_participant(tmp_path: Path) -> None:
     positions: list[int] = []
 
-    async def scenario(stage: Stage) -> None:
-        session = stage.session
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
 
         async def play() -> None:
             session.script_next(KEY)
@@ -532,11 +539,11 @@ def test_the_script_begins_anew_with_trial_and_participant(tmp_path: Path) -> No
 
 
 def test_a_step_that_sets_the_trial_leaves_the_script_where_it_is(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.set(participant="P01", condition="warm")
-        stage.session.script_next(KEY)
-        stage.session.send("set", {"trial": 2}, "", KEY)
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.set(participant="P01", condition="warm")
+        rig.session.script_next(KEY)
+        rig.session.send("set", {"trial": 2}, "", KEY)
         await asyncio.sleep(0.1)
-        assert (stage.session.identity.trial, stage.session.scripts.now.position) == (2, 1)
+        assert (rig.session.identity.trial, rig.session.scripts.now.position) == (2, 1)
 
     on_stage(tmp_path, scenario)

@@ -7,23 +7,23 @@ from pathlib import Path
 
 import pytest
 
-from tests.session.rig import Stage
-from tests.session.studied import STUDY, on_stage, said
+from tests.session.rig import SessionRig
+from tests.session.study_rig import STUDY, on_stage, short_messages
 from woz_tui.config.study import Design
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.study_history import DueQuestionnaire
 
 
-def assigned(stage: Stage, participant: str = "P01") -> None:
-    order = [*stage.session.study.propose(participant).order]
-    stage.session.study.assign(participant, order)
+def assign_participant(rig: SessionRig, participant: str = "P01") -> None:
+    order = [*rig.session.study.propose(participant).order]
+    rig.session.study.assign(participant, order)
 
 
-def trials(stage: Stage, *outcomes: str) -> None:
+def trials(rig: SessionRig, *outcomes: str) -> None:
     for outcome in outcomes:
-        stage.session.study.trial("begin", "")
-        stage.session.study.trial(outcome, "")
+        rig.session.study.trial("begin", "")
+        rig.session.study.trial(outcome, "")
 
 
 @pytest.mark.parametrize(
@@ -45,21 +45,21 @@ def trials(stage: Stage, *outcomes: str) -> None:
 def test_what_is_due_behind_the_trials(
     tmp_path: Path, outcomes: list[str], due: list[DueQuestionnaire]
 ) -> None:
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
-        trials(stage, *outcomes)
-        assert stage.session.study.state.due == due
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
+        trials(rig, *outcomes)
+        assert rig.session.study.state.due == due
 
     on_stage(tmp_path, scenario)
 
 
 def test_what_was_due_is_so_no_more_once_the_next_trial_has_begun(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
-        trials(stage, "done")
-        assert stage.session.study.state.due == [DueQuestionnaire("each", 1)]
-        stage.session.study.trial("begin", "")
-        assert stage.session.study.state.due == []
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
+        trials(rig, "done")
+        assert rig.session.study.state.due == [DueQuestionnaire("each", 1)]
+        rig.session.study.trial("begin", "")
+        assert rig.session.study.state.due == []
 
     on_stage(tmp_path, scenario)
 
@@ -67,24 +67,24 @@ def test_what_was_due_is_so_no_more_once_the_next_trial_has_begun(tmp_path: Path
 def test_a_trial_for_practice_is_the_last_of_no_condition(tmp_path: Path) -> None:
     """Trial 0 has no place in the order."""
 
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
-        stage.session.set(trial=0)
-        trials(stage, "done")
-        assert stage.session.study.state.due == [DueQuestionnaire("each", 0)]
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
+        rig.session.set(trial=0)
+        trials(rig, "done")
+        assert rig.session.study.state.due == [DueQuestionnaire("each", 0)]
 
-    stage = on_stage(tmp_path, scenario)
-    assert said(stage, m.TrialStarted) == ["trial.started 0 warm"]
+    rig = on_stage(tmp_path, scenario)
+    assert short_messages(rig, m.TrialStarted) == ["trial.started 0 warm"]
 
 
 def test_the_next_participant_has_had_nothing_yet(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        study = stage.session.study
-        assigned(stage)
+    async def scenario(rig: SessionRig) -> None:
+        study = rig.session.study
+        assign_participant(rig)
         study.questioning.begin_or_end("whenever", "begin", "wizard")
         study.questioning.begin_or_end("whenever", "declined", "wizard")
         assert {*study.state.had} == {"whenever"}
-        stage.session.set("P02")
+        rig.session.set("P02")
         assert {*study.state.had} == set()
 
     on_stage(tmp_path, scenario)
@@ -93,61 +93,63 @@ def test_the_next_participant_has_had_nothing_yet(tmp_path: Path) -> None:
 def test_the_number_of_the_trial_can_be_said(tmp_path: Path) -> None:
     """It is a variable of utterances, also where the condition stays the same."""
 
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
-        trials(stage, "done")
-        stage.session.study.trial("begin", "")
-        assert stage.session.values()["trial"] == "2"
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
+        trials(rig, "done")
+        rig.session.study.trial("begin", "")
+        assert rig.session.values()["trial"] == "2"
 
     on_stage(tmp_path, scenario)
 
 
 def test_whoever_is_through_keeps_the_last_condition(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        study = stage.session.study
-        assigned(stage)
-        trials(stage, *["done"] * 4)
-        assigned(stage)
+    async def scenario(rig: SessionRig) -> None:
+        study = rig.session.study
+        assign_participant(rig)
+        trials(rig, *["done"] * 4)
+        assign_participant(rig)
         assert (study.state.condition, study.state.next_trial) == ("cold", 5)
 
     on_stage(tmp_path, scenario)
 
 
 def test_a_proposal_of_the_file_as_it_was_is_no_proposal(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        study = stage.session.study
+    async def scenario(rig: SessionRig) -> None:
+        study = rig.session.study
         order = [*study.propose("P01").order]
         design = Design(order="fixed", trials=3)
-        stage.session.adopt(
-            replace(stage.session.experiment, study=replace(STUDY, design=design)), ["design"]
+        rig.session.adopt(
+            replace(rig.session.experiment, study=replace(STUDY, design=design)), ["design"]
         )
         study.assign("P01", order)
 
-    stage = on_stage(tmp_path, scenario)
-    (line,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
+    rig = on_stage(tmp_path, scenario)
+    (line,) = (line for line in rig.lines if isinstance(line, m.ConditionsAssigned))
     assert (line.method, line.row) == ("hand", -1)
 
 
 def test_nobody_gets_another_order_while_a_trial_is_under_way(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        assigned(stage)
-        stage.session.study.trial("begin", "")
+    async def scenario(rig: SessionRig) -> None:
+        assign_participant(rig)
+        rig.session.study.trial("begin", "")
         with pytest.raises(RequestError, match="trial 1 is running"):
-            stage.session.study.assign("P01", ["cold", "warm"])
+            rig.session.study.assign("P01", ["cold", "warm"])
 
-    assert said(on_stage(tmp_path, scenario), m.ConditionsAssigned) == ["condition.assigned"]
+    assert short_messages(on_stage(tmp_path, scenario), m.ConditionsAssigned) == [
+        "condition.assigned"
+    ]
 
 
 def test_where_everybody_gets_one_condition_one_is_assigned(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match="each participant gets one condition"):
-            stage.session.study.assign("P01", ["warm", "cold"])
-        stage.session.study.assign("P01", ["cold"])
-        trials(stage, "done", "done")
-        assert [due.questionnaire for due in stage.session.study.state.due] == [
+            rig.session.study.assign("P01", ["warm", "cold"])
+        rig.session.study.assign("P01", ["cold"])
+        trials(rig, "done", "done")
+        assert [due.questionnaire for due in rig.session.study.state.due] == [
             *("each", "ux", "last")
         ]
 
     study = replace(STUDY, design=Design(order="blocks", within=False, trials=2))
-    stage = on_stage(tmp_path, scenario, study)
-    assert said(stage, m.TrialStarted) == ["trial.started 1 cold", "trial.started 2 cold"]
+    rig = on_stage(tmp_path, scenario, study)
+    assert short_messages(rig, m.TrialStarted) == ["trial.started 1 cold", "trial.started 2 cold"]

@@ -9,8 +9,8 @@ from pathlib import Path
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from tests.session.rig import Stage
-from tests.session.studied import on_stage
+from tests.session.rig import SessionRig
+from tests.session.study_rig import on_stage
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
 from woz_tui.session.participant_identity import RequestError
@@ -29,9 +29,9 @@ STEPS = st.one_of(
 )
 
 
-def take(stage: Stage, step: str, what: str) -> None:
+def take(rig: SessionRig, step: str, what: str) -> None:
     """One step, or nothing if it is refused."""
-    study = stage.session.study
+    study = rig.session.study
     asking = study.state.questionnaire
     with contextlib.suppress(RequestError):
         match step:
@@ -60,15 +60,17 @@ def take(stage: Stage, step: str, what: str) -> None:
     [("trial", "begin"), ("trial", "done"), ("ask", "ux"), ("answer", "else"), ("end", "left")]
 )
 def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str, str]]) -> None:
-    async def scenario(stage: Stage) -> None:
-        take(stage, "assign", "P01")
+    async def scenario(rig: SessionRig) -> None:
+        take(rig, "assign", "P01")
         for step, what in steps:
-            take(stage, step, what)
-            live, late = stage.session.state, SessionState()
+            take(rig, step, what)
+            live, late = rig.session.state, SessionState()
             for message in live.messages():
                 late.apply(message)
-            told = late.study.settings = stage.session.study.settings
-            assert study_snapshot(told, late.study) == study_snapshot(told, live.study)
+            study_settings = late.study.settings = rig.session.study.settings
+            assert study_snapshot(study_settings, late.study) == study_snapshot(
+                study_settings, live.study
+            )
             assert late.study.had == live.study.had
             assert late.study.questionnaire == live.study.questionnaire
 
@@ -80,21 +82,21 @@ def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str
 def test_every_beginning_has_one_end_in_any_course(
     tmp_path: Path, steps: list[tuple[str, str]]
 ) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: SessionRig) -> None:
         for step, what in steps:
-            take(stage, step, what)
+            take(rig, step, what)
         await asyncio.sleep(0)
 
-    stage = on_stage(tmp_path, scenario)
+    rig = on_stage(tmp_path, scenario)
     for begins, ends in (
         (m.TrialStarted, m.TrialEnded),
         (m.BreakStarted, m.BreakEnded),
         (m.QuestionnaireStarted, m.QuestionnaireEnded),
     ):
         course = [
-            isinstance(line, begins) for line in stage.lines if isinstance(line, (begins, ends))
+            isinstance(line, begins) for line in rig.lines if isinstance(line, (begins, ends))
         ]
         assert course == [True, False] * (len(course) // 2)
-    over = [line.trial for line in stage.lines if isinstance(line, m.TrialEnded)]
-    started = [line.trial for line in stage.lines if isinstance(line, m.TrialStarted)]
+    over = [line.trial for line in rig.lines if isinstance(line, m.TrialEnded)]
+    started = [line.trial for line in rig.lines if isinstance(line, m.TrialStarted)]
     assert over == started

@@ -57,7 +57,7 @@ def file(folder: Path, text: str, name: str = "talk.yaml") -> Path:
     return path
 
 
-def said(experiment: Experiment) -> list[object]:
+def said_texts(experiment: Experiment) -> list[object]:
     panel = next(panel for panel in experiment.panels if panel.title == "Typed")
     return [call.args["text"] for action in panel.actions for call in action.calls]
 
@@ -76,7 +76,7 @@ def test_lines_go_in_and_nothing_else_changes(tmp_path: Path) -> None:
     assert copy.file.read_text() == TALK + block + "\n# the end\nscript: [Hello]   # one line\n"
     assert copy.diff[:2] == ("--- talk.yaml", "+++ talk-typed.yaml")
     assert [line[1:] + "\n" for line in copy.diff[3:]] == block.splitlines(keepends=True)
-    assert said(read) == ["One moment", 'Say "a: b" # {participant}']
+    assert said_texts(read) == ["One moment", 'Say "a: b" # {participant}']
     assert path.read_text() == TALK + "\n# the end\nscript: [Hello]   # one line\n"
 
 
@@ -104,7 +104,7 @@ FORMS = {
 def test_every_way_to_write_a_file_keeps_its_bytes(tmp_path: Path, form: str) -> None:
     path = file(tmp_path, FORMS[form])
     copy, read = copy_of(path, "One moment")
-    assert said(read)[-1] == "One moment"
+    assert said_texts(read)[-1] == "One moment"
     old, new = path.read_bytes(), copy.data
     at = next((at for at, byte in enumerate(old) if new[at] != byte), len(old))
     assert new.endswith(old[at:])
@@ -124,7 +124,7 @@ def test_the_examples_take_typed_sentences(tmp_path: Path, name: str) -> None:
         path, typed_in(read(None), ["Hello", "Just a second: {participant}"]), read
     )
     assert copy.sentences == 2
-    assert said(read(copy.data))[-1] == "Just a second: {participant}"
+    assert said_texts(read(copy.data))[-1] == "Just a second: {participant}"
 
 
 # A single brace is refused when it is typed, and a NUL cannot be.
@@ -139,7 +139,7 @@ def test_any_typed_texts_survive(tmp_path: Path, texts: list[str]) -> None:
     path = file(tmp_path, TALK)
     read = partial(load, path, CATALOGUE)
     copy = copy_with_sentences(path, typed_in(read(), texts), read)
-    assert said(read(copy.data)) == texts
+    assert said_texts(read(copy.data)) == texts
 
 
 def test_a_name_that_the_file_has_is_not_taken_twice(tmp_path: Path) -> None:
@@ -155,7 +155,7 @@ def test_a_copy_takes_no_name_that_exists(tmp_path: Path) -> None:
     assert names == ["talk-typed.yaml", "talk-typed-2.yaml", "talk-typed-3.yaml"]
     again, read = copy_of(tmp_path / names[1], "Another one")
     assert again.file.name == "talk-typed-4.yaml"
-    assert said(read) == ["One moment", "Another one"]
+    assert said_texts(read) == ["One moment", "Another one"]
 
 
 def test_what_the_file_has_is_not_added_again(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Puppet, Stage, action, call, experiment, together
+from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Panel
 from woz_tui.drivers.contract import Argument, Job, Verb
 from woz_tui.protocol import messages as m
@@ -19,7 +19,7 @@ from woz_tui.session.action_runner import RequestOrigin
 KEY = RequestOrigin("key", "x", "con1")
 
 
-class Slow(Puppet):
+class SlowGazeDriver(ScriptedDriver):
     """Takes a gaze at once and is there after two seconds; beyond 90 never, below 0 it fails."""
 
     @classmethod
@@ -56,86 +56,86 @@ ACTIONS = (
 )
 
 
-def played(tmp_path: Path, *steps: str) -> Stage:
+def play_steps(tmp_path: Path, *steps: str) -> SessionRig:
     """Plays actions one after the other, a second apart; `stop` is the stop."""
 
-    async def go() -> Stage:
+    async def go() -> SessionRig:
         made = experiment(tmp_path)
-        spec = replace(made.drivers[0], verbs=Slow.verbs(None))
+        spec = replace(made.drivers[0], verbs=SlowGazeDriver.verbs(None))
         made = replace(made, drivers=(spec,), panels=(Panel("P", ACTIONS, made.panels[0].place),))
         made = replace(made, script=())
-        stage = Stage(tmp_path, catalogue={"puppet": Slow}, made=made)
-        await stage.session.open()
+        rig = SessionRig(tmp_path, catalogue={"puppet": SlowGazeDriver}, made=made)
+        await rig.session.open()
         for step in steps:
             if step == "stop":
-                stage.session.stop("key")
+                rig.session.stop("key")
             else:
-                stage.session.play(step, KEY)
+                rig.session.play(step, KEY)
             await asyncio.sleep(1.0)
         await asyncio.sleep(10.0)
-        await stage.session.close("test")
-        return stage
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
 
-def moments(stage: Stage, kind: type[m.Message]) -> list[float]:
-    return [round(line.t / 1e6, 2) for line in stage.lines if isinstance(line, kind)]
+def moments(rig: SessionRig, kind: type[m.Message]) -> list[float]:
+    return [round(line.t / 1e6, 2) for line in rig.lines if isinstance(line, kind)]
 
 
-def ends(stage: Stage) -> list[tuple[str, str]]:
+def ends(rig: SessionRig) -> list[tuple[str, str]]:
     return [
-        (line.action, type(line).__name__) for line in stage.lines if isinstance(line, m.ActionEnd)
+        (line.action, type(line).__name__) for line in rig.lines if isinstance(line, m.ActionEnd)
     ]
 
 
-def said(stage: Stage) -> list[str]:
-    return [verb for verb, _ in stage.puppet().calls if verb == "say"]
+def said_verbs(rig: SessionRig) -> list[str]:
+    return [verb for verb, _ in rig.driver().calls if verb == "say"]
 
 
 def test_the_next_step_begins_when_the_motion_has_arrived(tmp_path: Path) -> None:
-    stage = played(tmp_path, "Look")
-    arrived = moments(stage, m.MotionArrived)
-    requested = moments(stage, m.Command)
+    rig = play_steps(tmp_path, "Look")
+    arrived = moments(rig, m.MotionArrived)
+    requested = moments(rig, m.Command)
     assert arrived == [2.0]
     assert requested == [0.0, 2.0]
-    assert ends(stage) == [("Look", "ActionDone")]
+    assert ends(rig) == [("Look", "ActionDone")]
 
 
 def test_without_until_it_begins_when_the_motion_was_taken(tmp_path: Path) -> None:
-    assert moments(played(tmp_path, "Glance"), m.Command) == [0.0, 0.0]
+    assert moments(play_steps(tmp_path, "Glance"), m.Command) == [0.0, 0.0]
 
 
 def test_a_motion_that_does_not_arrive_fails_its_action(tmp_path: Path) -> None:
-    stage = played(tmp_path, "Stuck")
-    assert ends(stage) == [("Stuck", "ActionFailed")]
-    assert not said(stage)
-    (failed,) = [line for line in stage.lines if isinstance(line, m.ActionFailed)]
+    rig = play_steps(tmp_path, "Stuck")
+    assert ends(rig) == [("Stuck", "ActionFailed")]
+    assert not said_verbs(rig)
+    (failed,) = [line for line in rig.lines if isinstance(line, m.ActionFailed)]
     assert failed.reason == "robot: the neck is stuck"
 
 
 def test_a_motion_that_does_not_arrive_fails_also_where_a_newer_act_came(tmp_path: Path) -> None:
-    assert ("Stuck", "ActionFailed") in ends(played(tmp_path, "Stuck", "Speak"))
-    assert ("Look", "ActionSuperseded") in ends(played(tmp_path / "well", "Look", "Speak"))
+    assert ("Stuck", "ActionFailed") in ends(play_steps(tmp_path, "Stuck", "Speak"))
+    assert ("Look", "ActionSuperseded") in ends(play_steps(tmp_path / "well", "Look", "Speak"))
 
 
 def test_a_newer_gaze_replaces_the_action_that_waits_for_the_older(tmp_path: Path) -> None:
-    stage = played(tmp_path, "Look", "Glance")
-    assert ends(stage)[0] == ("Look", "ActionSuperseded")
-    assert ("Glance", "ActionDone") in ends(stage)
-    assert len(said(stage)) == 1
+    rig = play_steps(tmp_path, "Look", "Glance")
+    assert ends(rig)[0] == ("Look", "ActionSuperseded")
+    assert ("Glance", "ActionDone") in ends(rig)
+    assert len(said_verbs(rig)) == 1
 
 
 def test_a_stop_ends_an_action_that_waits_for_its_motion(tmp_path: Path) -> None:
-    stage = played(tmp_path, "Look", "stop")
-    assert ends(stage) == [("Look", "ActionStopped")]
-    assert not said(stage)
+    rig = play_steps(tmp_path, "Look", "stop")
+    assert ends(rig) == [("Look", "ActionStopped")]
+    assert not said_verbs(rig)
 
 
 def test_an_action_is_as_sure_as_the_weakest_of_its_steps(tmp_path: Path) -> None:
     def known(*steps: str) -> list[str]:
-        stage = played(tmp_path / steps[0], *steps)
-        return [line.evidence for line in stage.lines if isinstance(line, m.ActionDone)]
+        rig = play_steps(tmp_path / steps[0], *steps)
+        return [line.evidence for line in rig.lines if isinstance(line, m.ActionDone)]
 
     assert known("Look") == ["reported"]  # the gaze was measured, the voice says so
     assert known("Watch") == ["measured"]  # a marker reaches no hardware

@@ -33,14 +33,14 @@ from woz_tui.testing.contract_checks import MODEL_VERBS, RESERVED
 
 
 @dataclass(frozen=True)
-class Nothing:
+class NoSettings:
     """No setting at all."""
 
 
 class Right(Driver):
     """The smallest driver that keeps the contract."""
 
-    Settings: ClassVar[type] = Nothing
+    Settings: ClassVar[type] = NoSettings
     summary = "nothing at all"
     offered: ClassVar[tuple[Verb, ...]] = (Verb("rest-hands", "rest"),)
     closed = False

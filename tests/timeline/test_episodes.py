@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-from tests.timeline.courses import SECOND, plan, start, timed
+from tests.timeline.random_sessions import SECOND, plan, start, timed
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     ActionEpisode,
@@ -198,7 +198,9 @@ def test_a_stop_of_driving_is_over_when_it_is_confirmed() -> None:
 # -- the visitor ----------------------------------------------------------------------------------
 
 
-def changed(was: str, now: str, outcome: str = "o", visitor: str = "") -> m.EngagementChanged:
+def engagement_changed(
+    was: str, now: str, outcome: str = "o", visitor: str = ""
+) -> m.EngagementChanged:
     return m.EngagementChanged(
         was=was, now=now, outcome=outcome, why="", verdicts={}, visitor=visitor
     )
@@ -212,8 +214,8 @@ def test_states_of_the_model_follow_each_other() -> None:
     states = of(
         ModelStateEpisode,
         (0, SETTINGS),
-        (3, changed("Wait", "PersonDetected", "human_presence")),
-        (5, changed("PersonDetected", "EngagedWithKnown")),
+        (3, engagement_changed("Wait", "PersonDetected", "human_presence")),
+        (5, engagement_changed("PersonDetected", "EngagedWithKnown")),
         (9, m.Note(text="x")),
     )
     assert spans(states) == [(0, 3, "Wait"), (3, 2, "PersonDetected"), (5, 4, "EngagedWithKnown")]
@@ -225,9 +227,9 @@ def test_states_of_the_model_follow_each_other() -> None:
 def test_a_model_that_is_off_is_in_no_state() -> None:
     course: list[tuple[float, m.AnyMessage]] = [
         (0, SETTINGS),
-        (2, changed("Wait", "EngagedWithKnown", visitor="V01")),
+        (2, engagement_changed("Wait", "EngagedWithKnown", visitor="V01")),
         (4, switched("off")),
-        (5, changed("EngagedWithKnown", "UserSpeaks")),
+        (5, engagement_changed("EngagedWithKnown", "UserSpeaks")),
         (7, switched("hold")),
         (8, switched("run")),
         (9, m.EngagementAdopted(settings={})),
@@ -244,7 +246,11 @@ def test_a_model_that_is_off_is_in_no_state() -> None:
 
 
 def test_a_log_without_settings_has_a_model_from_its_beginning_if_it_ever_moved() -> None:
-    states = of(ModelStateEpisode, (4, changed("EngagedWithKnown", "Wait")), (6, m.Note(text="x")))
+    states = of(
+        ModelStateEpisode,
+        (4, engagement_changed("EngagedWithKnown", "Wait")),
+        (6, m.Note(text="x")),
+    )
     assert spans(states) == [(0, 4, "EngagedWithKnown"), (4, 2, "Wait")]
     assert of(ModelStateEpisode, (4, m.Note(text="x"))) == []
 
@@ -253,7 +259,7 @@ def test_a_plan_without_the_section_says_that_the_model_is_gone() -> None:
     states = of(
         ModelStateEpisode,
         (0, plan(engagement={"attempts": 3})),
-        (2, changed("Wait", "PersonDetected")),
+        (2, engagement_changed("Wait", "PersonDetected")),
         (5, plan()),
         (9, m.Note(text="x")),
     )
@@ -287,7 +293,7 @@ def test_a_lane_is_faulted_until_it_recovers() -> None:
     assert spans(faulted) == [(1, 2, "head body")]
 
 
-def shown(value: float, *conflicts: str, **wanted: m.Json) -> m.SettingsShown:
+def settings_shown(value: float, *conflicts: str, **wanted: m.Json) -> m.SettingsShown:
     return m.SettingsShown(
         driver="pepper", values={"volume": value}, wanted=wanted, conflicts=[*conflicts]
     )
@@ -295,9 +301,9 @@ def shown(value: float, *conflicts: str, **wanted: m.Json) -> m.SettingsShown:
 
 def test_a_setting_differs_from_when_it_was_read_until_it_does_not() -> None:
     course: list[tuple[float, m.AnyMessage]] = [
-        (1, shown(0.7)),
-        (2, shown(0.3, "loud", volume=0.7)),
-        (4, shown(0.3, volume=0.7)),
+        (1, settings_shown(0.7)),
+        (2, settings_shown(0.3, "loud", volume=0.7)),
+        (4, settings_shown(0.3, volume=0.7)),
         (5, m.DriverLost(driver="pepper")),
         (7, m.DriverConnected(driver="pepper")),
         (9, m.Note(text="x")),
@@ -344,29 +350,32 @@ def answer(item: str, value: float) -> m.QuestionnaireAnswered:
     return m.QuestionnaireAnswered(questionnaire="each", item=item, question="?", value=value)
 
 
-def begun(name: str) -> m.QuestionnaireStarted:
+def questionnaire_started(name: str) -> m.QuestionnaireStarted:
     return m.QuestionnaireStarted(questionnaire=name, title="", items=[])
 
 
-def over(name: str, reason: str = "done") -> m.QuestionnaireEnded:
+def questionnaire_ended(name: str, reason: str = "done") -> m.QuestionnaireEnded:
     return m.QuestionnaireEnded(questionnaire=name, reason=reason, answered=0)
 
 
 def test_a_questionnaire_keeps_the_last_answer_to_each_item() -> None:
     [each] = of(
         QuestionnaireEpisode,
-        (1, begun("each")),
+        (1, questionnaire_started("each")),
         (2, answer("b", 1)),
         (3, answer("a", 5)),
         (4, answer("b", 7)),
-        (5, over("each")),
+        (5, questionnaire_ended("each")),
     )
-    assert [(item, given.value) for item, given in each.answers.items()] == [("b", 7), ("a", 5)]
+    assert [
+        (item, questionnaire_answered.value)
+        for item, questionnaire_answered in each.answers.items()
+    ] == [("b", 7), ("a", 5)]
     assert (each.outcome, each.duration, each.source) == ("done", 4 * SECOND, "wizard")
 
 
 def test_answers_whose_questionnaire_has_no_beginning_are_not_lost() -> None:
-    [each] = of(QuestionnaireEpisode, (2, answer("a", 1)), (5, over("each", "left")))
+    [each] = of(QuestionnaireEpisode, (2, answer("a", 1)), (5, questionnaire_ended("each", "left")))
     assert (each.label, each.started, each.outcome) == ("each", None, "left")
 
 
@@ -389,8 +398,10 @@ def test_questionnaires_are_due_behind_a_trial_until_they_were_had() -> None:
     study = state_of(*trials).study
     assert study.due == [DueQuestionnaire("each", 2), DueQuestionnaire("ux", 2)]
     assert (study.next_trial, study.planned, list(study.order)) == (3, 4, ["warm", "cold"])
-    assert state_of(*trials, (4, over("ux", "left"))).study.due == study.due
-    assert state_of(*trials, (4, over("ux", "declined"))).study.due == [DueQuestionnaire("each", 2)]
+    assert state_of(*trials, (4, questionnaire_ended("ux", "left"))).study.due == study.due
+    assert state_of(*trials, (4, questionnaire_ended("ux", "declined"))).study.due == [
+        DueQuestionnaire("each", 2)
+    ]
     assert state_of(*trials, (4, m.TrialStarted(trial=3))).study.due == []
     last = state_of(*trials, (4, m.TrialEnded(trial=4, outcome="done"))).study
     assert last.due == [
@@ -401,7 +412,11 @@ def test_questionnaires_are_due_behind_a_trial_until_they_were_had() -> None:
 
 
 def test_a_questionnaire_that_was_had_once_stays_had_when_it_is_left() -> None:
-    state = state_of((1, over("ux")), (2, begun("ux")), (3, over("ux", "left")))
+    state = state_of(
+        (1, questionnaire_ended("ux")),
+        (2, questionnaire_started("ux")),
+        (3, questionnaire_ended("ux", "left")),
+    )
     late = SessionState()
     for message in state.messages():
         late.apply(message)

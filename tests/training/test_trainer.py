@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Stage
+from tests.session.rig import SessionRig
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.training.cue_plan import PlannedCue
@@ -26,25 +26,25 @@ def cue(sort: str = "question", text: str = "Where am I?", expects: str = "Hello
 class Course:
     """A training under way on a stage."""
 
-    def __init__(self, stage: Stage, cues: list[PlannedCue]) -> None:
-        self.stage = stage
+    def __init__(self, rig: SessionRig, cues: list[PlannedCue]) -> None:
+        self.rig = rig
         self.over = 0
-        self.visitor = TrainingVisitor.of(stage.session.experiment, 7)
+        self.visitor = TrainingVisitor.of(rig.session.experiment, 7)
         self.trainer = Trainer(
-            stage.session.hub, cues, self.visitor, lambda name: name != "Cold", self._over
+            rig.session.hub, cues, self.visitor, lambda name: name != "Cold", self._over
         )
 
     def _over(self) -> None:
         self.over += 1
 
     def press(self, action: str, source: str = "key") -> None:
-        self.stage.session.play(action, RequestOrigin(source))
+        self.rig.session.play(action, RequestOrigin(source))
 
     async def until(self, kind: type[m.Message]) -> m.Message:
         """The next message of this kind."""
-        seen = len(self.stage.lines)
+        seen = len(self.rig.lines)
         while True:
-            for line in self.stage.lines[seen:]:
+            for line in self.rig.lines[seen:]:
                 if isinstance(line, kind):
                     return line
             await asyncio.sleep(0.01)
@@ -53,7 +53,7 @@ class Course:
     def verdicts(self) -> list[tuple[str, str, str]]:
         return [
             (line.cue, line.judged, line.action)
-            for line in self.stage.lines
+            for line in self.rig.lines
             if isinstance(line, m.CueAnswered)
         ]
 
@@ -65,13 +65,13 @@ Scene = Callable[[Course], Awaitable[None]]
 def train(tmp_path: Path) -> Callable[[list[PlannedCue], Scene], Course]:
     def run(cues: list[PlannedCue], scene: Scene) -> Course:
         async def whole() -> Course:
-            stage = Stage(tmp_path)
-            await stage.session.open()
-            course = Course(stage, cues)
+            rig = SessionRig(tmp_path)
+            await rig.session.open()
+            course = Course(rig, cues)
             course.trainer.begin()
             await scene(course)
             course.trainer.end()
-            await stage.session.close("over")
+            await rig.session.close("over")
             return course
 
         return run_virtual(whole())
@@ -84,16 +84,16 @@ Train = Callable[[list[PlannedCue], Scene], Course]
 
 def test_a_right_answer_is_timed_from_the_end_of_the_question(train: Train) -> None:
     async def scene(course: Course) -> None:
-        given = await course.until(m.CueGiven)
-        (ended,) = (line for line in course.stage.lines if isinstance(line, m.SpeechEnded))
-        assert given.t == ended.ended
+        message = await course.until(m.CueGiven)
+        (speech_ended,) = (line for line in course.rig.lines if isinstance(line, m.SpeechEnded))
+        assert message.t == speech_ended.ended
         await asyncio.sleep(1.5)
         course.press("Hello")
         await asyncio.sleep(10)
 
     course = train([cue()], scene)
     assert course.verdicts == [("q0001", "right", "Hello")]
-    (answer,) = (line for line in course.stage.lines if isinstance(line, m.CueAnswered))
+    (answer,) = (line for line in course.rig.lines if isinstance(line, m.CueAnswered))
     assert answer.reaction_us == pytest.approx(1_500_000, abs=20_000)
     assert course.over == 1
 
@@ -138,10 +138,10 @@ def test_what_is_no_answer_does_not_count(train: Train, action: str, source: str
 def test_the_stop_voids_the_cue_and_the_training_waits_for_its_release(train: Train) -> None:
     async def scene(course: Course) -> None:
         await course.until(m.CueGiven)
-        course.stage.session.stop("key")
+        course.rig.session.stop("key")
         await asyncio.sleep(60)
-        assert sum(isinstance(line, m.CueGiven) for line in course.stage.lines) == 1
-        course.stage.session.release("key")
+        assert sum(isinstance(line, m.CueGiven) for line in course.rig.lines) == 1
+        course.rig.session.release("key")
         await course.until(m.CueGiven)
         course.press("Hello")
 
@@ -154,11 +154,11 @@ def test_the_stop_voids_the_cue_and_the_training_waits_for_its_release(train: Tr
 def test_a_cue_after_a_stop_that_came_while_the_visitor_spoke_is_void(train: Train) -> None:
     async def scene(course: Course) -> None:
         await course.until(m.SpeechStarted)
-        course.stage.session.stop("key")
-        given = await course.until(m.CueGiven)
+        course.rig.session.stop("key")
+        message = await course.until(m.CueGiven)
         await asyncio.sleep(60)
-        course.stage.session.release("key")
-        assert isinstance(given, m.CueGiven)
+        course.rig.session.release("key")
+        assert isinstance(message, m.CueGiven)
 
     assert train([cue()], scene).verdicts == [("q0001", "void", "")]
 
@@ -184,7 +184,7 @@ def test_a_training_that_fails_says_so(train: Train) -> None:
         await asyncio.sleep(1)
         (notice,) = (
             line
-            for line in course.stage.lines
+            for line in course.rig.lines
             if isinstance(line, m.Notice) and line.level == "error"
         )
         assert notice.text == "the training has failed: KeyError: 'presence'"
@@ -200,10 +200,10 @@ def test_no_cue_comes_while_the_robot_is_busy(train: Train) -> None:
         await asyncio.sleep(1.9)
         for _ in range(8):
             course.press("Hello")  # a second each
-        given = await course.until(m.CueGiven)
-        ends = [line.t for line in course.stage.lines if isinstance(line, m.ActionEnd)]
+        message = await course.until(m.CueGiven)
+        ends = [line.t for line in course.rig.lines if isinstance(line, m.ActionEnd)]
         assert len(ends) == 8
-        assert given.t > max(ends)
+        assert message.t > max(ends)
 
     train([cue()], scene)
 
@@ -230,9 +230,9 @@ def test_who_is_to_approach_walks_away_first_and_comes_with_the_cue(train: Train
 @pytest.mark.parametrize("sort", ["turn-away", "leave"])
 def test_who_turns_away_or_leaves_does_so_with_the_cue(train: Train, sort: str) -> None:
     async def scene(course: Course) -> None:
-        given = await course.until(m.CueGiven)
+        message = await course.until(m.CueGiven)
         assert course.visitor.looks is False
-        before = [line for line in course.stage.lines if line.t < given.t]
+        before = [line for line in course.rig.lines if line.t < message.t]
         looked = [
             line.value for line in before if isinstance(line, m.Reading) and line.sensor == "gaze"
         ]
@@ -246,7 +246,7 @@ def test_who_is_not_there_has_no_distance(train: Train) -> None:
     async def scene(course: Course) -> None:
         await asyncio.sleep(20)
 
-    lines = train([cue()], scene).stage.lines
+    lines = train([cue()], scene).rig.lines
     told = [line for line in lines if isinstance(line, m.Reading)]
     present = [line.value for line in told if line.sensor == "presence"]
     distance = [line.value for line in told if line.sensor == "distance"]
@@ -258,6 +258,6 @@ def test_the_visitor_is_sensed_all_the_time(train: Train) -> None:
     async def scene(course: Course) -> None:
         await asyncio.sleep(20)
 
-    lines = train([cue()], scene).stage.lines
+    lines = train([cue()], scene).rig.lines
     times = [line.t for line in lines if isinstance(line, m.Reading) and line.sensor == "distance"]
     assert len(times) == pytest.approx(200, abs=3)

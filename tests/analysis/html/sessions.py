@@ -25,7 +25,7 @@ HOSTILE = (
 
 
 @dataclass
-class Story:
+class SessionLogBuilder:
     """A log in the making, called after `code`, by default the session's. Times are seconds since
     the session began.
     """
@@ -54,7 +54,9 @@ class Story:
         """An action with one command, from its request to its end; its run."""
         self.runs += 1
         run, command = f"a{self.runs:05}", f"c{self.runs:05}"
-        asked = m.ActionRequested(run=run, action=action, panel=panel, source="key", key="h")
+        action_requested = m.ActionRequested(
+            run=run, action=action, panel=panel, source="key", key="h"
+        )
         order = m.Command(
             command=command,
             run=run,
@@ -65,7 +67,7 @@ class Story:
             driver="voice",
             source="key",
         )
-        self.tell(at, asked, order)
+        self.tell(at, action_requested, order)
         if end != "refused":
             self.tell(at + 0.012, m.Dispatched(command=command, driver="voice", latency_us=12_000))
         self.tell(at + seconds, *_ends(end, run, command, action, seconds))
@@ -112,7 +114,7 @@ class Story:
         return read_report(self.write(folder), extras=ReportExtras(timeline=True, curves=True))
 
 
-def _start(story: Story) -> m.SessionStart:
+def _start(story: SessionLogBuilder) -> m.SessionStart:
     return m.SessionStart(
         session=story.session,
         participant=story.participant,
@@ -155,54 +157,56 @@ def _ends(end: str, run: str, command: str, action: str, seconds: float) -> Sequ
 
 def ordinary(
     participant: str = "P07", condition: str = "warm", session: str = "S01", shift: float = 0.0
-) -> Story:
+) -> SessionLogBuilder:
     """Two minutes in which most of what can happen does; `shift` delays the wizard's answers."""
-    it = Story(participant, condition, session)
-    it.tell(1, m.DriverConnected(driver="voice"), m.DriverConnected(driver="head"))
-    it.tell(2, m.TrialStarted(trial=1, condition=condition, planned=2))
-    it.states(
+    builder = SessionLogBuilder(participant, condition, session)
+    builder.tell(1, m.DriverConnected(driver="voice"), m.DriverConnected(driver="head"))
+    builder.tell(2, m.TrialStarted(trial=1, condition=condition, planned=2))
+    builder.states(
         (5, "PersonDetected"), (9, "EngagedWithKnown"), (50, "Wait"), (70, "EngagedWithKnown")
     )
-    it.tell(
+    builder.tell(
         110,
         m.EngagementChanged(
             was="EngagedWithKnown", now="Wait", outcome="left", why="", verdicts={}
         ),
     )
-    it.speech(1, 10, 12, "How long is the whale?")
-    it.speech(2, 30, 33, "And how heavy?")
-    it.act(10 + shift, "Hello", "Speech", 2.5, say="Hello, I am the guide.")
-    mistake = it.act(13 + shift, "Whale", "Speech", 4, say="The whale is 18 metres long.")
-    it.act(14 + shift, "Nod", "Body", 1.5)
-    it.act(34 + shift, "Point", "Body", 3, end="failed", say="Look there.")
-    it.act(40 + shift, "Dance", "Body", 5, end="refused")
-    it.act(80 + shift, "Bye", "Speech", 6, end="stopped", say="Good bye.")
-    it.tell(20, m.Mistake(run=mistake, action="Whale", text="too early"))
-    it.tell(25, m.Marker(text="laughs", source="key"), m.Note(text="hesitates before the map"))
-    it.tell(55, m.TrialEnded(trial=1, outcome="done"), m.BreakStarted(text="a glass of water"))
-    it.tell(65, m.BreakEnded(), m.TrialStarted(trial=2, condition=condition))
-    it.tell(86 + shift, m.StopPressed(source="key", scope="all"))
-    it.tell(
+    builder.speech(1, 10, 12, "How long is the whale?")
+    builder.speech(2, 30, 33, "And how heavy?")
+    builder.act(10 + shift, "Hello", "Speech", 2.5, say="Hello, I am the guide.")
+    mistake = builder.act(13 + shift, "Whale", "Speech", 4, say="The whale is 18 metres long.")
+    builder.act(14 + shift, "Nod", "Body", 1.5)
+    builder.act(34 + shift, "Point", "Body", 3, end="failed", say="Look there.")
+    builder.act(40 + shift, "Dance", "Body", 5, end="refused")
+    builder.act(80 + shift, "Bye", "Speech", 6, end="stopped", say="Good bye.")
+    builder.tell(20, m.Mistake(run=mistake, action="Whale", text="too early"))
+    builder.tell(25, m.Marker(text="laughs", source="key"), m.Note(text="hesitates before the map"))
+    builder.tell(55, m.TrialEnded(trial=1, outcome="done"), m.BreakStarted(text="a glass of water"))
+    builder.tell(65, m.BreakEnded(), m.TrialStarted(trial=2, condition=condition))
+    builder.tell(86 + shift, m.StopPressed(source="key", scope="all"))
+    builder.tell(
         86.1 + shift, m.StopConfirmed(confirmed=["head"], missing=["voice"], elapsed_us=100_000)
     )
-    it.tell(92 + shift, m.StopReleased(source="wizard"))
-    it.tell(95, m.DriverLost(driver="head", detail="unplugged"))
-    it.tell(101, m.DriverConnected(driver="head"))
-    it.tell(102, m.SettingsShown(driver="head", values={"volume": 0.8}, wanted={"volume": 0.6}))
-    it.tell(112, m.SettingsShown(driver="head", values={"volume": 0.6}))
-    it.tell(115, m.TrialEnded(trial=2, outcome="aborted", text="the phone rang"))
-    _ask(it, 116)
+    builder.tell(92 + shift, m.StopReleased(source="wizard"))
+    builder.tell(95, m.DriverLost(driver="head", detail="unplugged"))
+    builder.tell(101, m.DriverConnected(driver="head"))
+    builder.tell(
+        102, m.SettingsShown(driver="head", values={"volume": 0.8}, wanted={"volume": 0.6})
+    )
+    builder.tell(112, m.SettingsShown(driver="head", values={"volume": 0.6}))
+    builder.tell(115, m.TrialEnded(trial=2, outcome="aborted", text="the phone rang"))
+    _ask(builder, 116)
     for place in range(240):
         at = place / 2
-        it.tell(at, m.reading("distance", 1 + (at % 40) / 20, driver="belly", unit="m"))
-        it.tell(at, m.reading("loudness", 0.4 if 10 <= at <= 12 else 0.02, driver="ear"))
-    it.tell(120, m.SessionEnd(reason="wizard", sha256=""))
-    return it
+        builder.tell(at, m.reading("distance", 1 + (at % 40) / 20, driver="belly", unit="m"))
+        builder.tell(at, m.reading("loudness", 0.4 if 10 <= at <= 12 else 0.02, driver="ear"))
+    builder.tell(120, m.SessionEnd(reason="wizard", sha256=""))
+    return builder
 
 
-def _ask(it: Story, at: float) -> None:
+def _ask(builder: SessionLogBuilder, at: float) -> None:
     scale = {"name": "friendly", "question": "It was friendly.", "low": 1, "high": 7}
-    it.tell(
+    builder.tell(
         at,
         m.QuestionnaireStarted(questionnaire="robot", title="The robot", items=[scale], trial=2),
         m.QuestionnaireAnswered(
@@ -212,20 +216,20 @@ def _ask(it: Story, at: float) -> None:
     )
 
 
-def hostile() -> Story:
+def hostile() -> SessionLogBuilder:
     """A session in which everything that can be typed or said is an attack."""
-    it = Story("P66", HOSTILE[0], HOSTILE[1], "S66")
-    it.tell(1, m.DriverLost(driver=HOSTILE[2], detail=HOSTILE[3]))
-    it.states((2, HOSTILE[4]), (4, HOSTILE[0]))
+    builder = SessionLogBuilder("P66", HOSTILE[0], HOSTILE[1], "S66")
+    builder.tell(1, m.DriverLost(driver=HOSTILE[2], detail=HOSTILE[3]))
+    builder.states((2, HOSTILE[4]), (4, HOSTILE[0]))
     for place, text in enumerate(HOSTILE):
         at = 5.0 + place
-        it.tell(at, m.Note(text=text), m.Marker(text=text, source=text))
-        run = it.act(at, text, text, 0.5, say=text)
-        it.tell(at + 0.6, m.Mistake(run=run, action=text, text=text))
-        it.speech(place + 1, at, at + 0.3, text)
-        it.tell(at, m.StopPressed(source=text, scope=text), m.StopReleased(source=text))
+        builder.tell(at, m.Note(text=text), m.Marker(text=text, source=text))
+        run = builder.act(at, text, text, 0.5, say=text)
+        builder.tell(at + 0.6, m.Mistake(run=run, action=text, text=text))
+        builder.speech(place + 1, at, at + 0.3, text)
+        builder.tell(at, m.StopPressed(source=text, scope=text), m.StopReleased(source=text))
         item = {"name": text, "question": text, "text": True}
-        it.tell(
+        builder.tell(
             at,
             m.QuestionnaireStarted(questionnaire=text, title=text, items=[item]),
             m.QuestionnaireAnswered(questionnaire=text, item=text, question=text, text=text),
@@ -234,8 +238,10 @@ def hostile() -> Story:
             m.PerceptionChanged(hidden=[text], blurred=[text]),
         )
         wicked: dict[str, m.Json] = {text: text}
-        it.tell(at, m.SettingsShown(driver=text, values=wicked, wanted=wicked, conflicts=[text]))
-        it.tell(at + 0.7, m.TrialEnded(trial=place, outcome=text, text=text))
-    it.tell(20, m.reading("distance", 1.0, driver=HOSTILE[0], unit=HOSTILE[2]))
-    it.tell(21, m.SessionEnd(reason=HOSTILE[1], sha256=""))
-    return it
+        builder.tell(
+            at, m.SettingsShown(driver=text, values=wicked, wanted=wicked, conflicts=[text])
+        )
+        builder.tell(at + 0.7, m.TrialEnded(trial=place, outcome=text, text=text))
+    builder.tell(20, m.reading("distance", 1.0, driver=HOSTILE[0], unit=HOSTILE[2]))
+    builder.tell(21, m.SessionEnd(reason=HOSTILE[1], sha256=""))
+    return builder

@@ -60,14 +60,14 @@ def test_any_data_come_back_and_never_end_their_element(data: dict[str, str]) ->
 
 
 def test_attributes_are_named_as_in_html() -> None:
-    made = tag("td", class_="x", data_number=7, hidden=True, id=None, open=False)
-    assert made == '<td class="x" data-number="7" hidden></td>'
+    markup = tag("td", class_="x", data_number=7, hidden=True, id=None, open=False)
+    assert markup == '<td class="x" data-number="7" hidden></td>'
     assert tag("br") == "<br>"
 
 
 def test_children_may_be_nested_and_absent() -> None:
-    made = tag("p", "a", None, ["b", (tag("i", "c"), None)], (word for word in "de"))
-    assert made == "<p>ab<i>c</i>de</p>"
+    markup = tag("p", "a", None, ["b", (tag("i", "c"), None)], (word for word in "de"))
+    assert markup == "<p>ab<i>c</i>de</p>"
 
 
 def test_numbers_in_pictures_are_short() -> None:

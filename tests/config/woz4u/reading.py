@@ -28,7 +28,7 @@ _ELSEWHERE = ("place", "path", "sha256", "files", "texts", "warnings")
 CATALOGUE: Mapping[str, type[Driver]] = {"pepper": Pepper}
 
 
-def read(folder: Path, text: str, start: str = START) -> Experiment:
+def read_experiment(folder: Path, text: str, start: str = START) -> Experiment:
     """The experiment of a WoZ4U file that says `text` beside `start`."""
     path = folder / "config.yaml"
     path.write_text(start + text, encoding="utf-8")
@@ -38,7 +38,7 @@ def read(folder: Path, text: str, start: str = START) -> Experiment:
 def problems(folder: Path, text: str, start: str = START) -> list[str]:
     """Errors of such a file, or if it has none its warnings, without the file's name."""
     try:
-        found = [*read(folder, text, start).warnings]
+        found = [*read_experiment(folder, text, start).warnings]
     except ExperimentError as error:
         found = error.problems
     return [str(each).removeprefix(f"{folder / 'config.yaml'}:") for each in found]
@@ -49,11 +49,11 @@ def messages(folder: Path, text: str, start: str = START) -> list[str]:
     return [problem.partition(" ")[2] for problem in problems(folder, text, start)]
 
 
-def converted(path: Path) -> str:
+def converted_text(path: Path) -> str:
     """A WoZ4U file as text of our own format."""
-    made = translate_file(read_source(path, str(path)), TOP_LEVEL)
-    assert isinstance(made.root.node, MappingNode)
-    return yaml_text(made.root.node, made.remarks)
+    translated_file = translate_file(read_source(path, str(path)), TOP_LEVEL)
+    assert isinstance(translated_file.root.node, MappingNode)
+    return yaml_text(translated_file.root.node, translated_file.remarks)
 
 
 def settings(experiment: Experiment) -> PepperSettings:

@@ -6,12 +6,20 @@ from pathlib import Path
 
 import pytest
 
-from tests.config.woz4u.reading import does, messages, panel, problems, read, settings, titles
+from tests.config.woz4u.reading import (
+    does,
+    messages,
+    panel,
+    problems,
+    read_experiment,
+    settings,
+    titles,
+)
 from woz_tui.config import utterance_template
 from woz_tui.config.experiment import Experiment
 
 
-def spoken(experiment: Experiment) -> list[str]:
+def spoken_texts(experiment: Experiment) -> list[str]:
     """What the robot says in the end: templates filled in."""
     return [
         utterance_template.fill(args["text"], lambda name: f"<{name}>")
@@ -29,7 +37,7 @@ def test_a_text_with_tags(tmp_path: Path) -> None:
     tooltip: "Waves &amp; greets"
     key_comb: ["ctrl", "1"]
 """
-    (action,) = panel(read(tmp_path, text), "Speech").actions
+    (action,) = panel(read_experiment(tmp_path, text), "Speech").actions
     assert problems(tmp_path, text) == []
     assert (action.label, action.help, action.key) == ("Greeting", "Waves & greets", "ctrl+1")
     hello = r"Hello! ^start(animations/Stand/Gestures/Hey_1) \vct=130\ Welcome. \pau=400" + "\\"
@@ -55,13 +63,13 @@ def test_a_text_with_tags(tmp_path: Path) -> None:
 )
 def test_the_robot_says_what_was_meant(tmp_path: Path, written: str, said: str) -> None:
     text = f"animated_speech:\n  - {{title: A, string: '{written}'}}\n"
-    assert spoken(read(tmp_path, text)) == [said]
+    assert spoken_texts(read_experiment(tmp_path, text)) == [said]
 
 
 @pytest.mark.parametrize("entity", ["&foo;", "&#0;", "&#xD800;", "&#1;", "&notit;"])
 def test_what_is_no_entity_stays_with_a_warning(tmp_path: Path, entity: str) -> None:
     text = f"animated_speech:\n  - {{title: A, string: 'x {entity} y'}}\n"
-    assert spoken(read(tmp_path, text)) == [f"x {entity} y"]
+    assert spoken_texts(read_experiment(tmp_path, text)) == [f"x {entity} y"]
     assert messages(tmp_path, text) == [
         f"warning: animated_speech[0].string: '{entity}': no HTML entity; it stays"
     ]
@@ -72,7 +80,9 @@ def test_a_text_file_is_read_out(tmp_path: Path) -> None:
     (tmp_path / "tales").mkdir()
     (tmp_path / "tales" / "fox.txt").write_text("Once upon a time", encoding="utf-8")
     text = "animated_speech:\n  - {title: Tale, string: tales/fox.txt}\n"
-    assert does(read(tmp_path, text).action("Tale")) == [("read", {"file": "tales/fox.txt"})]
+    assert does(read_experiment(tmp_path, text).action("Tale")) == [
+        ("read", {"file": "tales/fox.txt"})
+    ]
     assert problems(tmp_path, text) == []
     assert messages(tmp_path, text.replace("fox", "wolf")) == [
         "warning: animated_speech[0].string: there is no file 'tales/wolf.txt'"
@@ -82,7 +92,7 @@ def test_a_text_file_is_read_out(tmp_path: Path) -> None:
 def test_a_long_text_that_ends_like_a_file_is_said(tmp_path: Path) -> None:
     words = "Please open the file " * 20 + "readme.txt"
     text = f"animated_speech:\n  - {{title: A, string: {words}}}\n"
-    assert spoken(read(tmp_path, text)) == [words]
+    assert spoken_texts(read_experiment(tmp_path, text)) == [words]
     assert messages(tmp_path, text) == [
         "warning: animated_speech[0].string: ends in .txt, but this is not a file name; it"
         " is spoken as text"
@@ -99,7 +109,7 @@ def test_gestures(tmp_path: Path) -> None:
     key_comb: ["shift", "1"]
   - gesture: animations/Stand/Gestures/No_1
 """
-    yes, no = panel(read(tmp_path, text), "Gestures").actions
+    yes, no = panel(read_experiment(tmp_path, text), "Gestures").actions
     assert does(yes) == [("play", {"move": "animations/Stand/Gestures/Yes_1"})]
     assert (yes.label, yes.help, yes.key) == ("Yes", "nods", "!")
     assert no.label == "No_1"
@@ -121,7 +131,7 @@ tablet_items:
   - {title: Far picture, file_name: "https://example.org/picture.jpg"}
   - {title: Page, file_name: https://example.org/}
 """
-    experiment = read(tmp_path, text)
+    experiment = read_experiment(tmp_path, text)
     assert problems(tmp_path, text) == []
     found = [does(action)[0][1] for action in panel(experiment, "Tablet").actions]
     assert found == [
@@ -142,7 +152,7 @@ def test_of_two_defaults_of_the_tablet_the_first_is_shown(tmp_path: Path) -> Non
   - {title: A, file_name: "http://a.example/a.png", is_default_img: yes}
   - {title: B, file_name: "http://a.example/b.png", is_default_img: "true"}
 """
-    assert settings(read(tmp_path, text)).tablet.default == "http://a.example/a.png"
+    assert settings(read_experiment(tmp_path, text)).tablet.default == "http://a.example/a.png"
     assert messages(tmp_path, text) == [
         "warning: tablet_items[1].is_default_img: an item above is the default already; that one"
         " is shown"
@@ -160,9 +170,9 @@ def test_a_missing_picture_is_told_at_its_line(tmp_path: Path) -> None:
 @pytest.mark.woz4u("audio_files", "volume")
 def test_sounds_are_as_loud_as_speech(tmp_path: Path) -> None:
     text = "audio_files:\n  - {title: Bell, location: /home/nao/bell.wav, key_comb: [b]}\n"
-    bell = read(tmp_path, text).action("Bell")
+    bell = read_experiment(tmp_path, text).action("Bell")
     assert does(bell) == [("sound", {"file": "/home/nao/bell.wav"})]
-    bell = read(tmp_path, f"{text}volume: 0.4\n").action("Bell")
+    bell = read_experiment(tmp_path, f"{text}volume: 0.4\n").action("Bell")
     assert does(bell) == [("sound", {"file": "/home/nao/bell.wav", "volume": 0.4})]
 
 
@@ -173,7 +183,7 @@ def test_colours_of_the_eyes(tmp_path: Path) -> None:
   - {title: Orange, red: 1.0, green: 0.7, blue: 0, is_default: True}
   - {title: Pale, red: "0.5", green: 0.5, blue: 1}
 """
-    experiment = read(tmp_path, text)
+    experiment = read_experiment(tmp_path, text)
     assert problems(tmp_path, text) == []
     assert [does(action) for action in panel(experiment, "Eyes").actions] == [
         [("eyes", {"color": code, "seconds": 0.5})] for code in ("#ff0000", "#ffb200", "#8080ff")
@@ -187,7 +197,7 @@ def test_odd_colours(tmp_path: Path) -> None:
   - {title: Bytes, red: 255, green: 128, blue: 0, is_default: true}
   - {title: Half, red: -1, green: much, is_default: true}
 """
-    experiment = read(tmp_path, text)
+    experiment = read_experiment(tmp_path, text)
     codes = [does(action)[0][1]["color"] for action in panel(experiment, "Eyes").actions]
     assert codes == ["#ff8000", "#000000"]
     assert settings(experiment).eyes == "#000000"
@@ -210,7 +220,7 @@ colors:
   - {title: Red, red: 1, green: 0, blue: 0}
   - {title: Blue, red: 0, green: 0, blue: 1}
 """
-    actions = panel(read(tmp_path, text), "Eye animations").actions
+    actions = panel(read_experiment(tmp_path, text), "Eye animations").actions
     assert [(action.label, action.key) for action in actions] == [
         ("Rasta", "e a"),
         ("Random", "e b"),
@@ -227,7 +237,7 @@ colors:
 
 @pytest.mark.woz4u("rotate_anim")
 def test_without_colours_the_eyes_rotate_in_white(tmp_path: Path) -> None:
-    action = read(tmp_path, "rotate_anim: {duration: }\n").action("Rotate")
+    action = read_experiment(tmp_path, "rotate_anim: {duration: }\n").action("Rotate")
     assert does(action) == [("eyes_animation", {"kind": "rotate", "color": "#ffffff"})]
 
 
@@ -242,7 +252,7 @@ gestures:
   - {title: "Yes", gesture: a/Yes_1}
   - {title: Rest, gesture: a/Rest_1}
 """
-    experiment = read(tmp_path, text)
+    experiment = read_experiment(tmp_path, text)
     assert problems(tmp_path, text) == []
     labels = [action.label for action in panel(experiment, "Speech").actions]
     assert labels == ["Yes", "Yes", "Yes (Speech)", "Yes"]
@@ -255,7 +265,7 @@ gestures:
 
 def test_many_equal_titles(tmp_path: Path) -> None:
     lines = "".join(f"  - {{title: A, gesture: a{number}}}\n" for number in range(500))
-    actions = panel(read(tmp_path, f"gestures:\n{lines}"), "Gestures").actions
+    actions = panel(read_experiment(tmp_path, f"gestures:\n{lines}"), "Gestures").actions
     assert actions[-1].name == "A (Gestures 499)"
     assert len({action.name for action in actions}) == 500
 
@@ -270,7 +280,7 @@ tablet_items:
   title: Alone
   file_name: http://a.example/
 """
-    assert titles(read(tmp_path, text)) == ["Tablet", "Movement", "Autonomy"]
+    assert titles(read_experiment(tmp_path, text)) == ["Tablet", "Movement", "Autonomy"]
     assert messages(tmp_path, text) == [
         "warning: animated_speech[0].string: without 'string' there is nothing to say; it is left"
         " out",
@@ -302,7 +312,7 @@ gestures: [{title: B, gesture: "{b}"}]
 tablet_items: [{title: C, file_name: "http://a.example/{c}"}]
 audio_files: [{title: D, location: "/{d}.wav"}]
 """
-    experiment = read(tmp_path, text)
+    experiment = read_experiment(tmp_path, text)
     paths = [next(iter(does(experiment.action(name))[0][1].values())) for name in "ABCD"]
     filled = [utterance_template.fill(path, lambda name: f"<{name}>") for path in paths]
     assert filled == ["{a}.txt", "{b}", "http://a.example/{c}", "/{d}.wav"]
@@ -310,5 +320,5 @@ audio_files: [{title: D, location: "/{d}.wav"}]
 
 def test_a_title_is_on_one_line_and_decoded(tmp_path: Path) -> None:
     text = 'animated_speech:\n  - {title: "It&apos;s\\n me\\t\\0", string: a}\n'
-    (action,) = panel(read(tmp_path, text), "Speech").actions
+    (action,) = panel(read_experiment(tmp_path, text), "Speech").actions
     assert action.label == "It's me"

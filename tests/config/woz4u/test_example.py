@@ -6,7 +6,7 @@ from pathlib import Path
 
 import yaml
 
-from tests.config.woz4u.reading import CATALOGUE, converted, essence, keys, settings, titles
+from tests.config.woz4u.reading import CATALOGUE, converted_text, essence, keys, settings, titles
 from woz_tui.config.loading import load
 from woz_tui.config.woz4u import woz4u_keys
 
@@ -44,7 +44,7 @@ def test_its_conversion_is_the_same(tmp_path: Path) -> None:
     for folder in ("pictures", "texts"):
         (tmp_path / folder).symlink_to(FOLDER / folder)
     visit = tmp_path / "visit.yaml"
-    visit.write_text(converted(FOLDER / "config.yaml"), encoding="utf-8")
+    visit.write_text(converted_text(FOLDER / "config.yaml"), encoding="utf-8")
     experiment = load(visit, CATALOGUE)
     assert essence(experiment) == essence(load(FOLDER / "config.yaml", CATALOGUE))
     assert experiment.warnings == ()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.config.woz4u.reading import does, keys, messages, panel, problems, read
+from tests.config.woz4u.reading import does, keys, messages, panel, problems, read_experiment
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.keys.keymap import key_map, typeable
 from woz_tui.config.keys.terminals import KITTY, PLAIN
@@ -63,7 +63,7 @@ def items(*combs: str, title: str = "Item") -> str:
 )
 def test_keys_as_they_are_written(tmp_path: Path, comb: str, key: str) -> None:
     text = items(comb)
-    assert keys(read(tmp_path, text)) == ({"Item 1": key} if key else {})
+    assert keys(read_experiment(tmp_path, text)) == ({"Item 1": key} if key else {})
     told = messages(tmp_path, text)
     assert told == [] or (key == "é" and "reserve key" in told[0])
 
@@ -97,7 +97,7 @@ def test_keys_as_they_are_written(tmp_path: Path, comb: str, key: str) -> None:
 )
 def test_a_key_that_cannot_be_had_is_another_one(tmp_path: Path, comb: str, why: str) -> None:
     text = items(comb, title="Wink")
-    assert keys(read(tmp_path, text)) == {"Wink 1": "w"}
+    assert keys(read_experiment(tmp_path, text)) == {"Wink 1": "w"}
     assert problems(tmp_path, text) == [
         f"3:35: warning: gestures[0].key_comb: {why}; w plays 'Wink 1' instead"
     ]
@@ -118,7 +118,7 @@ def test_the_later_of_two_gets_another_key(
     tmp_path: Path, first: str, second: str, why: str
 ) -> None:
     text = items(first, second)
-    assert keys(read(tmp_path, text))["Item 2"] == "i"
+    assert keys(read_experiment(tmp_path, text))["Item 2"] == "i"
     assert messages(tmp_path, text) == [
         f"warning: gestures[1].key_comb: {why}; i plays 'Item 2' instead"
     ]
@@ -130,13 +130,13 @@ def test_the_order_is_that_of_the_file_and_not_of_the_panels(tmp_path: Path) -> 
 animated_speech:
   - {title: Hi, string: Hi, key_comb: [x]}
 """
-    assert keys(read(tmp_path, text)) == {"Hi": "h", "Nod": "x"}
+    assert keys(read_experiment(tmp_path, text)) == {"Hi": "h", "Nod": "x"}
 
 
 def test_a_key_of_its_own_never_takes_what_another_one_asks_for(tmp_path: Path) -> None:
     """Neither the key itself nor the beginning of two keys, even if that comes later."""
     text = items("[escape]", "[i]", "[t, x]", "[e]", "[ctrl, m]", title="Item")
-    found = keys(read(tmp_path, text))
+    found = keys(read_experiment(tmp_path, text))
     assert found == {
         "Item 1": "m",
         "Item 2": "i",
@@ -152,7 +152,7 @@ def test_every_keyboard_has_the_keys_that_are_given_out(layout: str) -> None:
 
 
 def test_after_the_title_come_letters_digits_capitals_and_function_keys(tmp_path: Path) -> None:
-    found = keys(read(tmp_path, items(*["[escape]"] * 76, title="É")))
+    found = keys(read_experiment(tmp_path, items(*["[escape]"] * 76, title="É")))
     assert len(set(found.values())) == 74
     assert [*found.values()][:4] == ["e", "2", "3", "4"]
     assert [*found.values()][-1] == "f12"
@@ -161,7 +161,7 @@ def test_after_the_title_come_letters_digits_capitals_and_function_keys(tmp_path
 
 
 def test_a_chord_that_a_plain_terminal_cannot_send_keeps_it_where_it_can(tmp_path: Path) -> None:
-    experiment = read(tmp_path, items('["ctrl", "shift", 1]', '["alt", "2"]'))
+    experiment = read_experiment(tmp_path, items('["ctrl", "shift", 1]', '["alt", "2"]'))
     plain = key_map(experiment.panels, PLAIN).actions
     kitty = key_map(experiment.panels, KITTY).actions
     assert [(plain[f"Item {n}"].press, plain[f"Item {n}"].reserve) for n in (1, 2)] == [
@@ -174,14 +174,14 @@ def test_a_chord_that_a_plain_terminal_cannot_send_keeps_it_where_it_can(tmp_pat
 @pytest.mark.woz4u("key_comb")
 def test_keys_of_the_console_that_yield_are_given(tmp_path: Path) -> None:
     text = items("[shift, 2]", "[shift, 5]")
-    assert keys(read(tmp_path, text)) == {"Item 1": "@", "Item 2": "%"}
+    assert keys(read_experiment(tmp_path, text)) == {"Item 1": "@", "Item 2": "%"}
     assert problems(tmp_path, text) == []
 
 
 def test_the_keyboard_may_stand_in_the_file(tmp_path: Path) -> None:
     text = items("[shift, 7]", "[ctrl, shift, 7]")
-    assert [*keys(read(tmp_path, text)).values()] == ["&", "ctrl+shift+7"]
-    assert keys(read(tmp_path, f"{text}keyboard: de\n"))["Item 2"] == "ctrl+shift+7"
+    assert [*keys(read_experiment(tmp_path, text)).values()] == ["&", "ctrl+shift+7"]
+    assert keys(read_experiment(tmp_path, f"{text}keyboard: de\n"))["Item 2"] == "ctrl+shift+7"
     assert messages(tmp_path, f"{text}keyboard: de\n") == [
         "warning: gestures[0].key_comb: '/' is the console's own key (type something to say); i"
         " plays 'Item 1' instead"
@@ -189,7 +189,7 @@ def test_the_keyboard_may_stand_in_the_file(tmp_path: Path) -> None:
 
 
 def test_a_key_chosen_plays_what_the_item_says(tmp_path: Path) -> None:
-    experiment = read(tmp_path, items("[escape]"))
+    experiment = read_experiment(tmp_path, items("[escape]"))
     (action,) = panel(experiment, "Gestures").actions
     assert action.key == "i"
     assert does(action) == [("play", {"move": "a/b"})]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.config.woz4u.reading import messages, panel, read, titles
+from tests.config.woz4u.reading import messages, panel, read_experiment, titles
 
 #: Lock -> the panel's title, verbs that a lock of this section has to stop.
 SECTIONS = {
@@ -49,7 +49,7 @@ volume: 1
 def test_a_locked_section(tmp_path: Path, lock: str, full: bool) -> None:
     title, verbs = SECTIONS[lock]
     items = ITEMS if full else ""
-    experiment = read(tmp_path, f'{lock}: "true"\n{items}')
+    experiment = read_experiment(tmp_path, f'{lock}: "true"\n{items}')
     locked = panel(experiment, title)
     assert locked.locked
     assert set(locked.covers) == verbs
@@ -61,7 +61,7 @@ def test_a_locked_section(tmp_path: Path, lock: str, full: bool) -> None:
 
 def test_every_action_is_covered_by_its_own_panel_alone(tmp_path: Path) -> None:
     """So a lock stops what stands in its section, and nothing of another one."""
-    experiment = read(tmp_path, ITEMS)
+    experiment = read_experiment(tmp_path, ITEMS)
     assert titles(experiment) == [title for title, _ in SECTIONS.values()]
     for shown in experiment.panels:
         used = {call.verb for action in shown.actions for call in action.calls}
@@ -87,14 +87,14 @@ def test_every_action_is_covered_by_its_own_panel_alone(tmp_path: Path) -> None:
 @pytest.mark.woz4u("lock_gesture_section")
 def test_spellings_of_a_lock(tmp_path: Path, value: str, locked: bool) -> None:
     text = f"lock_gesture_section: {value}\n{ITEMS}"
-    assert panel(read(tmp_path, text), "Gestures").locked is locked
+    assert panel(read_experiment(tmp_path, text), "Gestures").locked is locked
     assert messages(tmp_path, text) == []
 
 
 @pytest.mark.parametrize("value", ["ture", "[true]", "{a: b}"])
 def test_a_lock_that_cannot_be_read_is_shut(tmp_path: Path, value: str) -> None:
     text = f"lock_gesture_section: {value}\n{ITEMS}"
-    assert panel(read(tmp_path, text), "Gestures").locked
+    assert panel(read_experiment(tmp_path, text), "Gestures").locked
     (message,) = messages(tmp_path, text)
     assert message.startswith("warning: lock_gesture_section: expected true or false, not ")
     assert message.endswith("; the section is locked to be on the safe side")

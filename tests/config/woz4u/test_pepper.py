@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings, VoiceSettings
 
-from tests.config.woz4u.reading import does, messages, panel, problems, read, settings
+from tests.config.woz4u.reading import does, messages, panel, problems, read_experiment, settings
 
 NO_ROBOT = "gestures: []\n"
 
@@ -15,8 +15,8 @@ NO_ROBOT = "gestures: []\n"
 @pytest.mark.woz4u("pepper_ips")
 def test_the_robots_to_choose_from(tmp_path: Path) -> None:
     text = "pepper_ips: [192.168.1.4, pepper.local, tcp://10.0.0.3:9559, 192.168.1.4]\n"
-    found = settings(read(tmp_path, text, start=""))
-    assert found.robots == ("192.168.1.4", "pepper.local", "tcp://10.0.0.3:9559")
+    pepper_settings = settings(read_experiment(tmp_path, text, start=""))
+    assert pepper_settings.robots == ("192.168.1.4", "pepper.local", "tcp://10.0.0.3:9559")
     assert problems(tmp_path, text, start="") == [
         "1:62: warning: pepper_ips[3]: '192.168.1.4' appears twice"
     ]
@@ -25,14 +25,16 @@ def test_the_robots_to_choose_from(tmp_path: Path) -> None:
 @pytest.mark.woz4u("pepper_ips")
 @pytest.mark.parametrize("text", ["", "pepper_ips:\n", "pepper_ips: []\n", "pepper_ips: ['']\n"])
 def test_without_a_robot_a_simulated_one_is_played(tmp_path: Path, text: str) -> None:
-    assert settings(read(tmp_path, NO_ROBOT, start=text)).robots == ("simulated",)
+    assert settings(read_experiment(tmp_path, NO_ROBOT, start=text)).robots == ("simulated",)
     assert messages(tmp_path, NO_ROBOT, start=text) == [
         "warning: pepper_ips: no robot is named; a simulated one is used (pepper_ips: [simulated])"
     ]
 
 
 def test_one_address_without_a_list(tmp_path: Path) -> None:
-    assert settings(read(tmp_path, "", start="pepper_ips: 10.0.0.9\n")).robots == ("10.0.0.9",)
+    assert settings(read_experiment(tmp_path, "", start="pepper_ips: 10.0.0.9\n")).robots == (
+        "10.0.0.9",
+    )
     assert messages(tmp_path, "", start="pepper_ips: 10.0.0.9\n") == [
         "warning: pepper_ips: expected a list of addresses; this one is read as a list of one"
     ]
@@ -47,11 +49,16 @@ def test_an_address_that_is_none_is_an_error(tmp_path: Path) -> None:
 
 @pytest.mark.woz4u("camera_save_dir", "audio_save_dir")
 def test_folders_of_pictures_and_recordings(tmp_path: Path) -> None:
-    found = settings(
-        read(tmp_path, "camera_save_dir: faces\naudio_save_dir: /home/nao/recordings/museum\n")
+    pepper_settings = settings(
+        read_experiment(
+            tmp_path, "camera_save_dir: faces\naudio_save_dir: /home/nao/recordings/museum\n"
+        )
     )
-    assert (found.pictures, found.recordings) == ("faces", "/home/nao/recordings/museum")
-    assert settings(read(tmp_path, "")).pictures == ""
+    assert (pepper_settings.pictures, pepper_settings.recordings) == (
+        "faces",
+        "/home/nao/recordings/museum",
+    )
+    assert settings(read_experiment(tmp_path, "")).pictures == ""
 
 
 @pytest.mark.woz4u(
@@ -85,7 +92,7 @@ def test_what_the_robot_does_by_itself(tmp_path: Path) -> None:
   speaking_movement: 1
 """
     assert problems(tmp_path, text) == []
-    assert settings(read(tmp_path, text)).autonomy == AutonomySettings(
+    assert settings(read_experiment(tmp_path, text)).autonomy == AutonomySettings(
         state="solitary",
         tangential=0.05,
         orthogonal=0.4,
@@ -106,7 +113,7 @@ def test_what_the_robot_does_by_itself(tmp_path: Path) -> None:
 def test_an_empty_value_leaves_the_robots(tmp_path: Path, nothing: str) -> None:
     names = ("autonomous_state", "blinking", "tangential_collision", "engagement_mode")
     text = "autonomous_life_config:\n" + "".join(f"  {name}: {nothing}\n" for name in names)
-    assert settings(read(tmp_path, text)).autonomy == AutonomySettings()
+    assert settings(read_experiment(tmp_path, text)).autonomy == AutonomySettings()
     assert problems(tmp_path, text) == []
 
 
@@ -117,7 +124,7 @@ def test_values_that_cannot_be_used_leave_the_robots_with_a_warning(tmp_path: Pa
   blinking: maybe
   breathing: true
 """
-    assert settings(read(tmp_path, text)).autonomy == AutonomySettings()
+    assert settings(read_experiment(tmp_path, text)).autonomy == AutonomySettings()
     assert problems(tmp_path, text) == [
         "3:3: warning: autonomous_life_config.autonomous_state: 'solitry' is not known; the robot's"
         " value stays; did you mean 'solitary'?",
@@ -140,7 +147,7 @@ def test_a_list_instead_of_the_settings_is_an_error(tmp_path: Path) -> None:
 
 @pytest.mark.woz4u("volume", "voice_speed", "voice_pitch")
 def test_the_voice(tmp_path: Path) -> None:
-    experiment = read(tmp_path, "volume: 0.35\nvoice_speed: '85'\nvoice_pitch: 1.2\n")
+    experiment = read_experiment(tmp_path, "volume: 0.35\nvoice_speed: '85'\nvoice_pitch: 1.2\n")
     assert settings(experiment).voice == VoiceSettings(volume=0.35, speed=85.0, pitch=1.2)
     assert [does(action) for action in panel(experiment, "Voice").actions] == [
         [("volume", {"level": 0.35})],
@@ -180,7 +187,7 @@ def test_the_voice(tmp_path: Path) -> None:
 def test_odd_figures_of_the_voice(
     tmp_path: Path, text: str, value: VoiceSettings, warning: str
 ) -> None:
-    assert settings(read(tmp_path, f"{text}\n")).voice == value
+    assert settings(read_experiment(tmp_path, f"{text}\n")).voice == value
     found = messages(tmp_path, f"{text}\n")
     assert found == ([f"warning: {text.partition(':')[0]}: {warning}"] if warning else [])
 
@@ -188,7 +195,7 @@ def test_odd_figures_of_the_voice(
 @pytest.mark.woz4u("default_head_turn_deg", "default_turn_deg", "default_drive_dist")
 def test_steps_of_the_arrow_keys(tmp_path: Path) -> None:
     text = "default_head_turn_deg: 20\ndefault_turn_deg: '45'\ndefault_drive_dist : 15\n"
-    steps = read(tmp_path, text).steps
+    steps = read_experiment(tmp_path, text).steps
     assert (steps.head, steps.turn, steps.drive) == (20.0, 45.0, 0.15)
     assert steps.hip == pytest.approx(11.46)  # 0.2 rad
 
@@ -196,7 +203,7 @@ def test_steps_of_the_arrow_keys(tmp_path: Path) -> None:
 @pytest.mark.woz4u("default_drive_dist")
 def test_a_step_backwards_is_none(tmp_path: Path) -> None:
     text = "default_drive_dist: -10\n"
-    assert read(tmp_path, text).steps.drive == read(tmp_path, "").steps.drive
+    assert read_experiment(tmp_path, text).steps.drive == read_experiment(tmp_path, "").steps.drive
     assert messages(tmp_path, text) == [
         "warning: default_drive_dist: '-10' is out of range; allowed is 1 to 500 cm; the usual"
         " step is taken"

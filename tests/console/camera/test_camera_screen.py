@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.console import scenes
-from tests.console.camera.filmed import Film, Pixels, noisy, room, shown
-from tests.console.driving import Sitting, sitting
+from tests.console.camera.camera_pictures import Film, Pixels, noisy, picture_shown, room_picture
+from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.camera.picture_requests import STALE_S
 from woz_tui.console.camera.picture_widgets import HalfBlockView
 from woz_tui.console.cells import Cells
@@ -35,11 +35,11 @@ def _millions_of_colours(monkeypatch: pytest.MonkeyPatch) -> None:
 class Robot:
     """Answers for two cameras; `age_us` old pictures, as long as `film` gives any."""
 
-    def __init__(self, seat: Sitting, film: Film) -> None:
-        self.seat, self.film = seat, film
+    def __init__(self, pilot: ConsolePilot, film: Film) -> None:
+        self.seat, self.film = pilot, film
         self.given = 0
         self.why = ""
-        seat.feed.answers[AskPicture] = self._answer  # type: ignore[assignment]
+        pilot.feed.answers[AskPicture] = self._answer  # type: ignore[assignment]
 
     def _answer(self, request: r.AnyRequest, ref: int) -> PictureShown:
         assert isinstance(request, AskPicture)
@@ -48,7 +48,7 @@ class Robot:
             return PictureShown(ref=ref, why=self.why, **told)  # type: ignore[arg-type]
         self.given += 1
         t = scenes.NOW + self.seat.clock.now_us() - 200_000
-        return shown(self.film(self.given), request, ref, number=self.given, t=t, **told)
+        return picture_shown(self.film(self.given), request, ref, number=self.given, t=t, **told)
 
     @property
     def asked(self) -> list[AskPicture]:
@@ -57,61 +57,61 @@ class Robot:
 
 @asynccontextmanager
 async def watching(
-    film: Film = lambda number: room(),
+    film: Film = lambda number: room_picture(),
     *first: r.Welcome,
     size: tuple[int, int] = (80, 24),
     look: Appearance | None = None,
     pictures: str = "auto",
-) -> AsyncIterator[tuple[Sitting, Robot]]:
+) -> AsyncIterator[tuple[ConsolePilot, Robot]]:
     """A console whose camera screen has just been opened."""
-    async with sitting(*first, size=size, look=look, pictures=pictures) as seat:
-        robot = Robot(seat, film)
-        await opened(seat)
-        yield seat, robot
+    async with piloted_console(*first, size=size, look=look, pictures=pictures) as pilot:
+        robot = Robot(pilot, film)
+        await open_camera_screen(pilot)
+        yield pilot, robot
 
 
-async def opened(seat: Sitting) -> None:
+async def open_camera_screen(pilot: ConsolePilot) -> None:
     """Open the screen."""
-    seat.console.do("camera")
-    await seat.until(lambda: bool(dialog(seat).query("#camera-words")), "the camera's screen")
-    await seat.settle()
+    pilot.console.do("camera")
+    await pilot.until(lambda: bool(dialog(pilot).query("#camera-words")), "the camera's screen")
+    await pilot.settle()
 
 
-def dialog(seat: Sitting) -> CameraDialog:
-    found = seat.console.dialog
+def dialog(pilot: ConsolePilot) -> CameraDialog:
+    found = pilot.console.dialog
     assert isinstance(found, CameraDialog)
     return found
 
 
-def words(seat: Sitting) -> str:
-    return dialog(seat).query_one("#camera-words", Cells).text
+def words(pilot: ConsolePilot) -> str:
+    return dialog(pilot).query_one("#camera-words", Cells).text
 
 
-def blocks(seat: Sitting) -> HalfBlockView:
-    return dialog(seat).query_one(HalfBlockView)
+def blocks(pilot: ConsolePilot) -> HalfBlockView:
+    return dialog(pilot).query_one(HalfBlockView)
 
 
-async def go_on(seat: Sitting, until: Callable[[], bool], what: str) -> None:
+async def go_on(pilot: ConsolePilot, until: Callable[[], bool], what: str) -> None:
     """Let time pass until something has come true."""
 
     def later() -> bool:
-        seat.clock.advance(0.05)
+        pilot.clock.advance(0.05)
         return until()
 
-    await seat.until(later, what)
-    await seat.settle()
+    await pilot.until(later, what)
+    await pilot.settle()
 
 
-async def seen(seat: Sitting, robot: Robot, pictures: int) -> None:
+async def pictures_drawn(pilot: ConsolePilot, robot: Robot, pictures: int) -> None:
     """So many pictures have been drawn, and painted."""
-    await go_on(seat, lambda: len(robot.asked) > pictures, f"picture {pictures}")
+    await go_on(pilot, lambda: len(robot.asked) > pictures, f"picture {pictures}")
 
 
-def drawn(seat: Sitting) -> Pixels:
+def drawn_pixels(pilot: ConsolePilot) -> Pixels:
     """The picture as the screen's cells show it: the colours of every half block."""
-    region = blocks(seat).content_region
+    region = blocks(pilot).content_region
     rows: list[list[tuple[int, ...]]] = []
-    for y, strip in enumerate(seat.console.screen._compositor.render_strips()):
+    for y, strip in enumerate(pilot.console.screen._compositor.render_strips()):
         if not region.y <= y < region.bottom:
             continue
         upper, lower = [], []
@@ -128,157 +128,161 @@ def drawn(seat: Sitting) -> Pixels:
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 async def test_the_cells_show_what_the_camera_sees(size: tuple[int, int]) -> None:
-    async with watching(size=size) as (seat, robot):
-        await seen(seat, robot, 2)
-        cells = drawn(seat)
+    async with watching(size=size) as (pilot, robot):
+        await pictures_drawn(pilot, robot, 2)
+        cells = drawn_pixels(pilot)
         rows, columns = cells.shape[:2]
         assert rows >= 0.75 * 2 * size[1], "as large as fits"
         assert columns / rows == pytest.approx(4 / 3, abs=0.05)
         y, x = np.arange(rows) * 120 // rows, np.arange(columns) * 160 // columns
-        differ = np.abs(cells.astype(int) - room()[y][:, x])
+        differ = np.abs(cells.astype(int) - room_picture()[y][:, x])
         assert differ.mean() < 6
         assert np.percentile(differ, 90) < 16
 
 
 async def test_it_says_how_old_the_picture_is_and_how_many_come() -> None:
-    async with watching() as (seat, robot):
-        await seen(seat, robot, 5)
-        assert words(seat).startswith("head 1/2 · 0.")
-        assert "s old · " in words(seat)
-        assert "half blocks" in words(seat)
-        # Which one it is, is shown in `test_watching`: here drawing takes as long as it takes.
-        assert float(words(seat).split(" · ")[2].removesuffix("/s")) > 0.0
+    async with watching() as (pilot, robot):
+        await pictures_drawn(pilot, robot, 5)
+        assert words(pilot).startswith("head 1/2 · 0.")
+        assert "s old · " in words(pilot)
+        assert "half blocks" in words(pilot)
+        # `test_picture_requests` shows which one it is: here drawing takes as long as it takes.
+        assert float(words(pilot).split(" · ")[2].removesuffix("/s")) > 0.0
 
 
 async def test_five_a_second_at_most_and_one_at_a_time() -> None:
-    async with watching() as (seat, robot):
-        await seen(seat, robot, 3)
-        before, began = len(robot.asked), seat.clock.now_us()
-        await seen(seat, robot, before + 5)
-        assert seat.clock.now_us() - began >= 5 * 0.2 * SECOND - 50_000
+    async with watching() as (pilot, robot):
+        await pictures_drawn(pilot, robot, 3)
+        before, began = len(robot.asked), pilot.clock.now_us()
+        await pictures_drawn(pilot, robot, before + 5)
+        assert pilot.clock.now_us() - began >= 5 * 0.2 * SECOND - 50_000
         assert [one.after for one in robot.asked] == list(range(len(robot.asked)))
 
 
 async def test_a_camera_that_falls_silent_is_stale_and_says_why() -> None:
-    async with watching() as (seat, robot):
-        await seen(seat, robot, 2)
+    async with watching() as (pilot, robot):
+        await pictures_drawn(pilot, robot, 2)
         robot.why = "head sent no new picture within 1 s"
-        await go_on(seat, lambda: "stale" in words(seat), "that it is stale")
-        assert float(words(seat).split()[2]) >= STALE_S
-        assert "head sent no new picture" in words(seat)
-        await seat.tell(
+        await go_on(pilot, lambda: "stale" in words(pilot), "that it is stale")
+        assert float(words(pilot).split()[2]) >= STALE_S
+        assert "head sent no new picture" in words(pilot)
+        await pilot.tell(
             m.DriverLost(
                 driver="head",
                 detail="rpicam-vid ended",
-                t=seat.console.state.now(seat.clock.now_us()),
+                t=pilot.console.state.now(pilot.clock.now_us()),
             )
         )
-        assert "head is lost: rpicam-vid ended" in words(seat)
+        assert "head is lost: rpicam-vid ended" in words(pilot)
         robot.why = ""
-        await go_on(seat, lambda: "stale" not in words(seat), "a new picture")
+        await go_on(pilot, lambda: "stale" not in words(pilot), "a new picture")
 
 
 async def test_a_refusal_is_shown_and_asked_again_later() -> None:
-    async with sitting() as seat:
+    async with piloted_console() as pilot:
         reason = "no driver of this session has a camera"
-        seat.feed.answers[AskPicture] = lambda asked, ref: r.Reply(ref=ref, ok=False, reason=reason)
-        await opened(seat)
-        await go_on(seat, lambda: reason in words(seat), "the reason")
-        before = seat.clock.now_us()
-        count = sum(isinstance(one, AskPicture) for one in seat.feed.asked)
+        pilot.feed.answers[AskPicture] = lambda asked, ref: r.Reply(
+            ref=ref, ok=False, reason=reason
+        )
+        await open_camera_screen(pilot)
+        await go_on(pilot, lambda: reason in words(pilot), "the reason")
+        before = pilot.clock.now_us()
+        count = sum(isinstance(one, AskPicture) for one in pilot.feed.asked)
         await go_on(
-            seat,
-            lambda: sum(isinstance(one, AskPicture) for one in seat.feed.asked) > count,
+            pilot,
+            lambda: sum(isinstance(one, AskPicture) for one in pilot.feed.asked) > count,
             "another question",
         )
-        assert seat.clock.now_us() - before >= 0.8 * SECOND
+        assert pilot.clock.now_us() - before >= 0.8 * SECOND
 
 
 async def test_tab_shows_the_next_camera() -> None:
-    async with watching() as (seat, robot):
-        await seen(seat, robot, 2)
-        await seat.press("tab")
-        await go_on(seat, lambda: words(seat).startswith("eye 2/2"), "the other camera")
+    async with watching() as (pilot, robot):
+        await pictures_drawn(pilot, robot, 2)
+        await pilot.press("tab")
+        await go_on(pilot, lambda: words(pilot).startswith("eye 2/2"), "the other camera")
         assert robot.asked[-1].driver == "eye"
         assert next(one for one in robot.asked if one.driver == "eye").after == 0
-        await seat.press("tab")
-        await go_on(seat, lambda: words(seat).startswith("head 1/2"), "the first one")
+        await pilot.press("tab")
+        await go_on(pilot, lambda: words(pilot).startswith("head 1/2"), "the first one")
 
 
 async def test_minus_makes_it_smaller_and_plus_larger() -> None:
-    async with watching(size=(120, 40)) as (seat, robot):
-        await seen(seat, robot, 1)
-        sizes = [blocks(seat).canvas.size]
+    async with watching(size=(120, 40)) as (pilot, robot):
+        await pictures_drawn(pilot, robot, 1)
+        sizes = [blocks(pilot).canvas.size]
         for key in ("minus", "minus", "minus", "minus", "plus"):
-            await seat.press(key)
-            sizes.append(blocks(seat).canvas.size)
+            await pilot.press(key)
+            sizes.append(blocks(pilot).canvas.size)
         assert sizes == [*sorted(sizes[:4], reverse=True), sizes[3], sizes[2]]
-        await seen(seat, robot, len(robot.asked) + 4)
+        await pictures_drawn(pilot, robot, len(robot.asked) + 4)
         assert (robot.asked[-1].width, robot.asked[-1].height) == sizes[-1]
-        assert drawn(seat).shape[:2] == sizes[-1][::-1]
+        assert drawn_pixels(pilot).shape[:2] == sizes[-1][::-1]
 
 
 async def test_keys_go_on_playing_the_robot() -> None:
-    async with watching() as (seat, robot):
-        await seen(seat, robot, 1)
-        await seat.press("h")
-        assert seat.feed.last(r.AskAction) is not None
-        await seat.press("escape")
-        assert seat.feed.last(AskStop) is not None
-        assert seat.console.dialog is None
+    async with watching() as (pilot, robot):
+        await pictures_drawn(pilot, robot, 1)
+        await pilot.press("h")
+        assert pilot.feed.last(r.AskAction) is not None
+        await pilot.press("escape")
+        assert pilot.feed.last(AskStop) is not None
+        assert pilot.console.dialog is None
 
 
 async def test_enter_has_the_driver_make_a_file_where_it_can() -> None:
     verbs = {"head": ["gaze", "picture"], "eye": ["gaze"]}
-    told = scenes.welcome()
-    first = r.Welcome(**{**{f: getattr(told, f) for f in told.__struct_fields__}, "verbs": verbs})
-    async with watching(lambda number: room(), first) as (seat, robot):
-        await seen(seat, robot, 1)
-        await seat.press("enter")
-        asked = seat.feed.last(AskVerb)
+    welcome = scenes.welcome()
+    first = r.Welcome(
+        **{**{f: getattr(welcome, f) for f in welcome.__struct_fields__}, "verbs": verbs}
+    )
+    async with watching(lambda number: room_picture(), first) as (pilot, robot):
+        await pictures_drawn(pilot, robot, 1)
+        await pilot.press("enter")
+        asked = pilot.feed.last(AskVerb)
         assert isinstance(asked, AskVerb)
         assert (asked.verb, asked.on, asked.key) == ("picture", "head", "enter")
-        await seat.press("tab")
-        await go_on(seat, lambda: words(seat).startswith("eye"), "the other camera")
-        await seat.press("enter")
-        assert seat.feed.last(AskVerb) is asked
-        assert "cannot save pictures" in seat.text("StopBar")
+        await pilot.press("tab")
+        await go_on(pilot, lambda: words(pilot).startswith("eye"), "the other camera")
+        await pilot.press("enter")
+        assert pilot.feed.last(AskVerb) is asked
+        assert "cannot save pictures" in pilot.text("StopBar")
 
 
 async def test_under_another_dialog_nobody_asks() -> None:
-    async with watching() as (seat, robot):
-        await seen(seat, robot, 2)
-        await seat.press("/")
+    async with watching() as (pilot, robot):
+        await pictures_drawn(pilot, robot, 2)
+        await pilot.press("/")
         count = len(robot.asked)
         for _ in range(5):
-            seat.clock.advance(0.5)
-            await seat.pilot.pause(0.02)
+            pilot.clock.advance(0.5)
+            await pilot.pilot.pause(0.02)
         assert len(robot.asked) == count
-        await seat.press("ctrl+q")
-        await seen(seat, robot, count + 2)
-        await seat.press("ctrl+q")
+        await pilot.press("ctrl+q")
+        await pictures_drawn(pilot, robot, count + 2)
+        await pilot.press("ctrl+q")
         count = len(robot.asked)
         for _ in range(5):
-            seat.clock.advance(0.5)
-            await seat.pilot.pause(0.02)
+            pilot.clock.advance(0.5)
+            await pilot.pilot.pause(0.02)
         assert len(robot.asked) == count, "the screen is closed"
 
 
 async def test_a_damaged_picture_is_told() -> None:
-    async with sitting() as seat:
-        seat.feed.answers[AskPicture] = lambda asked, ref: PictureShown(  # type: ignore[assignment,return-value]
+    async with piloted_console() as pilot:
+        pilot.feed.answers[AskPicture] = lambda asked, ref: PictureShown(  # type: ignore[assignment,return-value]
             ref=ref, driver="head", cameras=["head"], number=1, width=9, height=9, data="AAAA"
         )
-        await opened(seat)
-        await go_on(seat, lambda: "cannot be read" in words(seat), "that it is damaged")
+        await open_camera_screen(pilot)
+        await go_on(pilot, lambda: "cannot be read" in words(pilot), "that it is damaged")
 
 
 async def test_signs_of_ascii_where_there_are_no_others() -> None:
-    async with watching(look=Appearance(ASCII, "woz-16")) as (seat, robot):
-        await seen(seat, robot, 4)
-        text = seat.drawn()
+    async with watching(look=Appearance(ASCII, "woz-16")) as (pilot, robot):
+        await pictures_drawn(pilot, robot, 4)
+        text = pilot.drawn()
         assert text.isascii()
-        assert "signs" in words(seat)
+        assert "signs" in words(pilot)
         shades = {sign for line in text.splitlines()[3:18] for sign in line[25:55]}
         assert len(shades & set(" .:-=+*#%@")) >= 5
 
@@ -289,18 +293,18 @@ async def test_signs_of_ascii_where_there_are_no_others() -> None:
 )
 async def test_where_there_are_none_it_says_so(pictures: str, role: str, says: str) -> None:
     first = scenes.welcome(role=role)
-    async with watching(lambda n: room(), first, pictures=pictures) as (seat, robot):
+    async with watching(lambda n: room_picture(), first, pictures=pictures) as (pilot, robot):
         for _ in range(5):
-            await seat.pass_time(1.0)
-        assert says in words(seat)
+            await pilot.pass_time(1.0)
+        assert says in words(pilot)
         assert robot.asked == []
 
 
 async def test_a_lost_robot_process_and_back() -> None:
-    async with watching(lambda number: noisy(room(), number)) as (seat, robot):
-        await seen(seat, robot, 3)
-        seat.feed.cut("gone")
-        await seat.until(lambda: not isinstance(seat.console.dialog, CameraDialog), "the news")
-        await seat.tell(scenes.welcome())
-        await seat.until(lambda: isinstance(seat.console.dialog, CameraDialog), "the camera")
-        await seen(seat, robot, len(robot.asked) + 3)
+    async with watching(lambda number: noisy(room_picture(), number)) as (pilot, robot):
+        await pictures_drawn(pilot, robot, 3)
+        pilot.feed.cut("gone")
+        await pilot.until(lambda: not isinstance(pilot.console.dialog, CameraDialog), "the news")
+        await pilot.tell(scenes.welcome())
+        await pilot.until(lambda: isinstance(pilot.console.dialog, CameraDialog), "the camera")
+        await pictures_drawn(pilot, robot, len(robot.asked) + 3)

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.console.camera.camera_pictures import Film, FilmingHost, moving, noisy, room_picture
 from tests.console.camera.drawing_terminal import DrawingTerminal
-from tests.console.camera.filmed import Film, FilmingHost, moving, noisy, room
 from tests.console.camera.sixel_reader import read_sixel
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAction, AskStop, Beat
@@ -38,7 +38,7 @@ TRUE = {"COLORTERM": "truecolor"}
 
 
 @contextmanager
-def watched(
+def watched_camera(
     folder: Path, film: Film, pictures: str = "auto", **options: Any
 ) -> Iterator[tuple[FilmingHost, DrawingTerminal]]:
     """A console with its camera's screen open."""
@@ -54,7 +54,7 @@ def watched(
 
 
 def still(number: int) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-    return noisy(room(), number)
+    return noisy(room_picture(), number)
 
 
 def more(host: FilmingHost, pictures: int) -> None:
@@ -85,18 +85,18 @@ def off(terminal: DrawingTerminal) -> float:
         rows += [[bytes.fromhex(cell.bg) for cell in cells]]
     shown = np.array([[list(pixel) for pixel in row] for row in rows])
     y, x = np.arange(38) * 120 // 38, np.arange(51) * 160 // 51
-    return float(np.abs(shown - room()[y][:, x].astype(int)).mean())
+    return float(np.abs(shown - room_picture()[y][:, x].astype(int)).mean())
 
 
 def test_half_blocks_on_a_terminal_are_the_picture(tmp_path: Path) -> None:
-    with watched(tmp_path, still) as (_, terminal):
+    with watched_camera(tmp_path, still) as (_, terminal):
         terminal.wait_text("half blocks")
         terminal.wait_for(lambda text: off(terminal) < 8)
 
 
 def test_kitty_gets_pictures_under_two_names_in_turn(tmp_path: Path) -> None:
     kitty: dict[str, Any] = {"env": {"TERM": "xterm-kitty"}, "graphics": b"OK", "kitty": True}
-    with watched(tmp_path, still, **kitty) as (host, terminal):
+    with watched_camera(tmp_path, still, **kitty) as (host, terminal):
         terminal.wait_text("kitty")
         more(host, 3)
         terminal.send("\x11")
@@ -126,7 +126,7 @@ def test_kitty_gets_pictures_under_two_names_in_turn(tmp_path: Path) -> None:
         assert alive == set(), "nothing is left in the terminal's memory"
         with Image.open(io.BytesIO(files[order[-1]])) as image:
             small = np.asarray(image.convert("RGB").resize((40, 30)))
-        wanted = np.asarray(Image.fromarray(room()).resize((40, 30)))
+        wanted = np.asarray(Image.fromarray(room_picture()).resize((40, 30)))
         assert np.abs(small.astype(int) - wanted).mean() < 8
         assert bytes(terminal.written).count(PLACEHOLDER) > 500
         assert f"38;5;{order[0]}".encode() in terminal.written
@@ -135,14 +135,14 @@ def test_kitty_gets_pictures_under_two_names_in_turn(tmp_path: Path) -> None:
 @pytest.mark.parametrize("answer", [b"EINVAL:no", None])
 def test_a_kitty_that_cannot_gets_half_blocks(tmp_path: Path, answer: bytes | None) -> None:
     options: dict[str, Any] = {"env": {"TERM": "xterm-kitty"}, "graphics": answer}
-    with watched(tmp_path, still, **options) as (host, terminal):
+    with watched_camera(tmp_path, still, **options) as (host, terminal):
         terminal.wait_text("half blocks")
         more(host, 1)
         assert PLACEHOLDER not in terminal.written
 
 
 def test_sixels_are_drawn_inside_the_frame_and_erased(tmp_path: Path) -> None:
-    with watched(tmp_path, still, sixel=True) as (host, terminal):
+    with watched_camera(tmp_path, still, sixel=True) as (host, terminal):
         terminal.wait_text("sixel")
         drawn = wait(terminal, SIXEL, 3)
         for found in drawn[1:]:
@@ -153,7 +153,7 @@ def test_sixels_are_drawn_inside_the_frame_and_erased(tmp_path: Path) -> None:
             assert column - 1 + columns / 8 <= 65
             assert row >= 3
             assert row - 1 + rows / 16 <= 21
-        wanted = np.asarray(Image.fromarray(room()).resize((columns, rows)))
+        wanted = np.asarray(Image.fromarray(room_picture()).resize((columns, rows)))
         assert np.abs(picture.astype(int) - wanted).mean() < 10
         terminal.send("/")
         terminal.wait_text("─ Say")
@@ -167,7 +167,7 @@ def test_sixels_are_drawn_inside_the_frame_and_erased(tmp_path: Path) -> None:
 
 
 def test_a_picture_that_was_painted_over_is_drawn_again(tmp_path: Path) -> None:
-    with watched(tmp_path, lambda number: room(), sixel=True) as (host, terminal):
+    with watched_camera(tmp_path, lambda number: room_picture(), sixel=True) as (host, terminal):
         wait(terminal, SIXEL, 2)
         host.held = True  # no other picture comes that would be drawn anyway
         host.until(lambda: host.unanswered > 0, "a question that is not answered")
@@ -180,7 +180,7 @@ def test_a_picture_that_was_painted_over_is_drawn_again(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("pictures", ["off", "blocks"])
 def test_the_option_decides(tmp_path: Path, pictures: str) -> None:
-    with watched(tmp_path, still, pictures, sixel=True) as (host, terminal):
+    with watched_camera(tmp_path, still, pictures, sixel=True) as (host, terminal):
         terminal.wait_text("switched off" if pictures == "off" else "half blocks")
         terminal.send("h")
         host.wait(AskAction)
@@ -193,7 +193,7 @@ def test_on_a_slow_line_little_stands_before_what_is_new(tmp_path: Path) -> None
     a message of the robot process and its words on the screen. Without the pace, whole pictures
     of 50 kB and more would stand in the line.
     """
-    with watched(tmp_path, moving, "blocks", speed=20_000) as (host, terminal):
+    with watched_camera(tmp_path, moving, "blocks", speed=20_000) as (host, terminal):
         terminal.wait_text(" old ")
         more(host, 2)
         before = []
@@ -212,7 +212,7 @@ def test_on_a_slow_line_little_stands_before_what_is_new(tmp_path: Path) -> None
 
 
 def test_a_frozen_terminal_gets_no_pictures_and_goes_on(tmp_path: Path) -> None:
-    with watched(tmp_path, still) as (host, terminal):
+    with watched_camera(tmp_path, still) as (host, terminal):
         more(host, 3)
         terminal.freeze()
         given, beats = host.given, len(host.all(Beat))

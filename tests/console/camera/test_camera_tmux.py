@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.console.camera.camera_pictures import FilmingHost, noisy, room_picture
 from tests.console.camera.drawing_terminal import DrawingTerminal
-from tests.console.camera.filmed import FilmingHost, noisy, room
 from tests.console.camera.test_camera_terminal import PLACEHOLDER, START
 
 pytestmark = [pytest.mark.tmux, pytest.mark.real_clock]
@@ -37,7 +37,7 @@ def inside(folder: Path, pictures: str) -> Iterator[tuple[FilmingHost, DrawingTe
     server = ["-L", f"woz-{uuid.uuid4().hex[:8]}"]
     console = shlex.join([sys.executable, "-c", START, str(path), pictures])
     command = [tmux, *server, "-f", str(settings), "new-session", console]
-    host = FilmingHost(path, lambda n: noisy(room(), n), keys={"h": "Hello"})
+    host = FilmingHost(path, lambda n: noisy(room_picture(), n), keys={"h": "Hello"})
     with host:
         terminal = DrawingTerminal(command, sixel=True, graphics=b"OK")
         with terminal:

@@ -76,7 +76,7 @@ VALUES: dict[str, m.Json] = {
 }
 
 
-def shown(
+def settings_shown(
     wanted: Mapping[str, m.Json] | None = None,
     conflicts: tuple[str, ...] = (),
     driver: str = "pepper",

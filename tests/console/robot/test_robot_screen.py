@@ -7,9 +7,9 @@ import asyncio
 import pytest
 from textual.events import Key
 
-from tests.console.driving import Sitting, sitting
+from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.robot import pepper
-from tests.console.robot.screen import choose, line, opened, verbs
+from tests.console.robot.screen import choose, line, opened_robot_screen, verbs
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.replay.replay_commands import COMMANDS
 from woz_tui.console.screens.robot import RobotDialog
@@ -19,33 +19,35 @@ from woz_tui.protocol import requests as r
 
 
 async def test_values_are_shown_and_unknown_ones_are_a_dash() -> None:
-    async with opened() as seat:
-        assert line(seat, "Motors on") == "Motors on on"
-        assert line(seat, "Arms keep off") == "Arms keep off 0.10 m"
-        assert line(seat, "Blinks") == "Blinks on"
-        await seat.press("end")
-        assert line(seat, "Shows") == "Shows -"
-        assert line(seat, "192.168.1.20").endswith("● this one")
-        await seat.tell(pepper.shown(tablet="page"))
-        assert line(seat, "Shows") == "Shows page"
+    async with opened_robot_screen() as pilot:
+        assert line(pilot, "Motors on") == "Motors on on"
+        assert line(pilot, "Arms keep off") == "Arms keep off 0.10 m"
+        assert line(pilot, "Blinks") == "Blinks on"
+        await pilot.press("end")
+        assert line(pilot, "Shows") == "Shows -"
+        assert line(pilot, "192.168.1.20").endswith("● this one")
+        await pilot.tell(pepper.settings_shown(tablet="page"))
+        assert line(pilot, "Shows") == "Shows page"
 
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 @pytest.mark.parametrize("glyphs", ["unicode", "ascii"])
 async def test_a_difference_and_a_conflict_are_words(size: tuple[int, int], glyphs: str) -> None:
     look = {"look": Appearance(ASCII)} if glyphs == "ascii" else {}
-    told = pepper.shown({"state": "interactive"}, ("Awareness is off.", "Life is off."))
-    async with opened(told, size=size, **look) as seat:
+    settings_shown = pepper.settings_shown(
+        {"state": "interactive"}, ("Awareness is off.", "Life is off.")
+    )
+    async with opened_robot_screen(settings_shown, size=size, **look) as pilot:
         sign = "!" if glyphs == "ascii" else "▲"
         assert (
-            line(seat, "Autonomous life") == f"Autonomous life solitary {sign} wanted interactive"
+            line(pilot, "Autonomous life") == f"Autonomous life solitary {sign} wanted interactive"
         )
-        drawn = seat.drawn()
+        drawn = pilot.drawn()
         assert f"{sign} Awareness is off." in drawn
         assert f"{sign} Life is off." in drawn
         assert "1 setting differs, 2 conflicts" in drawn
         if glyphs == "ascii":
-            mine = seat.console.screen.query_one("#drawing").region
+            mine = pilot.console.screen.query_one("#drawing").region
             rows = [row[mine.x : mine.right] for row in drawn.splitlines()[mine.y : mine.bottom]]
             assert "".join(rows).isascii()
 
@@ -59,103 +61,105 @@ async def test_a_difference_and_a_conflict_are_words(size: tuple[int, int], glyp
     ],
 )
 async def test_nothing_jumps_when_values_change(conflicts: tuple[str, ...], told: str) -> None:
-    async with opened() as seat:
+    async with opened_robot_screen() as pilot:
         labels = ("Autonomous life", "Engagement", "Battery")
-        before = [at(seat, label) for label in labels]
-        await seat.tell(pepper.shown({"volume": 0.2, "state": "disabled"}, conflicts))
-        assert told in seat.drawn()
-        assert [at(seat, label) for label in labels] == before
+        before = [at(pilot, label) for label in labels]
+        await pilot.tell(pepper.settings_shown({"volume": 0.2, "state": "disabled"}, conflicts))
+        assert told in pilot.drawn()
+        assert [at(pilot, label) for label in labels] == before
 
 
-def at(seat: Sitting, label: str) -> tuple[int, int]:
+def at(pilot: ConsolePilot, label: str) -> tuple[int, int]:
     """Row and column of a label."""
-    rows = seat.drawn().splitlines()
+    rows = pilot.drawn().splitlines()
     return next((row, text.index(label)) for row, text in enumerate(rows) if label in text)
 
 
 async def test_other_keys_play_and_the_opening_key_closes() -> None:
-    async with opened() as seat:
-        await seat.press("h")
-        asked = seat.feed.last(r.AskAction)
+    async with opened_robot_screen() as pilot:
+        await pilot.press("h")
+        asked = pilot.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
         assert asked.action == "Hello"
-        assert seat.console.keyboard.arrive("w"), "taken in the thread that reads the line"
-        assert not seat.console.keyboard.arrive("space"), "it belongs to the screen"
-        assert seat.feed.last(r.AskScript) is None
-        await seat.press("@")
-        assert seat.console.dialog is None
+        assert pilot.console.keyboard.arrive("w"), "taken in the thread that reads the line"
+        assert not pilot.console.keyboard.arrive("space"), "it belongs to the screen"
+        assert pilot.feed.last(r.AskScript) is None
+        await pilot.press("@")
+        assert pilot.console.dialog is None
 
 
 async def test_space_neither_takes_nor_lets_go_of_a_robot() -> None:
-    async with opened() as seat:
+    async with opened_robot_screen() as pilot:
         for label in ("pepper.local", "Disconnect"):
-            await choose(seat, label)
-            await seat.press("space")
-        assert verbs(seat) == []
+            await choose(pilot, label)
+            await pilot.press("space")
+        assert verbs(pilot) == []
 
 
 async def test_a_lost_robots_values_are_old() -> None:
-    async with opened(pepper.shown({"volume": 0.1}, ("They fight.",))) as seat:
-        await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
-        assert line(seat, "Motors on") == "Motors on ~ on"
-        drawn = seat.drawn()
+    async with opened_robot_screen(
+        pepper.settings_shown({"volume": 0.1}, ("They fight.",))
+    ) as pilot:
+        await pilot.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
+        assert line(pilot, "Motors on") == "Motors on ~ on"
+        drawn = pilot.drawn()
         assert "lost" in drawn
         assert "no answer" in drawn
         assert "wanted" not in drawn
         assert "They fight." not in drawn
-        await seat.tell(m.DriverConnected(driver="pepper", detail="NAOqi 2.5", t=pepper.NOW))
-        assert line(seat, "Motors on") == "Motors on on"
+        await pilot.tell(m.DriverConnected(driver="pepper", detail="NAOqi 2.5", t=pepper.NOW))
+        assert line(pilot, "Motors on") == "Motors on on"
 
 
 async def test_why_a_robot_is_not_there_is_told_whole() -> None:
     why = "127.0.0.1:9562 is there, but nothing listens on port 9562: NAOqi is still starting?"
-    async with opened() as seat:
-        await seat.tell(
+    async with opened_robot_screen() as pilot:
+        await pilot.tell(
             m.DriverLost(driver="pepper", detail=why, remedy="wait a minute", t=pepper.NOW)
         )
-        place = seat.console.screen.query_one("#drawing").region
-        rows = [row[place.x : place.right].strip() for row in seat.drawn().splitlines()]
+        place = pilot.console.screen.query_one("#drawing").region
+        rows = [row[place.x : place.right].strip() for row in pilot.drawn().splitlines()]
         assert why in " ".join(rows)
         assert "wait a minute" in " ".join(rows)
 
 
 async def test_tab_shows_the_next_robot_and_each_gets_its_own() -> None:
     first = pepper.welcome(
-        pepper.shown(driver="left", volume=0.1),
-        pepper.shown(driver="right", volume=0.9),
+        pepper.settings_shown(driver="left", volume=0.1),
+        pepper.settings_shown(driver="right", volume=0.9),
         drivers=("left", "right"),
     )
-    async with opened(first=first) as seat:
-        assert "left 1 of 2" in seat.drawn()
-        await seat.press("tab")
-        assert "right 2 of 2" in seat.drawn()
-        await choose(seat, "Volume")
-        assert line(seat, "Volume") == "Volume 0.90"
-        await seat.press("left")
-        assert verbs(seat) == [("volume", {"level": 0.85}, "right")]
-        await seat.press("shift+tab")
-        assert "left 1 of 2" in seat.drawn()
+    async with opened_robot_screen(first=first) as pilot:
+        assert "left 1 of 2" in pilot.drawn()
+        await pilot.press("tab")
+        assert "right 2 of 2" in pilot.drawn()
+        await choose(pilot, "Volume")
+        assert line(pilot, "Volume") == "Volume 0.90"
+        await pilot.press("left")
+        assert verbs(pilot) == [("volume", {"level": 0.85}, "right")]
+        await pilot.press("shift+tab")
+        assert "left 1 of 2" in pilot.drawn()
 
 
 async def test_the_stop_closes_it_and_its_field() -> None:
-    async with opened() as seat:
-        await choose(seat, "Volume")
-        await seat.press("enter", "escape")
-        await seat.until(lambda: seat.console.dialog is None)
-        assert seat.feed.last(r.AskStop) is not None
+    async with opened_robot_screen() as pilot:
+        await choose(pilot, "Volume")
+        await pilot.press("enter", "escape")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        assert pilot.feed.last(r.AskStop) is not None
 
 
 async def test_a_session_without_such_a_robot_says_so() -> None:
-    async with sitting() as seat:
-        await seat.press("@", "down", "right", "enter", "tab")
-        drawn = seat.drawn()
+    async with piloted_console() as pilot:
+        await pilot.press("@", "down", "right", "enter", "tab")
+        drawn = pilot.drawn()
         assert "head, voice, face, range, microphone: no settings to change here" in drawn
         assert "^D says how each driver is" in drawn
 
 
 async def test_the_swatch_has_the_colour_and_its_text() -> None:
-    async with opened(size=(160, 50)) as seat:
-        cells = seat.console.screen.query_one("#drawing")
+    async with opened_robot_screen(size=(160, 50)) as pilot:
+        cells = pilot.console.screen.query_one("#drawing")
         strips = [cells.render_line(y) for y in range(cells.size.height)]
         grounds = {
             segment.style.bgcolor.get_truecolor().hex
@@ -164,56 +168,56 @@ async def test_the_swatch_has_the_colour_and_its_text() -> None:
             if segment.style is not None and segment.style.bgcolor is not None
         }
         assert "#00ff80" in grounds
-        assert line(seat, "Colour") == "Colour #00ff80"
+        assert line(pilot, "Colour") == "Colour #00ff80"
 
 
 async def test_without_colours_there_is_no_swatch(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    async with opened(size=(160, 50)) as seat:
-        row = next(row for row in seat.drawn().splitlines() if "#00ff80" in row)
+    async with opened_robot_screen(size=(160, 50)) as pilot:
+        row = next(row for row in pilot.drawn().splitlines() if "#00ff80" in row)
         assert "Colour                     #00ff80" in row
-        assert line(seat, "Colour") == "Colour #00ff80"
+        assert line(pilot, "Colour") == "Colour #00ff80"
 
 
 async def test_a_difference_is_seen_on_the_main_screen() -> None:
-    async with sitting(pepper.welcome(pepper.shown())) as seat:
-        assert "differ" not in seat.text("StatusLines")
-        await seat.tell(pepper.shown({"volume": 0.1, "state": "disabled"}))
-        assert "pepper: ▲ volume, autonomous life not as wanted" in seat.text("StatusLines")
-        await seat.tell(pepper.shown({"volume": 0.1}, ("They fight.",)))
-        assert "pepper: ▲ volume not as wanted, 1 conflict" in seat.text("StatusLines")
+    async with piloted_console(pepper.welcome(pepper.settings_shown())) as pilot:
+        assert "differ" not in pilot.text("StatusLines")
+        await pilot.tell(pepper.settings_shown({"volume": 0.1, "state": "disabled"}))
+        assert "pepper: ▲ volume, autonomous life not as wanted" in pilot.text("StatusLines")
+        await pilot.tell(pepper.settings_shown({"volume": 0.1}, ("They fight.",)))
+        assert "pepper: ▲ volume not as wanted, 1 conflict" in pilot.text("StatusLines")
         many: dict[str, m.Json] = {
             "volume": 0.1,
             "state": "disabled",
             "engagement": "",
             "awake": False,
         }
-        await seat.tell(pepper.shown(many, ("They fight.", "So do these.")))
-        assert "pepper: ▲ 4 settings differ, 2 conflicts" in seat.text("StatusLines")
+        await pilot.tell(pepper.settings_shown(many, ("They fight.", "So do these.")))
+        assert "pepper: ▲ 4 settings differ, 2 conflicts" in pilot.text("StatusLines")
         off = "the motors are off: nothing moves until the robot is woken up"
-        await seat.tell(pepper.shown({"volume": 0.1}, (off,)))
-        assert "pepper: ▲ volume not as wanted, the motors are off " in seat.text("StatusLines")
-        await seat.tell(pepper.shown(None, (off, "They fight.", "So do these.")))
-        assert "pepper: ▲ the motors are off, 2 more " in seat.text("StatusLines")
-        await seat.tell(pepper.shown({"of another robot": 1}))
-        assert "pepper: ▲ 1 setting differs " in seat.text("StatusLines")
-        await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
-        assert "wanted" not in seat.text("StatusLines")
-        assert "differs" not in seat.text("StatusLines")
+        await pilot.tell(pepper.settings_shown({"volume": 0.1}, (off,)))
+        assert "pepper: ▲ volume not as wanted, the motors are off " in pilot.text("StatusLines")
+        await pilot.tell(pepper.settings_shown(None, (off, "They fight.", "So do these.")))
+        assert "pepper: ▲ the motors are off, 2 more " in pilot.text("StatusLines")
+        await pilot.tell(pepper.settings_shown({"of another robot": 1}))
+        assert "pepper: ▲ 1 setting differs " in pilot.text("StatusLines")
+        await pilot.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
+        assert "wanted" not in pilot.text("StatusLines")
+        assert "differs" not in pilot.text("StatusLines")
 
 
 async def test_in_a_replay_it_is_only_looked_at() -> None:
     telling = r.Replaying(t=pepper.NOW, length_us=2 * pepper.NOW, rate=1.0, paused=True)
-    first = pepper.welcome(pepper.shown({"volume": 0.5}))
-    async with sitting(first, telling, size=(160, 50)) as seat:
-        await seat.press("@")
-        await choose(seat, "Volume")
-        own = seat.console.keyboard.kept
+    first = pepper.welcome(pepper.settings_shown({"volume": 0.5}))
+    async with piloted_console(first, telling, size=(160, 50)) as pilot:
+        await pilot.press("@")
+        await choose(pilot, "Volume")
+        own = pilot.console.keyboard.kept
         assert own == {"tab", "shift+tab", "up", "down"}, "the others move through the log"
-        await seat.press("right", "enter", "space")
-        assert verbs(seat) == [("nudge", {"yaw": -5.0}, "")], "as without the screen"
-        assert line(seat, "Volume") == "Volume 0.70 ▲ wanted 0.50"
-        assert "Connection" not in seat.drawn()
+        await pilot.press("right", "enter", "space")
+        assert verbs(pilot) == [("nudge", {"yaw": -5.0}, "")], "as without the screen"
+        assert line(pilot, "Volume") == "Volume 0.70 ▲ wanted 0.50"
+        assert "Connection" not in pilot.drawn()
 
 
 def test_a_replay_has_its_key() -> None:
@@ -221,54 +225,54 @@ def test_a_replay_has_its_key() -> None:
 
 
 async def test_a_painting_may_come_at_any_moment_of_its_opening() -> None:
-    async with sitting(pepper.welcome(pepper.shown())) as seat:
-        seat.console.do("robot")
+    async with piloted_console(pepper.welcome(pepper.settings_shown())) as pilot:
+        pilot.console.do("robot")
         for _ in range(100):
-            seat.console.paint()
-            seat.console.post_message(Key("pagedown", None))
+            pilot.console.paint()
+            pilot.console.post_message(Key("pagedown", None))
             await asyncio.sleep(0)
-        await seat.settle()
-        assert seat.console.is_running
-        assert "Motors on" in seat.drawn() or "Another address" in seat.drawn()
+        await pilot.settle()
+        assert pilot.console.is_running
+        assert "Motors on" in pilot.drawn() or "Another address" in pilot.drawn()
 
 
 @pytest.mark.parametrize(("size", "rows"), [((80, 24), 3), ((100, 36), 4)])
 async def test_there_is_room_for_conflicts(size: tuple[int, int], rows: int) -> None:
     told = ("One.", "Two.", "Three.", "Four.", "Five.")
-    async with opened(pepper.shown(None, told[:rows]), size=size) as seat:
-        assert all(sentence in seat.drawn() for sentence in told[:rows])
-        before = at(seat, "Autonomous life")
-        await seat.tell(pepper.shown(None, told))
-        assert f"and {len(told) - rows + 1} more" in seat.drawn()
-        assert at(seat, "Autonomous life") == before
+    async with opened_robot_screen(pepper.settings_shown(None, told[:rows]), size=size) as pilot:
+        assert all(sentence in pilot.drawn() for sentence in told[:rows])
+        before = at(pilot, "Autonomous life")
+        await pilot.tell(pepper.settings_shown(None, told))
+        assert f"and {len(told) - rows + 1} more" in pilot.drawn()
+        assert at(pilot, "Autonomous life") == before
 
 
 async def test_it_opens_where_there_is_something_to_do() -> None:
-    async with opened() as seat:
-        assert chosen(seat) == "Address"
-        await choose(seat, "Speed")
-        assert await reopened(seat) == "Speed", "the line of before"
-        await seat.tell(pepper.shown({"volume": 0.1, "state": "disabled"}))
-        assert await reopened(seat) == "Autonomous life", "the first that differs"
-        await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
-        assert await reopened(seat) == "192.168.1.20", "where a robot is taken"
-        await seat.tell(m.DriverConnected(driver="pepper", detail="NAOqi", t=pepper.NOW))
-        await seat.tell(pepper.shown())
-        assert await reopened(seat) == "Autonomous life", "the line of before"
-        await choose(seat, "Disconnect")
-        assert await reopened(seat) == "Autonomous life", "where enter lets go of no robot"
+    async with opened_robot_screen() as pilot:
+        assert chosen(pilot) == "Address"
+        await choose(pilot, "Speed")
+        assert await reopened(pilot) == "Speed", "the line of before"
+        await pilot.tell(pepper.settings_shown({"volume": 0.1, "state": "disabled"}))
+        assert await reopened(pilot) == "Autonomous life", "the first that differs"
+        await pilot.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
+        assert await reopened(pilot) == "192.168.1.20", "where a robot is taken"
+        await pilot.tell(m.DriverConnected(driver="pepper", detail="NAOqi", t=pepper.NOW))
+        await pilot.tell(pepper.settings_shown())
+        assert await reopened(pilot) == "Autonomous life", "the line of before"
+        await choose(pilot, "Disconnect")
+        assert await reopened(pilot) == "Autonomous life", "where enter lets go of no robot"
 
 
-async def reopened(seat: Sitting) -> str:
+async def reopened(pilot: ConsolePilot) -> str:
     """Close and open the screen; returns what is chosen then."""
-    await seat.press("@", "@")
-    return chosen(seat)
+    await pilot.press("@", "@")
+    return chosen(pilot)
 
 
-def chosen(seat: Sitting) -> str:
+def chosen(pilot: ConsolePilot) -> str:
     """The label of the chosen line."""
-    top = seat.console.dialog
+    top = pilot.console.dialog
     assert isinstance(top, RobotDialog)
     label = top._lines()[top._line].setting.label
-    assert f"▸ {label} " in seat.drawn()
+    assert f"▸ {label} " in pilot.drawn()
     return label

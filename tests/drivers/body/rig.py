@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 from woz_drivers.body import Body, BodySettings
 from woz_drivers.body.tick_loop import Lateness, Step, ThreadTicker
 
-from tests.drivers.heard import Heard, Ordered
+from tests.drivers.published_messages import BusJob, PublishedMessages
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
@@ -83,21 +83,21 @@ def small(**changes: Any) -> BodySettings:
 
 
 @dataclass
-class Stage:
+class BodyRig:
     """A body that ticks, and what it says."""
 
     body: Body
-    heard: Heard
+    published: PublishedMessages
 
     @classmethod
-    async def of(cls, settings: BodySettings, folder: Path) -> Stage:
+    async def of(cls, settings: BodySettings, folder: Path) -> BodyRig:
         """An open one, after its first tick."""
-        heard = Heard(folder, LoopClock(asyncio.get_running_loop()))
-        body = SteppedBody("it", settings, heard.context)
+        published = PublishedMessages(folder, LoopClock(asyncio.get_running_loop()))
+        body = SteppedBody("it", settings, published.context)
         await body.open()
-        it = cls(body, heard)
-        await it.ticks(1)
-        return it
+        rig = cls(body, published)
+        await rig.ticks(1)
+        return rig
 
     async def ticks(self, number: int) -> None:
         """Let so many ticks pass."""
@@ -105,7 +105,7 @@ class Stage:
 
     async def do(self, verb: str, **args: Json) -> Mapping[str, Json]:
         """Perform a verb to its end."""
-        return await self.body.perform(Ordered(verb, args))
+        return await self.body.perform(BusJob(verb, args))
 
     def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
         """Begin a verb."""
@@ -114,21 +114,21 @@ class Stage:
     @property
     def setpoints(self) -> Mapping[str, float]:
         """What the servos would be given now."""
-        value = self.heard.context.feed(SETPOINTS).latest().value
+        value = self.published.context.feed(SETPOINTS).latest().value
         assert isinstance(value, Setpoints)
         return value.joints
 
     @property
     def state(self) -> BodyState:
         """What a panel would be told."""
-        value = self.heard.context.feed(STATE).latest().value
+        value = self.published.context.feed(STATE).latest().value
         assert isinstance(value, BodyState)
         return value
 
     @property
     def lit(self) -> FacePicture:
         """What lights would be given."""
-        value = self.heard.context.feed(FACE).latest().value
+        value = self.published.context.feed(FACE).latest().value
         assert isinstance(value, FacePicture)
         return value
 
@@ -142,7 +142,7 @@ class Stage:
 
     def notices(self) -> str:
         """All notices so far."""
-        return " | ".join(notice.text for notice in self.heard.all(Notice))
+        return " | ".join(notice.text for notice in self.published.all(Notice))
 
 
 def within(settings: BodySettings, path: list[Mapping[str, float]]) -> bool:
@@ -157,16 +157,16 @@ def within(settings: BodySettings, path: list[Mapping[str, float]]) -> bool:
     return True
 
 
-def played(
-    tmp_path: Path, story: Callable[[Stage], Coroutine[Any, Any, None]], **changes: Any
-) -> Stage:
+def played_body(
+    tmp_path: Path, story: Callable[[BodyRig], Coroutine[Any, Any, None]], **changes: Any
+) -> BodyRig:
     """Plays `story` on a small calm body to its end, and closes it."""
     settings = small(personality=CALM, **changes)
 
-    async def whole() -> Stage:
-        it = await Stage.of(settings, tmp_path)
-        await story(it)
-        await it.body.close()
-        return it
+    async def whole() -> BodyRig:
+        rig = await BodyRig.of(settings, tmp_path)
+        await story(rig)
+        await rig.body.close()
+        return rig
 
     return run_virtual(whole())

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.body import Body, BodySettings
 
-from tests.drivers.body.rig import Stage, robot, within
+from tests.drivers.body.rig import BodyRig, robot, within
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.drivers.contract import RejectedError, Scope
 from woz_tui.motion.body_feeds import SEEN, Sighting
@@ -63,10 +63,10 @@ def bodies(tmp_path: Path) -> list[BodySettings]:
     return [*files, *map(any_body, range(3))]
 
 
-def see(it: Stage, frame: int) -> None:
+def see(rig: BodyRig, frame: int) -> None:
     now = round(asyncio.get_running_loop().time() * 1e6)
-    seen = Sighting(now, frame, 0.8 * math.sin(frame / 9), 0.5 * math.cos(frame / 7), 0.1)
-    it.heard.context.feed(SEEN, of="eye").put(seen)
+    sighting = Sighting(now, frame, 0.8 * math.sin(frame / 9), 0.5 * math.cos(frame / 7), 0.1)
+    rig.published.context.feed(SEEN, of="eye").put(sighting)
 
 
 @pytest.mark.toolkit("R6", "M4", "M5", "G3")
@@ -76,27 +76,27 @@ def test_all_moves_and_modes_run_on_any_body(tmp_path: Path, which: int) -> None
     assert settings.problems() == []
 
     async def story() -> None:
-        it = await Stage.of(settings, tmp_path)
-        path = [it.setpoints]
+        rig = await BodyRig.of(settings, tmp_path)
+        path = [rig.setpoints]
         for name in settings.playable:
             if name != "demo":
-                running = it.begin("play", move=name, speed=1.0, amplitude=1.0)
-                path += await it.path(30)
+                running = rig.begin("play", move=name, speed=1.0, amplitude=1.0)
+                path += await rig.path(30)
                 running.cancel()
         for mode in (*Mode, *reversed(Mode)):
-            await it.do("mode", mode="normal")
-            await it.do("mode", mode=mode.value)
+            await rig.do("mode", mode="normal")
+            await rig.do("mode", mode=mode.value)
             for frame in range(1, 20):
-                see(it, frame)
-                path += await it.path(2)
-            assert it.state.mode == mode.value
-        await it.do("mode", mode="normal")
-        path += await it.path(100)
+                see(rig, frame)
+                path += await rig.path(2)
+            assert rig.state.mode == mode.value
+        await rig.do("mode", mode="normal")
+        path += await rig.path(100)
         assert within(settings, path)
-        await it.do("home", seconds=0.5)
-        await it.body.stop(Scope.ALL)
-        await it.body.close()
-        assert not [one for one in it.heard.all(Notice) if one.level != "info"]
+        await rig.do("home", seconds=0.5)
+        await rig.body.stop(Scope.ALL)
+        await rig.body.close()
+        assert not [one for one in rig.published.all(Notice) if one.level != "info"]
 
     run_virtual(story())
 
@@ -123,8 +123,8 @@ def test_no_input_makes_any_body_unsafe(tmp_path: Path, which: int) -> None:
         return dice.uniform(-200, 200) if roll > 0.7 else dice.uniform(-1, 1)
 
     async def story() -> None:
-        it = await Stage.of(settings, tmp_path)
-        path = [it.setpoints]
+        rig = await BodyRig.of(settings, tmp_path)
+        path = [rig.setpoints]
         taken = 0
         running: list[asyncio.Task[object]] = []
         for round_ in range(200):
@@ -134,21 +134,21 @@ def test_no_input_makes_any_body_unsafe(tmp_path: Path, which: int) -> None:
                 for argument in verb.arguments
                 if argument.required or dice.random() < 0.5
             }
-            task: asyncio.Task[object] = asyncio.ensure_future(it.do(verb.name, **args))
+            task: asyncio.Task[object] = asyncio.ensure_future(rig.do(verb.name, **args))
             running.append(task)
             if round_ % 40 == 20:
-                await it.body.stop(Scope.ALL)
-                path += await it.path(2)
-                await it.body.resume()
+                await rig.body.stop(Scope.ALL)
+                path += await rig.path(2)
+                await rig.body.resume()
             if round_ % 7 == 0:
-                see(it, round_)
-            path += await it.path(dice.choice((1, 1, 1, 5)))
+                see(rig, round_)
+            path += await rig.path(dice.choice((1, 1, 1, 5)))
             if task.done() and task.exception() is None:
                 taken += 1
         assert within(settings, path)
         assert all(math.isfinite(angle) for pose in path for angle in pose.values())
         assert taken > 10
-        await it.body.close()
+        await rig.body.close()
         for task in running:
             try:
                 await task

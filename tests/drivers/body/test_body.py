@@ -10,8 +10,8 @@ import pytest
 from woz_drivers.body import Body, BodySettings
 from woz_drivers.body.tick_loop import BodyLoop, Lateness
 
-from tests.drivers.body.rig import CALM, Stage, SteppedBody, played, robot, small, within
-from tests.drivers.heard import Heard, Ordered
+from tests.drivers.body.rig import CALM, BodyRig, SteppedBody, played_body, robot, small, within
+from tests.drivers.published_messages import BusJob, PublishedMessages
 from tests.fakes.virtual_time import LoopClock, run_virtual, stand_still
 from woz_tui.drivers.contract import DeviceLostError, Probe, RejectedError, Scope
 from woz_tui.motion.body_shape import FaceShape, JointShape
@@ -83,47 +83,47 @@ async def test_the_doctor_says_what_it_is_made_of(tmp_path: Path) -> None:
 
 @pytest.mark.toolkit("L4", "R2")
 def test_a_pose_takes_its_time_and_ends_where_it_was_sent(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        job = Ordered("pose", {"joints": {"pan": 40.0}, "seconds": 1.0})
+    async def story(rig: BodyRig) -> None:
+        job = BusJob("pose", {"joints": {"pan": 40.0}, "seconds": 1.0})
         begun = asyncio.get_running_loop().time()
-        running = asyncio.create_task(it.body.perform(job))
-        path = await it.path(60)
+        running = asyncio.create_task(rig.body.perform(job))
+        path = await rig.path(60)
         sent = await running
         assert sent["joints"] == {"pan": 40.0}
         assert "ended" not in sent
         assert job.announced == [pytest.approx(1.0)]
         assert asyncio.get_running_loop().time() - begun < 1.3
-        assert within(it.body.settings, path)
-        assert it.setpoints["pan"] == pytest.approx(40.0)
+        assert within(rig.body.settings, path)
+        assert rig.setpoints["pan"] == pytest.approx(40.0)
 
-    played(tmp_path, story)
+    played_body(tmp_path, story)
 
 
 @pytest.mark.toolkit("L7")
 def test_a_move_is_awaited_and_a_named_pose_is_played_like_one(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
+    async def story(rig: BodyRig) -> None:
         begun = asyncio.get_running_loop().time()
-        await it.do("play", move="nod", speed=1.0, amplitude=1.0)
+        await rig.do("play", move="nod", speed=1.0, amplitude=1.0)
         assert asyncio.get_running_loop().time() - begun > 1.0
-        sent = await it.do("play", move="aside", speed=2.0, amplitude=0.5)
+        sent = await rig.do("play", move="aside", speed=2.0, amplitude=0.5)
         assert sent["joints"] == {"pan": 15.0, "tilt": 25.0}  # half of the way from home
         assert sent["seconds"] == pytest.approx(0.5)
 
-    played(tmp_path, story, poses={"aside": {"pan": 30.0, "tilt": 40.0}})
+    played_body(tmp_path, story, poses={"aside": {"pan": 30.0, "tilt": 40.0}})
 
 
 @pytest.mark.toolkit("E2")
 def test_streams_are_answered_at_once_and_take_over(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        playing = it.begin("play", move="dance", speed=1.0, amplitude=1.0)
-        await it.ticks(10)
+    async def story(rig: BodyRig) -> None:
+        playing = rig.begin("play", move="dance", speed=1.0, amplitude=1.0)
+        await rig.ticks(10)
         begun = asyncio.get_running_loop().time()
-        sent = await it.do("gaze", yaw=20.0, pitch=0.0, seconds=2.0)
+        sent = await rig.do("gaze", yaw=20.0, pitch=0.0, seconds=2.0)
         assert asyncio.get_running_loop().time() == begun
         assert sent["seconds"] == pytest.approx(2.0)
         assert "gaze" in str((await playing)["ended"])
 
-    played(tmp_path, story)
+    played_body(tmp_path, story)
 
 
 def test_the_arrow_keys_turn_a_body_as_they_turn_any_head(tmp_path: Path) -> None:
@@ -131,17 +131,17 @@ def test_the_arrow_keys_turn_a_body_as_they_turn_any_head(tmp_path: Path) -> Non
 
     async def whole() -> None:
         settings = robot("eyepi", tmp_path, personality=CALM)
-        it, chain = await Stage.of(settings, tmp_path), KinematicChain(settings)
-        before = chain.ray(it.setpoints)[1]
-        await it.do("nudge", yaw=5.0, pitch=10.0)
-        await it.ticks(30)
-        lower = chain.ray(it.setpoints)[1]
+        rig, chain = await BodyRig.of(settings, tmp_path), KinematicChain(settings)
+        before = chain.ray(rig.setpoints)[1]
+        await rig.do("nudge", yaw=5.0, pitch=10.0)
+        await rig.ticks(30)
+        lower = chain.ray(rig.setpoints)[1]
         assert lower[2] < before[2] and lower[1] > before[1]
-        await it.do("gaze", yaw=0.0, pitch=-20.0, seconds=0.5)
-        await it.ticks(40)
-        up = chain.ray(it.setpoints)[1]
+        await rig.do("gaze", yaw=0.0, pitch=-20.0, seconds=0.5)
+        await rig.ticks(40)
+        up = chain.ray(rig.setpoints)[1]
         assert math.degrees(math.asin(up[2])) == pytest.approx(20.0, abs=0.5)
-        await it.body.close()
+        await rig.body.close()
 
     run_virtual(whole())
 
@@ -167,30 +167,33 @@ HOSTILE: list[tuple[str, dict[str, Json]]] = [
 def test_nonsense_is_rejected_and_moves_nothing(
     tmp_path: Path, verb: str, args: dict[str, Json]
 ) -> None:
-    async def story(it: Stage) -> None:
-        before = it.setpoints
+    async def story(rig: BodyRig) -> None:
+        before = rig.setpoints
         with pytest.raises(RejectedError):
-            await it.do(verb, **args)
-        await it.ticks(3)
-        assert it.setpoints == pytest.approx(before)
+            await rig.do(verb, **args)
+        await rig.ticks(3)
+        assert rig.setpoints == pytest.approx(before)
 
-    played(tmp_path, story, poses={"aside": {"pan": 30.0}})
+    played_body(tmp_path, story, poses={"aside": {"pan": 30.0}})
 
 
 @pytest.mark.toolkit("M2")
 def test_what_a_mode_does_not_take_is_rejected_with_a_remedy(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        await it.do("mode", mode="demo")
-        await it.ticks(2)
-        with pytest.raises(RejectedError, match="demo") as refused:
-            await it.do("pose", joints={"pan": 10.0})
-        assert refused.value.remedy
-        assert [moved.now for moved in it.heard.all(ModeChanged)] == ["normal", "demo"]
-        await it.do("mode", mode="normal")
-        await it.ticks(2)
-        assert it.heard.all(ModeChanged)[-1].now == "normal"
+    async def story(rig: BodyRig) -> None:
+        await rig.do("mode", mode="demo")
+        await rig.ticks(2)
+        with pytest.raises(RejectedError, match="demo") as raised:
+            await rig.do("pose", joints={"pan": 10.0})
+        assert raised.value.remedy
+        assert [mode_changed.now for mode_changed in rig.published.all(ModeChanged)] == [
+            "normal",
+            "demo",
+        ]
+        await rig.do("mode", mode="normal")
+        await rig.ticks(2)
+        assert rig.published.all(ModeChanged)[-1].now == "normal"
 
-    played(tmp_path, story)
+    played_body(tmp_path, story)
 
 
 @pytest.mark.toolkit("M2", "E4")
@@ -198,31 +201,31 @@ def test_what_a_mode_does_not_take_is_rejected_with_a_remedy(tmp_path: Path) -> 
 def test_in_a_mode_a_joints_control_waits_for_a_hand_but_not_for_other_software(
     tmp_path: Path, source: str
 ) -> None:
-    async def story(it: Stage) -> None:
-        await it.do("mode", mode="demo")
+    async def story(rig: BodyRig) -> None:
+        await rig.do("mode", mode="demo")
         turned: dict[str, Json] = {"control": "pan", "value": 0.75}
         with pytest.raises(RejectedError, match="demo"):
-            await it.body.perform(Ordered("control", turned, source=source))
-        sent = await it.body.perform(Ordered("control", turned, source="midi"))
+            await rig.body.perform(BusJob("control", turned, source=source))
+        sent = await rig.body.perform(BusJob("control", turned, source="midi"))
         assert sent["waits"] == "normal"
 
-    played(tmp_path, story)
+    played_body(tmp_path, story)
 
 
 def test_a_cancelled_command_ends_where_it_is(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        running = it.begin("pose", joints={"pan": 60.0}, seconds=2.0)
-        await it.ticks(50)
+    async def story(rig: BodyRig) -> None:
+        running = rig.begin("pose", joints={"pan": 60.0}, seconds=2.0)
+        await rig.ticks(50)
         running.cancel()
         with pytest.raises(asyncio.CancelledError):
             await running
-        await it.ticks(5)
-        held = it.setpoints["pan"]
+        await rig.ticks(5)
+        held = rig.setpoints["pan"]
         assert 20.0 < held < 45.0
-        await it.ticks(60)
-        assert it.setpoints["pan"] == pytest.approx(held, abs=0.5)
+        await rig.ticks(60)
+        assert rig.setpoints["pan"] == pytest.approx(held, abs=0.5)
 
-    played(tmp_path, story)
+    played_body(tmp_path, story)
 
 
 # -- the stop -------------------------------------------------------------------------------------
@@ -230,51 +233,51 @@ def test_a_cancelled_command_ends_where_it_is(tmp_path: Path) -> None:
 
 @pytest.mark.toolkit("M4", "E4")
 def test_a_stop_stands_still_until_it_is_released(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        running = it.begin("play", move="dance", speed=1.0, amplitude=1.0)
-        await it.ticks(30)
-        await it.body.stop(Scope.ALL)
-        held = it.setpoints
-        await it.ticks(100)
-        assert it.setpoints == held
+    async def story(rig: BodyRig) -> None:
+        running = rig.begin("play", move="dance", speed=1.0, amplitude=1.0)
+        await rig.ticks(30)
+        await rig.body.stop(Scope.ALL)
+        held = rig.setpoints
+        await rig.ticks(100)
+        assert rig.setpoints == held
         with pytest.raises(RejectedError, match="still"):
-            await it.do("play", move="nod")
+            await rig.do("play", move="nod")
         assert "stop" in str((await running)["ended"])
-        await it.body.resume()
-        await it.ticks(200)
-        assert it.setpoints != held  # it breathes again
+        await rig.body.resume()
+        await rig.ticks(200)
+        assert rig.setpoints != held  # it breathes again
 
     async def whole() -> None:
-        it = await Stage.of(small(breathing={"tilt": 1.0}), tmp_path)
-        await story(it)
-        await it.body.close()
+        rig = await BodyRig.of(small(breathing={"tilt": 1.0}), tmp_path)
+        await story(rig)
+        await rig.body.close()
 
     run_virtual(whole())
 
 
 def test_a_stop_is_confirmed_although_the_process_stood_still(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        await it.ticks(3)
+    async def story(rig: BodyRig) -> None:
+        await rig.ticks(3)
         stand_still(after=0.0, seconds=0.5)
-        await it.body.stop(Scope.ALL)
+        await rig.body.stop(Scope.ALL)
 
-    played(tmp_path, story)
+    played_body(tmp_path, story)
 
 
 def test_a_stop_before_it_is_opened_holds_from_the_first_tick_on(tmp_path: Path) -> None:
     async def whole() -> None:
-        heard = Heard(tmp_path, LoopClock(asyncio.get_running_loop()))
-        body = SteppedBody("it", small(breathing={"tilt": 1.0}), heard.context)
+        published = PublishedMessages(tmp_path, LoopClock(asyncio.get_running_loop()))
+        body = SteppedBody("it", small(breathing={"tilt": 1.0}), published.context)
         await body.stop(Scope.ALL)
         await body.open()
-        it = Stage(body, heard)
-        await it.ticks(1)
-        held = it.setpoints
-        await it.ticks(200)
-        assert it.setpoints == held
+        rig = BodyRig(body, published)
+        await rig.ticks(1)
+        held = rig.setpoints
+        await rig.ticks(200)
+        assert rig.setpoints == held
         await body.resume()
-        await it.ticks(200)
-        assert it.setpoints != held
+        await rig.ticks(200)
+        assert rig.setpoints != held
         await body.close()
 
     run_virtual(whole())
@@ -283,7 +286,9 @@ def test_a_stop_before_it_is_opened_holds_from_the_first_tick_on(tmp_path: Path)
 def test_a_stop_that_was_given_up_does_not_keep_others_waiting(tmp_path: Path) -> None:
     async def whole() -> None:
         clock = LoopClock(asyncio.get_running_loop())
-        loop = BodyLoop(small(), Heard(tmp_path, clock).context, Lateness(), lambda ended: None)
+        loop = BodyLoop(
+            small(), PublishedMessages(tmp_path, clock).context, Lateness(), lambda ended: None
+        )
         given_up, other = loop.freeze(), loop.freeze()
         given_up.cancel()
         loop.step(1.0)
@@ -294,41 +299,41 @@ def test_a_stop_that_was_given_up_does_not_keep_others_waiting(tmp_path: Path) -
 
 
 def test_a_stop_of_driving_is_none_of_its_business(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        running = it.begin("pose", joints={"pan": 30.0}, seconds=0.5)
-        await it.ticks(3)
-        await it.body.stop(Scope.DRIVE)
+    async def story(rig: BodyRig) -> None:
+        running = rig.begin("pose", joints={"pan": 30.0}, seconds=0.5)
+        await rig.ticks(3)
+        await rig.body.stop(Scope.DRIVE)
         await running
-        assert it.setpoints["pan"] == pytest.approx(30.0)
+        assert rig.setpoints["pan"] == pytest.approx(30.0)
 
-    played(tmp_path, story)
+    played_body(tmp_path, story)
 
 
 def test_it_rests_without_breath_and_closes(tmp_path: Path) -> None:
     async def whole() -> None:
         settings = small(breathing={"tilt": 1.0}, rest={"pan": 20.0})
-        it = await Stage.of(settings, tmp_path)
-        await it.ticks(100)
-        path = asyncio.create_task(it.path(200))
-        await it.body.rest()
+        rig = await BodyRig.of(settings, tmp_path)
+        await rig.ticks(100)
+        path = asyncio.create_task(rig.path(200))
+        await rig.body.rest()
         assert within(settings, await path)
-        assert it.setpoints == pytest.approx({"pan": 20.0, "tilt": 10.0})
-        await it.body.close()
-        await it.body.close()
+        assert rig.setpoints == pytest.approx({"pan": 20.0, "tilt": 10.0})
+        await rig.body.close()
+        await rig.body.close()
         with pytest.raises(DeviceLostError):
-            await it.do("play", move="nod")
-        await it.body.stop(Scope.ALL)
-        assert "ticks, late by" in it.notices()
+            await rig.do("play", move="nod")
+        await rig.body.stop(Scope.ALL)
+        assert "ticks, late by" in rig.notices()
 
     run_virtual(whole())
 
 
 def test_a_command_under_way_fails_when_it_is_closed(tmp_path: Path) -> None:
     async def whole() -> None:
-        it = await Stage.of(small(), tmp_path)
-        running = it.begin("play", move="dance", speed=1.0, amplitude=1.0)
-        await it.ticks(5)
-        await it.body.close()
+        rig = await BodyRig.of(small(), tmp_path)
+        running = rig.begin("play", move="dance", speed=1.0, amplitude=1.0)
+        await rig.ticks(5)
+        await rig.body.close()
         with pytest.raises(DeviceLostError):
             await running
 

@@ -16,8 +16,8 @@ from woz_drivers.body import Body, BodySettings
 from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, ServoSettings
 
 from tests.drivers.body.rig import robot
-from tests.drivers.heard import Ordered, until
-from tests.drivers.servo_stand import PATIENT_MS, PATIENT_WATCHDOG_MS, WATCHDOG_PATIENCE
+from tests.drivers.published_messages import BusJob, until
+from tests.drivers.servo_rig import PATIENT_MS, PATIENT_WATCHDOG_MS, WATCHDOG_PATIENCE
 from tests.fakes.servos import ServoBus
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DeviceLostError, Driver, DriverError, RejectedError, Scope
@@ -57,7 +57,7 @@ class Robot:
         return self.goals(name)[-1]
 
     async def torque(self) -> None:
-        await self.servos.perform(Ordered("torque", {"on": True}))
+        await self.servos.perform(BusJob("torque", {"on": True}))
 
     def safe(self) -> bool:
         """Whether every goal ever written keeps the joint's range and the servo's speed, but for
@@ -118,43 +118,56 @@ def five(tmp_path: Path) -> BodySettings:
 
 @pytest.mark.toolkit("R4", "R6", "G1")
 async def test_five_servos_play_what_the_body_plays_within_all_limits(tmp_path: Path) -> None:
-    async with assembled(tmp_path, five(tmp_path)) as it:
-        await it.torque()
-        await it.body.perform(Ordered("pose", {"joints": {"base": 30.0, "roll": 10.0}}))
-        await until(lambda: abs(it.at("base") - 30.0) < 1.0 and abs(it.at("roll") - 10.0) < 1.0)
-        await it.body.perform(Ordered("play", {"move": "nod", "speed": 1.5, "amplitude": 1.0}))
-        nods = it.goals("nod")
+    async with assembled(tmp_path, five(tmp_path)) as both_drivers:
+        await both_drivers.torque()
+        await both_drivers.body.perform(BusJob("pose", {"joints": {"base": 30.0, "roll": 10.0}}))
+        await until(
+            lambda: (
+                abs(both_drivers.at("base") - 30.0) < 1.0
+                and abs(both_drivers.at("roll") - 10.0) < 1.0
+            )
+        )
+        await both_drivers.body.perform(
+            BusJob("play", {"move": "nod", "speed": 1.5, "amplitude": 1.0})
+        )
+        nods = both_drivers.goals("nod")
         assert max(nods) - min(nods) > 5.0
-        assert it.safe()
-        goals = {name: it.goals(name)[0] for name in it.body.settings.joints}
+        assert both_drivers.safe()
+        goals = {name: both_drivers.goals(name)[0] for name in both_drivers.body.settings.joints}
         assert goals == pytest.approx(dict.fromkeys(goals, 0.0), abs=COUNT)  # where they were
-        assert {one.driver for one in it.said if isinstance(one, Reading)} == {"body", "head"}
-        names = {one.sensor for one in it.said if isinstance(one, Reading)}
+        assert {one.driver for one in both_drivers.said if isinstance(one, Reading)} == {
+            "body",
+            "head",
+        }
+        names = {one.sensor for one in both_drivers.said if isinstance(one, Reading)}
         assert {"joint.base", "setpoint.base", "tick"} <= names
 
 
 @pytest.mark.toolkit("G1")
 async def test_servos_keep_the_last_safe_pose_when_the_body_dies(tmp_path: Path) -> None:
-    async with assembled(tmp_path, five(tmp_path)) as it:
-        await it.torque()
-        await until(lambda: len(it.goals("base")) > 3)
+    async with assembled(tmp_path, five(tmp_path)) as both_drivers:
+        await both_drivers.torque()
+        await until(lambda: len(both_drivers.goals("base")) > 3)
         dancing = asyncio.create_task(
-            it.body.perform(Ordered("play", {"move": "dance", "speed": 1.0, "amplitude": 1.0}))
-        )
-        await until(lambda: abs(it.at("base")) > 5.0)
-        it.body._ticker.end()  # its thread is gone, without a word
-        await until(lambda: it.body._ticker.ended)
-        await until(
-            lambda: any(
-                isinstance(one, Notice) and "sends no setpoints" in one.text for one in it.said
+            both_drivers.body.perform(
+                BusJob("play", {"move": "dance", "speed": 1.0, "amplitude": 1.0})
             )
         )
-        held = {name: it.at(name) for name in it.body.settings.joints}
-        ticks = it.servos.loop.ticks
-        await until(lambda: it.servos.loop.ticks > ticks + 10)
-        assert {name: it.at(name) for name in held} == held
-        assert all(it.bus.servo(number).torque for number in IDS)
-        assert it.safe()
+        await until(lambda: abs(both_drivers.at("base")) > 5.0)
+        both_drivers.body._ticker.end()  # its thread is gone, without a word
+        await until(lambda: both_drivers.body._ticker.ended)
+        await until(
+            lambda: any(
+                isinstance(one, Notice) and "sends no setpoints" in one.text
+                for one in both_drivers.said
+            )
+        )
+        held = {name: both_drivers.at(name) for name in both_drivers.body.settings.joints}
+        ticks = both_drivers.servos.loop.ticks
+        await until(lambda: both_drivers.servos.loop.ticks > ticks + 10)
+        assert {name: both_drivers.at(name) for name in held} == held
+        assert all(both_drivers.bus.servo(number).torque for number in IDS)
+        assert both_drivers.safe()
         dancing.cancel()
         await asyncio.gather(dancing, return_exceptions=True)
 
@@ -166,52 +179,60 @@ async def test_a_stop_reaches_the_servos_and_a_release_brings_them_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, pace: float
 ) -> None:
     monkeypatch.setattr("woz_drivers.body.driver.STOP_S", 20.0)  # its thread may stand still
-    async with assembled(tmp_path, five(tmp_path)) as it:
-        await it.torque()
+    async with assembled(tmp_path, five(tmp_path)) as both_drivers:
+        await both_drivers.torque()
         began = time.monotonic()
-        it.bus.clock = lambda: began + pace * (time.monotonic() - began)
-        await until(lambda: len(it.goals("base")) > 3)
+        both_drivers.bus.clock = lambda: began + pace * (time.monotonic() - began)
+        await until(lambda: len(both_drivers.goals("base")) > 3)
         dancing = asyncio.create_task(
-            it.body.perform(Ordered("play", {"move": "dance", "speed": 1.0, "amplitude": 1.0}))
+            both_drivers.body.perform(
+                BusJob("play", {"move": "dance", "speed": 1.0, "amplitude": 1.0})
+            )
         )
-        await until(lambda: abs(it.at("base")) > 15.0)
-        await asyncio.gather(it.body.stop(Scope.ALL), it.servos.stop(Scope.ALL))
-        ticks = it.servos.loop.ticks
-        await until(lambda: it.servos.loop.ticks > ticks + 3)
-        held = {name: it.at(name) for name in it.body.settings.joints}
-        await until(lambda: it.servos.loop.ticks > ticks + 20)
-        assert {name: it.at(name) for name in held} == held
-        behind = time.monotonic() - it.bus.clock()
-        it.bus.clock = lambda: time.monotonic() - behind  # their time goes on as ours does
-        await asyncio.gather(it.body.resume(), it.servos.resume(), dancing)
-        await it.body.perform(Ordered("pose", {"joints": {"base": -20.0}}))
-        await until(lambda: abs(it.at("base") + 20.0) < 1.0)
-        assert it.safe()
+        await until(lambda: abs(both_drivers.at("base")) > 15.0)
+        await asyncio.gather(both_drivers.body.stop(Scope.ALL), both_drivers.servos.stop(Scope.ALL))
+        ticks = both_drivers.servos.loop.ticks
+        await until(lambda: both_drivers.servos.loop.ticks > ticks + 3)
+        held = {name: both_drivers.at(name) for name in both_drivers.body.settings.joints}
+        await until(lambda: both_drivers.servos.loop.ticks > ticks + 20)
+        assert {name: both_drivers.at(name) for name in held} == held
+        behind = time.monotonic() - both_drivers.bus.clock()
+        both_drivers.bus.clock = lambda: (
+            time.monotonic() - behind
+        )  # their time goes on as ours does
+        await asyncio.gather(both_drivers.body.resume(), both_drivers.servos.resume(), dancing)
+        await both_drivers.body.perform(BusJob("pose", {"joints": {"base": -20.0}}))
+        await until(lambda: abs(both_drivers.at("base") + 20.0) < 1.0)
+        assert both_drivers.safe()
 
 
 async def test_the_thread_leaves_the_interpreter_as_it_was(tmp_path: Path) -> None:
     before = sys.getswitchinterval()
-    async with assembled(tmp_path, five(tmp_path)) as it:
-        assert it.body._ticker.lateness.ticks >= 1
+    async with assembled(tmp_path, five(tmp_path)) as both_drivers:
+        assert both_drivers.body._ticker.lateness.ticks >= 1
     assert sys.getswitchinterval() == before
 
 
 async def test_a_body_moves_nothing_while_its_servos_are_limp_dead_or_overloaded(
     tmp_path: Path,
 ) -> None:
-    async with assembled(tmp_path, five(tmp_path)) as it:
-        pose = Ordered("pose", {"joints": {"base": 30.0}, "seconds": 0.5})
+    async with assembled(tmp_path, five(tmp_path)) as both_drivers:
+        pose = BusJob("pose", {"joints": {"base": 30.0}, "seconds": 0.5})
         with pytest.raises(RejectedError, match="the torque of base is off") as limp:
-            await it.body.perform(pose)
+            await both_drivers.body.perform(pose)
         assert "torque: on" in limp.value.remedy
-        await it.torque()
-        await it.body.perform(pose)
+        await both_drivers.torque()
+        await both_drivers.body.perform(pose)
         assert (pose.evidences, pose.arrivals) == (["measured"], [])
-        it.bus.servo(IDS[list(it.body.settings.joints).index("base")]).stuck = True
+        both_drivers.bus.servo(
+            IDS[list(both_drivers.body.settings.joints).index("base")]
+        ).stuck = True
         with pytest.raises(DriverError, match=r"base stands at .* degrees and not at -30"):
-            await it.body.perform(Ordered("pose", {"joints": {"base": -30.0}, "seconds": 0.5}))
-        it.bus.pull()
-        await until(lambda: any(isinstance(one, DriverLost) for one in it.said))
+            await both_drivers.body.perform(
+                BusJob("pose", {"joints": {"base": -30.0}, "seconds": 0.5})
+            )
+        both_drivers.bus.pull()
+        await until(lambda: any(isinstance(one, DriverLost) for one in both_drivers.said))
         with pytest.raises(DeviceLostError) as gone:
-            await it.body.perform(pose)
+            await both_drivers.body.perform(pose)
         assert gone.value.remedy

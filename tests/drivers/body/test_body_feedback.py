@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from woz_drivers.body import Body
 
-from tests.drivers.body.rig import Stage, played, small
-from tests.drivers.body.test_body_tells import present
-from tests.drivers.heard import Ordered
+from tests.drivers.body.rig import BodyRig, played_body, small
+from tests.drivers.body.test_body_messages import present
+from tests.drivers.published_messages import BusJob
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError
 from woz_tui.protocol.messages import Json, VerbsUnable
 
@@ -35,47 +35,47 @@ def test_what_its_servos_cannot_do_is_refused_with_their_reason(
     overload = ("has an alarm: overload", "`reboot` it")
     gone = ("no servo answers on /dev/tty", "check their power")
 
-    async def story(it: Stage) -> None:
-        begun = it.setpoints
+    async def story(rig: BodyRig) -> None:
+        begun = rig.setpoints
         for held, unable, joints, kind, why in (
             ((), {}, {"pan": 0.0, "tilt": 10.0}, RejectedError, "the torque of"),
             ((), dict.fromkeys(("pan", "tilt"), overload), {}, DriverError, "overload"),
             ((), dict.fromkeys(("pan", "tilt"), gone), {}, DeviceLostError, "no servo answers"),
         ):
-            present(it, frozenset(held), unable=unable, joints=joints)
-            with pytest.raises(kind, match=why) as refused:
-                await it.do(verb, **args)
-            assert refused.value.remedy
-            assert it.setpoints == pytest.approx(begun, abs=0.1)
+            present(rig, frozenset(held), unable=unable, joints=joints)
+            with pytest.raises(kind, match=why) as raised:
+                await rig.do(verb, **args)
+            assert raised.value.remedy
+            assert rig.setpoints == pytest.approx(begun, abs=0.1)
 
-    played(tmp_path, story, servos="head")
+    played_body(tmp_path, story, servos="head")
 
 
 def test_a_body_whose_servos_say_nothing_has_not_moved(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
+    async def story(rig: BodyRig) -> None:
         with pytest.raises(DeviceLostError, match="is not told of"):
-            await it.do("pose", joints={"pan": 20.0}, seconds=0.2)
-        assert (it.heard.all(VerbsUnable)[-1].unable)[:2] == ["play", "pose"]
-        present(it, frozenset({"pan", "tilt"}), pan=0.0, tilt=10.0)
+            await rig.do("pose", joints={"pan": 20.0}, seconds=0.2)
+        assert (rig.published.all(VerbsUnable)[-1].unable)[:2] == ["play", "pose"]
+        present(rig, frozenset({"pan", "tilt"}), pan=0.0, tilt=10.0)
         await asyncio.sleep(0.3)
-        assert it.heard.all(VerbsUnable)[-1].unable == []
+        assert rig.published.all(VerbsUnable)[-1].unable == []
 
-    played(tmp_path, story, servos="head")
+    played_body(tmp_path, story, servos="head")
 
 
 async def followed(
-    it: Stage, job: Ordered, share: float = 1.0, held: frozenset[str] = frozenset({"pan", "tilt"})
+    rig: BodyRig, job: BusJob, share: float = 1.0, held: frozenset[str] = frozenset({"pan", "tilt"})
 ) -> Mapping[str, Json]:
     """Carries a command out with servos that go this share of the way, if they are `held`."""
-    start = it.setpoints
-    present(it, held, joints=start)
-    running = asyncio.create_task(it.body.perform(job))
+    start = rig.setpoints
+    present(rig, held, joints=start)
+    running = asyncio.create_task(rig.body.perform(job))
     while not running.done() or (job.verb == "gaze" and not job.arrivals):
-        await it.ticks(1)
+        await rig.ticks(1)
         there = {
-            name: start[name] + share * (at - start[name]) for name, at in it.setpoints.items()
+            name: start[name] + share * (at - start[name]) for name, at in rig.setpoints.items()
         }
-        present(it, held, joints={n: at if n in held else start[n] for n, at in there.items()})
+        present(rig, held, joints={n: at if n in held else start[n] for n, at in there.items()})
     return running.result()
 
 
@@ -83,41 +83,41 @@ async def followed(
 def test_a_motion_is_done_when_its_servos_show_it(
     tmp_path: Path, verb: str, args: dict[str, Json]
 ) -> None:
-    async def story(it: Stage) -> None:
-        await it.ticks(2)
-        await followed(it, Ordered("pose", {"joints": {"pan": -40.0}, "seconds": 0.3}))
-        job = Ordered(verb, args)
-        await followed(it, job)
+    async def story(rig: BodyRig) -> None:
+        await rig.ticks(2)
+        await followed(rig, BusJob("pose", {"joints": {"pan": -40.0}, "seconds": 0.3}))
+        job = BusJob(verb, args)
+        await followed(rig, job)
         assert (job.evidences, job.arrivals) == (["measured"], [""] if verb == "gaze" else [])
-        await followed(it, Ordered("pose", {"joints": {"pan": -40.0}, "seconds": 0.3}))
-        job = Ordered(verb, args)
+        await followed(rig, BusJob("pose", {"joints": {"pan": -40.0}, "seconds": 0.3}))
+        job = BusJob(verb, args)
         if verb == "gaze":
-            await followed(it, job, 0.0)
+            await followed(rig, job, 0.0)
             assert job.arrivals[0].startswith("pan stands at -40 degrees and not at 20")
         else:
             with pytest.raises(DriverError, match=r"pan (stands at|moved by 0 of)"):
-                await followed(it, job, 0.0)
+                await followed(rig, job, 0.0)
 
-    played(tmp_path, story, servos="head")
+    played_body(tmp_path, story, servos="head")
 
 
 def test_a_pose_of_which_one_joint_is_limp_has_not_arrived(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        job = Ordered("pose", {"joints": {"pan": 20.0, "tilt": 30.0}, "seconds": 0.3})
-        sent = await followed(it, job, held=frozenset({"pan"}))
+    async def story(rig: BodyRig) -> None:
+        job = BusJob("pose", {"joints": {"pan": 20.0, "tilt": 30.0}, "seconds": 0.3})
+        sent = await followed(rig, job, held=frozenset({"pan"}))
         assert sent["left_out"] == {"tilt": "torque is off"}
         assert job.arrivals == ["tilt torque is off"]
 
-    played(tmp_path, story, servos="head")
+    played_body(tmp_path, story, servos="head")
 
 
 def test_a_body_without_servos_knows_of_no_joint(tmp_path: Path) -> None:
-    job = Ordered("pose", {"joints": {"pan": 20.0}, "seconds": 0.1})
+    job = BusJob("pose", {"joints": {"pan": 20.0}, "seconds": 0.1})
 
-    async def story(it: Stage) -> None:
-        await it.body.perform(job)
+    async def story(rig: BodyRig) -> None:
+        await rig.body.perform(job)
 
-    played(tmp_path, story)
+    played_body(tmp_path, story)
     assert job.evidences == []
     alone, moved = (
         {verb.name: verb.evidence for verb in Body.verbs(small(**servos))}

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.drivers.body.test_body_session import EXPERIMENTS, KEY, Stage, on_stage
+from tests.drivers.body.test_body_session import EXPERIMENTS, KEY, BodySession, on_stage
 from woz_tui.cli import main
 from woz_tui.protocol import messages as m
 
@@ -33,17 +33,17 @@ def near(value: float, rendered: list[float]) -> bool:
 def test_a_performance_is_rendered_again_from_its_log(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: BodySession) -> None:
         for name, seconds in (("Joy dances", 10.0), ("Teasing", 6.0), ("Together", 10.0)):
-            stage.session.play(name, KEY)
+            rig.session.play(name, KEY)
             await asyncio.sleep(seconds)
 
-    stage = on_stage(tmp_path, scenario, "show")
-    log = stage.session.recorder.path
+    rig = on_stage(tmp_path, scenario, "show")
+    log = rig.session.recorder.path
     for robot in ("joy", "grim"):
         performed = [
             (line.t / 1e6, line.sensor.rpartition(".")[2], line.value)
-            for line in stage.lines
+            for line in rig.lines
             if isinstance(line, m.Reading)
             and line.sensor.startswith(f"{robot}.setpoint.")
             and line.value is not None

@@ -44,7 +44,7 @@ class LoopRobot(SimulatedRobot):
         super().__init__(name, settings, context, pace=LoopPace())
 
 
-class Stage:
+class BodySession:
     """A session on an example, and everything it published."""
 
     def __init__(self, tmp_path: Path, name: str) -> None:
@@ -78,130 +78,130 @@ class Stage:
 
 
 def on_stage(
-    tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]], name: str = "eyepi"
-) -> Stage:
-    async def go() -> Stage:
-        stage = Stage(tmp_path, name)
-        await stage.session.open()
+    tmp_path: Path, scenario: Callable[[BodySession], Awaitable[None]], name: str = "eyepi"
+) -> BodySession:
+    async def go() -> BodySession:
+        rig = BodySession(tmp_path, name)
+        await rig.session.open()
         await asyncio.sleep(0.5)
-        await scenario(stage)
-        await stage.session.close("test")
-        return stage
+        await scenario(rig)
+        await rig.session.close("test")
+        return rig
 
     return run_virtual(go())
 
 
 @pytest.mark.toolkit("L2", "L7", "M1")
 def test_it_plays_gazes_stops_and_stirs_again(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Dance", KEY)
+    async def scenario(rig: BodySession) -> None:
+        rig.session.play("Dance", KEY)
         await asyncio.sleep(2)
-        stage.session.play("Left", KEY)  # a gaze: the dance is over
+        rig.session.play("Left", KEY)  # a gaze: the dance is over
         await asyncio.sleep(2)
-        assert stage.kinds(m.ActionDone) == ["ActionDone", "ActionDone"]
-        assert stage.values("setpoint.pitch")[-1] == pytest.approx(45.0, abs=1.0)
-        stage.session.play("Dance", KEY)
+        assert rig.kinds(m.ActionDone) == ["ActionDone", "ActionDone"]
+        assert rig.values("setpoint.pitch")[-1] == pytest.approx(45.0, abs=1.0)
+        rig.session.play("Dance", KEY)
         await asyncio.sleep(1)
-        stage.session.stop("key")
+        rig.session.stop("key")
         await asyncio.sleep(0.6)
-        stopped = [line for line in stage.lines if isinstance(line, m.StopConfirmed)]
+        stopped = [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
         assert "body" in stopped[-1].confirmed and not stopped[-1].missing
-        held = stage.values("joint.pitch")[-1], stage.values("joint.top")[-1]
+        held = rig.values("joint.pitch")[-1], rig.values("joint.top")[-1]
         await asyncio.sleep(2)
-        assert (stage.values("joint.pitch")[-1], stage.values("joint.top")[-1]) == held
+        assert (rig.values("joint.pitch")[-1], rig.values("joint.top")[-1]) == held
         with pytest.raises(RequestError, match="stop"):
-            stage.session.play("Nod", KEY)
-        stage.session.release("key")
+            rig.session.play("Nod", KEY)
+        rig.session.release("key")
         await asyncio.sleep(3)
-        breath = stage.values("joint.top")[-20:]
+        breath = rig.values("joint.top")[-20:]
         assert max(breath) - min(breath) > 1.0
-        stage.session.play("Nod", KEY)
+        rig.session.play("Nod", KEY)
         await asyncio.sleep(3)
 
-    stage = on_stage(tmp_path, scenario)
-    assert stage.kinds(m.ActionDone)[-1] == "ActionDone"
-    modes = [line.now for line in stage.lines if isinstance(line, m.ModeChanged)]
+    rig = on_stage(tmp_path, scenario)
+    assert rig.kinds(m.ActionDone)[-1] == "ActionDone"
+    modes = [line.now for line in rig.lines if isinstance(line, m.ModeChanged)]
     assert modes == ["normal"]
-    assert not stage.kinds(m.Failed, m.DriverFaulted, m.LaneFaulted)
+    assert not rig.kinds(m.Failed, m.DriverFaulted, m.LaneFaulted)
 
 
 @pytest.mark.toolkit("M2", "M3", "E4")
 def test_programs_cannot_interrupt_the_demo_and_the_wizard_can(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Demo", KEY)
+    async def scenario(rig: BodySession) -> None:
+        rig.session.play("Demo", KEY)
         await asyncio.sleep(5)
-        stage.session.send("gaze", {"yaw": 20}, "", PROGRAM)
+        rig.session.send("gaze", {"yaw": 20}, "", PROGRAM)
         await asyncio.sleep(0.1)
-        refused = [line for line in stage.lines if isinstance(line, m.Refused)]
+        refused = [line for line in rig.lines if isinstance(line, m.Refused)]
         assert "demo" in refused[-1].reason
-        stage.session.play("Normal", KEY)
+        rig.session.play("Normal", KEY)
         await asyncio.sleep(2)
-        stage.session.send("gaze", {"yaw": 20}, "", PROGRAM)
+        rig.session.send("gaze", {"yaw": 20}, "", PROGRAM)
         await asyncio.sleep(1)
-        assert stage.values("setpoint.pitch")[-1] == pytest.approx(20.0, abs=1.0)
+        assert rig.values("setpoint.pitch")[-1] == pytest.approx(20.0, abs=1.0)
 
-    stage = on_stage(tmp_path, scenario)
-    modes = [line.now for line in stage.lines if isinstance(line, m.ModeChanged)]
+    rig = on_stage(tmp_path, scenario)
+    modes = [line.now for line in rig.lines if isinstance(line, m.ModeChanged)]
     assert modes == ["normal", "demo", "normal"]
-    assert len(stage.kinds(m.Refused)) == 1
+    assert len(rig.kinds(m.Refused)) == 1
 
 
 def test_a_burst_of_steps_of_a_control_loses_none(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: BodySession) -> None:
         for _ in range(28):
-            stage.session.play("Pitch left", KEY)
-            stage.session.play("Pitch right", KEY)
+            rig.session.play("Pitch left", KEY)
+            rig.session.play("Pitch right", KEY)
         await asyncio.sleep(1)
 
-    stage = on_stage(tmp_path, scenario)
-    assert stage.kinds(m.Refused, m.Failed) == []
-    assert stage.kinds(m.ActionDone) == ["ActionDone"] * 56
+    rig = on_stage(tmp_path, scenario)
+    assert rig.kinds(m.Refused, m.Failed) == []
+    assert rig.kinds(m.ActionDone) == ["ActionDone"] * 56
 
 
 def test_replacing_a_move_ends_it_and_begins_anew(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Dance", KEY)
+    async def scenario(rig: BodySession) -> None:
+        rig.session.play("Dance", KEY)
         await asyncio.sleep(1)
-        stage.session.play("Nod", KEY, when_busy="replace")
+        rig.session.play("Nod", KEY, when_busy="replace")
         await asyncio.sleep(3)
 
-    stage = on_stage(tmp_path, scenario)
-    assert len(stage.kinds(m.Superseded)) == 1
-    assert "ActionDone" in stage.kinds(m.ActionDone)
+    rig = on_stage(tmp_path, scenario)
+    assert len(rig.kinds(m.Superseded)) == 1
+    assert "ActionDone" in rig.kinds(m.ActionDone)
 
 
 @pytest.mark.toolkit("U1", "P5")
 def test_the_show_is_played_to_its_end_by_two_robots(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        script = stage.session.experiment.script
+    async def scenario(rig: BodySession) -> None:
+        script = rig.session.experiment.script
         for number in range(len(script)):
-            stage.session.script_next(KEY)
+            rig.session.script_next(KEY)
             for _ in range(400):
                 await asyncio.sleep(0.1)
-                if len(stage.kinds(m.ActionDone, m.ActionFailed)) > number:
+                if len(rig.kinds(m.ActionDone, m.ActionFailed)) > number:
                     break
         await asyncio.sleep(1)
 
-    stage = on_stage(tmp_path, scenario, "show")
-    script = stage.session.experiment.script
-    assert stage.kinds(m.ActionEnd) == ["ActionDone"] * len(script)
+    rig = on_stage(tmp_path, scenario, "show")
+    script = rig.session.experiment.script
+    assert rig.kinds(m.ActionEnd) == ["ActionDone"] * len(script)
     ways: dict[str, list[object]] = {"joy.body": [], "grim.body": []}
-    for line in stage.lines:
+    for line in rig.lines:
         if isinstance(line, m.BodyChanged) and line.values["personality"] not in (
             ways[line.driver][-1:] or ["default"]
         ):
             ways[line.driver].append(line.values["personality"])
     assert ways == {"joy.body": ["upbeat"], "grim.body": ["grumpy", "upbeat"]}
     # One of them sleeps. The happy one breaks down, and the grumpy one is amazed, then sad.
-    assert _emotions(stage, "joy", "Curtain", "Joy dances") == ["neutral", "amazed"]
-    assert _emotions(stage, "grim", "Curtain", "Grim objects") == ["sleepy"]
-    assert _emotions(stage, "joy", "Crash", "Revival") == ["happy", "crash", "sleepy"]
-    assert _emotions(stage, "grim", "Crash", "Revival") == ["angry", "amazed", "sad"]
-    assert _emotions(stage, "joy", "Revival", "")[-1] == "happy"
-    assert _emotions(stage, "grim", "Revival", "")[-1] == "happy"
+    assert _emotions(rig, "joy", "Curtain", "Joy dances") == ["neutral", "amazed"]
+    assert _emotions(rig, "grim", "Curtain", "Grim objects") == ["sleepy"]
+    assert _emotions(rig, "joy", "Crash", "Revival") == ["happy", "crash", "sleepy"]
+    assert _emotions(rig, "grim", "Crash", "Revival") == ["angry", "amazed", "sad"]
+    assert _emotions(rig, "joy", "Revival", "")[-1] == "happy"
+    assert _emotions(rig, "grim", "Revival", "")[-1] == "happy"
     played = {
         (line.action, Path(str(line.args["file"])).name)
-        for line in stage.lines
+        for line in rig.lines
         if isinstance(line, m.Command) and line.verb == "sound"
     }
     assert played == {
@@ -209,26 +209,26 @@ def test_the_show_is_played_to_its_end_by_two_robots(tmp_path: Path) -> None:
         ("Crash", "run-down.wav"),
     }
     for robot, name in (("joy", "joint.pitch"), ("grim", "joint.pitch")):
-        turned = stage.values(f"{robot}.{name}")
+        turned = rig.values(f"{robot}.{name}")
         assert max(turned) - min(turned) > 20
-    settings = stage.body("joy.body").settings
-    path = [{"pitch": angle} for angle in stage.values("joy.joint.pitch")]
+    settings = rig.body("joy.body").settings
+    path = [{"pitch": angle} for angle in rig.values("joy.joint.pitch")]
     assert all(settings.joints["pitch"].min <= pose["pitch"] <= 90 for pose in path)
 
 
 @pytest.mark.toolkit("U1")
 def test_the_music_of_the_show_lasts_as_long_as_the_dance(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
-        stage.session.play("Curtain", KEY)
+    async def scenario(rig: BodySession) -> None:
+        rig.session.play("Curtain", KEY)
         await asyncio.sleep(5)
-        stage.session.play("Joy dances", KEY)
+        rig.session.play("Joy dances", KEY)
         await asyncio.sleep(10)
 
-    stage = on_stage(tmp_path, scenario, "show")
-    verbs = {line.command: line.verb for line in stage.lines if isinstance(line, m.Command)}
+    rig = on_stage(tmp_path, scenario, "show")
+    verbs = {line.command: line.verb for line in rig.lines if isinstance(line, m.Command)}
     lasted = {
         verbs[line.command]: line.duration_us / 1e6
-        for line in stage.lines
+        for line in rig.lines
         if isinstance(line, m.Done)
     }
     assert lasted["sound"] == pytest.approx(lasted["play"], abs=0.1)
@@ -242,16 +242,16 @@ def test_the_music_of_the_show_lasts_as_long_as_the_dance(tmp_path: Path) -> Non
         )
 
 
-def _emotions(stage: Stage, robot: str, first: str, until: str) -> list[str]:
+def _emotions(rig: BodySession, robot: str, first: str, until: str) -> list[str]:
     """What a robot shows, one after the other, from one scene to the beginning of another."""
     scenes = {
         line.action: place
-        for place, line in enumerate(stage.lines)
+        for place, line in enumerate(rig.lines)
         if isinstance(line, m.ActionRequested)
     }
     shown = [
         line.emotion
-        for line in stage.lines[scenes[first] : scenes.get(until)]
+        for line in rig.lines[scenes[first] : scenes.get(until)]
         if isinstance(line, m.FaceShown) and line.driver == f"{robot}.body"
     ]
     return [emotion for emotion, _ in itertools.groupby(shown)]
@@ -259,22 +259,22 @@ def _emotions(stage: Stage, robot: str, first: str, until: str) -> list[str]:
 
 @pytest.mark.toolkit("U4", "L8")
 def test_minutes_without_input_it_stays_alive_where_it_was(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: BodySession) -> None:
         await asyncio.sleep(150)
-        tops = stage.values("joint.top")[50:]
+        tops = rig.values("joint.top")[50:]
         first, last = tops[:600], tops[-600:]
         assert max(first) - min(first) > 3.0
         assert max(last) - min(last) > 3.0
         assert sum(first) / 600 == pytest.approx(sum(last) / 600, abs=0.1)
 
-    stage = on_stage(tmp_path, scenario)
-    assert len({line.rows for line in stage.lines if isinstance(line, m.FaceShown)}) > 1
+    rig = on_stage(tmp_path, scenario)
+    assert len({line.rows for line in rig.lines if isinstance(line, m.FaceShown)}) > 1
 
 
 def test_a_body_may_ask_for_the_sound_of_a_move(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: BodySession) -> None:
         heard: list[tuple[bool, str]] = []
-        context = stage.body().context
+        context = rig.body().context
         context.ask(
             Ask("verb", "sound", {"file": "media/gong.wav"}, source="body"),
             lambda carried, why: heard.append((carried, why)),
@@ -282,18 +282,18 @@ def test_a_body_may_ask_for_the_sound_of_a_move(tmp_path: Path) -> None:
         await asyncio.sleep(5)
         assert heard == [(True, "")]
 
-    stage = on_stage(tmp_path, scenario)
-    command = next(line for line in stage.lines if isinstance(line, m.Command))
+    rig = on_stage(tmp_path, scenario)
+    command = next(line for line in rig.lines if isinstance(line, m.Command))
     assert (command.driver, command.verb, command.source) == ("voice", "sound", "body")
 
 
 def test_readings_keep_the_limits_at_rest_and_in_the_end(tmp_path: Path) -> None:
-    async def scenario(stage: Stage) -> None:
+    async def scenario(rig: BodySession) -> None:
         await asyncio.sleep(1)
 
-    stage = on_stage(tmp_path, scenario)
-    settings = stage.body().settings
-    last = {name: stage.values(f"joint.{name}")[-1] for name in settings.joints}
+    rig = on_stage(tmp_path, scenario)
+    settings = rig.body().settings
+    last = {name: rig.values(f"joint.{name}")[-1] for name in settings.joints}
     # The last reading is up to a tenth of a second older than the arrival.
     assert last == pytest.approx(dict(settings.rest_pose), abs=2.0)
     assert within(settings, [last])

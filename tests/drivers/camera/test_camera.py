@@ -13,8 +13,8 @@ from woz_drivers.camera import Camera
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import PipedCamera, picture, planes, with_block
-from tests.drivers.heard import Heard, Ordered, until
-from tests.fakes.offspring import offspring
+from tests.drivers.published_messages import BusJob, PublishedMessages, until
+from tests.fakes.child_processes import offspring
 from woz_tui.drivers.contract import Finding, Probe, RejectedError, Scope
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.protocol.messages import DriverConnected, DriverLost
@@ -40,136 +40,136 @@ async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
 
     async def started(
         command: tuple[str, ...] | str, real: bool = False, **settings: Any
-    ) -> tuple[Camera, Heard]:
-        heard = Heard(tmp_path, RealClock() if real else clock)
-        made = CameraSettings(command=command, **{**SMALL, **settings})
-        assert made.problems() == []
-        camera = Camera("it", made, heard.context)
+    ) -> tuple[Camera, PublishedMessages]:
+        published = PublishedMessages(tmp_path, RealClock() if real else clock)
+        camera_settings = CameraSettings(command=command, **{**SMALL, **settings})
+        assert camera_settings.problems() == []
+        camera = Camera("it", camera_settings, published.context)
         cameras.append(camera)
         await camera.open()
-        return camera, heard
+        return camera, published
 
     yield started
     for camera in cameras:
         await camera.close()
 
 
-def seen(heard: Heard) -> Sighting:
-    value = heard.context.feed(SEEN).latest().value
+def sighting_of(published: PublishedMessages) -> Sighting:
+    value = published.context.feed(SEEN).latest().value
     assert isinstance(value, Sighting)
     return value
 
 
-async def frames(heard: Heard, count: int) -> Sighting:
+async def frames(published: PublishedMessages, count: int) -> Sighting:
     """What was seen in the picture number `count`."""
-    feed = heard.context.feed(SEEN)
+    feed = published.context.feed(SEEN)
     await until(lambda: feed.latest().serial >= count)
-    return seen(heard)
+    return sighting_of(published)
 
 
 @pytest.mark.toolkit("O3")
 async def test_where_it_is_goes_into_the_feed_and_the_log(begin: Begin, pipe: PipedCamera) -> None:
-    _, heard = await begin(pipe.command)
+    _, published = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(with_block(18, 0, 2))
-    first = await frames(heard, 1)
+    first = await frames(published, 1)
     assert first.frame == 1
     assert first.x == pytest.approx(0.9)
     assert first.y == pytest.approx(-13 / 15)
     assert first.size == pytest.approx(4 / 300)
-    assert heard.values("seen.x") == [pytest.approx(0.9)]
-    assert heard.values("seen.y") == [pytest.approx(-13 / 15)]
-    assert heard.values("seen.size") == [pytest.approx(4 / 300)]
-    assert heard.all(DriverConnected)[0].detail == "cat, 20 x 15 rgb24"
-    assert heard.states("seen.x") == ["ok"]
+    assert published.values("seen.x") == [pytest.approx(0.9)]
+    assert published.values("seen.y") == [pytest.approx(-13 / 15)]
+    assert published.values("seen.size") == [pytest.approx(4 / 300)]
+    assert published.all(DriverConnected)[0].detail == "cat, 20 x 15 rgb24"
+    assert published.states("seen.x") == ["ok"]
 
 
 @pytest.mark.toolkit("O3")
 async def test_nothing_seen_is_said_too(
     begin: Begin, pipe: PipedCamera, clock: ManualClock
 ) -> None:
-    _, heard = await begin(pipe.command)
+    _, published = await begin(pipe.command)
     await until(pipe.connected)
     clock.advance(3)
     pipe.send(picture())
-    assert await frames(heard, 1) == Sighting(3_000_000, 1, None, None, 0.0)
-    assert heard.values("seen.x") == [None]
-    assert heard.values("seen.size") == [0.0]
+    assert await frames(published, 1) == Sighting(3_000_000, 1, None, None, 0.0)
+    assert published.values("seen.x") == [None]
+    assert published.values("seen.size") == [0.0]
 
 
 async def test_every_picture_counts_but_ten_readings_a_second_do(
     begin: Begin, pipe: PipedCamera, clock: ManualClock
 ) -> None:
-    _, heard = await begin(pipe.command)
+    _, published = await begin(pipe.command)
     await until(pipe.connected)
     for number in range(1, 33):  # one second of pictures
         pipe.send(with_block(number % 20, 4))
-        assert (await frames(heard, number)).frame == number
+        assert (await frames(published, number)).frame == number
         clock.advance(1 / 32)
-    assert 8 <= len(heard.values("seen.x")) <= 10
+    assert 8 <= len(published.values("seen.x")) <= 10
 
 
 async def test_a_camera_that_hangs_before_a_mirror(begin: Begin, pipe: PipedCamera) -> None:
-    _, heard = await begin(pipe.command, mirror=True, flip=True)
+    _, published = await begin(pipe.command, mirror=True, flip=True)
     await until(pipe.connected)
     pipe.send(with_block(18, 0, 2))
-    found = await frames(heard, 1)
-    assert found.x == pytest.approx(-0.9)
-    assert found.y == pytest.approx(13 / 15)
+    sighting = await frames(published, 1)
+    assert sighting.x == pytest.approx(-0.9)
+    assert sighting.y == pytest.approx(13 / 15)
 
 
 async def test_pictures_of_planes_with_padded_rows(begin: Begin, pipe: PipedCamera) -> None:
-    _, heard = await begin(pipe.command, width=32, height=24, format="yuv420", stride=64)
+    _, published = await begin(pipe.command, width=32, height=24, format="yuv420", stride=64)
     await until(pipe.connected)
     pipe.send(planes(with_block(12, 4, 6, 32, 24), 64))
-    found = await frames(heard, 1)
-    assert found.x == pytest.approx(-1 / 16)
-    assert found.y == pytest.approx(-5 / 12)
-    assert found.size == pytest.approx(9 / 192)
+    sighting = await frames(published, 1)
+    assert sighting.x == pytest.approx(-1 / 16)
+    assert sighting.y == pytest.approx(-5 / 12)
+    assert sighting.size == pytest.approx(9 / 192)
 
 
 async def test_a_dead_command_is_told_and_started_again(begin: Begin, pipe: PipedCamera) -> None:
-    _, heard = await begin(pipe.command)
+    _, published = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(with_block(3, 3), b"half a picture")
-    await frames(heard, 1)
+    await frames(published, 1)
     pipe.unplug()
-    lost = await heard.first(DriverLost)
+    lost = await published.first(DriverLost)
     assert lost.detail == "cat ended: exit status 0"
-    assert heard.states("seen.x") == ["ok", "stale"]
+    assert published.states("seen.x") == ["ok", "stale"]
     await until(pipe.connected)
     pipe.send(with_block(18, 0, 2))  # the half picture is forgotten
-    assert (await frames(heard, 2)).x == pytest.approx(0.9)
-    assert heard.states("seen.x") == ["ok", "stale", "ok"]
+    assert (await frames(published, 2)).x == pytest.approx(0.9)
+    assert published.states("seen.x") == ["ok", "stale", "ok"]
 
 
 async def test_a_missing_program_is_named_with_its_package(begin: Begin) -> None:
-    _, heard = await begin("ffmpeg-of-nobody -i x", real=True)
-    lost = await heard.first(DriverLost)
+    _, published = await begin("ffmpeg-of-nobody -i x", real=True)
+    lost = await published.first(DriverLost)
     assert "ffmpeg-of-nobody is not installed" in lost.detail
 
 
 async def test_a_silent_command_is_stale_and_then_started_again(
     begin: Begin, pipe: PipedCamera, clock: ManualClock
 ) -> None:
-    _, heard = await begin(pipe.command)
+    _, published = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(with_block(3, 3))
-    await frames(heard, 1)
+    await frames(published, 1)
     clock.advance(2)
-    await heard.state("seen.x", "stale")
+    await published.state("seen.x", "stale")
     clock.advance(4)
-    lost = await heard.first(DriverLost)
+    lost = await published.first(DriverLost)
     assert "delivered nothing" in lost.detail
 
 
 async def test_a_film_runs_at_its_own_pace_and_again(begin: Begin, tmp_path: Path) -> None:
     film = tmp_path / "film.rgb"
     film.write_bytes(b"".join(with_block(x, 5).tobytes() for x in range(20)))
-    _, heard = await begin(("cat", str(film)), real=True, pace="real", rate=100)
+    _, published = await begin(("cat", str(film)), real=True, pace="real", rate=100)
     loop = asyncio.get_running_loop()
     began = loop.time()
-    await frames(heard, 21)
+    await frames(published, 21)
     assert loop.time() - began >= 0.2  # twenty pictures last at least as long as they should
 
 
@@ -177,17 +177,17 @@ async def test_a_film_is_shown_to_its_last_picture(begin: Begin, tmp_path: Path)
     """Its command has ended long before: what it wrote is still in the pipe, held back."""
     film = tmp_path / "film.rgb"
     film.write_bytes(with_block(0, 5).tobytes() * 149 + with_block(17, 5).tobytes())
-    _, heard = await begin(("cat", str(film)), real=True, pace="real", rate=120)
-    feed = heard.context.feed(SEEN)
+    _, published = await begin(("cat", str(film)), real=True, pace="real", rate=120)
+    feed = published.context.feed(SEEN)
     await until(lambda: isinstance(last := feed.latest().value, Sighting) and (last.x or 0.0) > 0.5)
-    assert seen(heard).frame % 150 == 0  # on a busy machine it may have begun again
+    assert sighting_of(published).frame % 150 == 0  # on a busy machine it may have begun again
 
 
 async def test_it_only_looks_and_leaves_nothing_behind(begin: Begin, pipe: PipedCamera) -> None:
     camera, _ = await begin(pipe.command)
     await until(pipe.connected)
     with pytest.raises(RejectedError, match="cannot gaze"):
-        await camera.perform(Ordered("gaze"))
+        await camera.perform(BusJob("gaze"))
     await camera.stop(Scope.ALL)
     await camera.rest()
     await camera.close()
@@ -201,15 +201,15 @@ async def test_it_only_looks_and_leaves_nothing_behind(begin: Begin, pipe: Piped
 
 async def examined(folder: Path, code: str, **settings: Any) -> Finding:
     command = (sys.executable, "-c", f"import sys, time; out = sys.stdout.buffer; {code}")
-    made = CameraSettings(command=command, **{**SMALL, **settings})
-    (finding,) = await Camera.examine(Probe("eye", made, folder))
+    camera_settings = CameraSettings(command=command, **{**SMALL, **settings})
+    (finding,) = await Camera.examine(Probe("eye", camera_settings, folder))
     return finding
 
 
 async def test_doctor_looks_into_the_first_picture(tmp_path: Path) -> None:
     (tmp_path / "film.rgb").write_bytes(with_block(4, 4, 3).tobytes() * 3)
-    made = CameraSettings(command="cat film.rgb", **SMALL)  # type: ignore[arg-type]
-    (finding,) = await Camera.examine(Probe("eye", made, tmp_path))
+    camera_settings = CameraSettings(command="cat film.rgb", **SMALL)  # type: ignore[arg-type]
+    (finding,) = await Camera.examine(Probe("eye", camera_settings, tmp_path))
     assert finding.level == "ok"
     assert "20 x 15 rgb24, 900 bytes each" in finding.text
     assert "3.0% of the first picture" in finding.text
@@ -238,9 +238,9 @@ async def test_doctor_names_what_is_wrong(
 
 
 async def test_doctor_names_the_package_of_a_missing_program(tmp_path: Path) -> None:
-    made = CameraSettings(width=64, height=48)
-    assert made.words[0] == "rpicam-vid"
-    (finding,) = await Camera.examine(Probe("eye", made, tmp_path))
+    camera_settings = CameraSettings(width=64, height=48)
+    assert camera_settings.words[0] == "rpicam-vid"
+    (finding,) = await Camera.examine(Probe("eye", camera_settings, tmp_path))
     assert finding.level == "error"
     assert "rpicam-apps" in finding.remedy or "rpicam-vid" in finding.text
 

@@ -15,7 +15,7 @@ from woz_drivers.camera.raw_pictures import PictureLayout
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import PipedCamera, planes, with_block
-from tests.drivers.heard import Heard, until
+from tests.drivers.published_messages import PublishedMessages, until
 from woz_tui.motion.body_feeds import SEEN
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.system.clock import ManualClock
@@ -23,34 +23,34 @@ from woz_tui.system.clock import ManualClock
 SMALL = {"width": 20, "height": 15, "format": "rgb24"}
 
 
-class Seat:
+class CameraRig:
     """A camera behind a pipe, and a clock that stands still."""
 
     def __init__(self, folder: Path, **more: object) -> None:
         self.clock = ManualClock()
-        self.heard = Heard(folder, self.clock)
+        self.published = PublishedMessages(folder, self.clock)
         self.pipe = PipedCamera(folder / "pipe")
-        made = CameraSettings(command=self.pipe.command, **{**SMALL, **more})  # type: ignore[arg-type]
-        self.camera = Camera("it", made, self.heard.context)
+        camera_settings = CameraSettings(command=self.pipe.command, **{**SMALL, **more})  # type: ignore[arg-type]
+        self.camera = Camera("it", camera_settings, self.published.context)
         self._count = 0
 
     def watch(self, seconds: float, width: int = 20, rate: float = 5.0) -> None:
         wish = CameraWatched(self.clock.now_us() + round(seconds * 1_000_000), width, rate)
-        self.heard.context.feed(WATCHED).put(wish)
+        self.published.context.feed(WATCHED).put(wish)
 
     async def film(self, picture: Pixels | bytes) -> None:
         """One picture comes and has been looked at."""
         self.pipe.send(picture)
         self._count += 1
-        await until(lambda: self.heard.context.feed(SEEN).latest().serial >= self._count)
+        await until(lambda: self.published.context.feed(SEEN).latest().serial >= self._count)
 
     @property
     def offered(self) -> int:
-        return self.heard.context.feed(PICTURE).latest().serial
+        return self.published.context.feed(PICTURE).latest().serial
 
     @property
     def last(self) -> Picture:
-        value = self.heard.context.feed(PICTURE).latest().value
+        value = self.published.context.feed(PICTURE).latest().value
         assert isinstance(value, Picture)
         return value
 
@@ -61,47 +61,47 @@ class Seat:
 
 
 @pytest.fixture
-async def seats(tmp_path: Path) -> AsyncIterator[list[Seat]]:
-    made: list[Seat] = []
+async def seats(tmp_path: Path) -> AsyncIterator[list[CameraRig]]:
+    made: list[CameraRig] = []
     yield made
-    for seat in made:
-        await seat.camera.close()
+    for rig in made:
+        await rig.camera.close()
 
 
-async def opened(seats: list[Seat], folder: Path, **more: object) -> Seat:
-    seat = Seat(folder, **more)
-    seats.append(seat)
-    await seat.camera.open()
-    await until(seat.pipe.connected)
-    return seat
+async def open_rig(seats: list[CameraRig], folder: Path, **more: object) -> CameraRig:
+    rig = CameraRig(folder, **more)
+    seats.append(rig)
+    await rig.camera.open()
+    await until(rig.pipe.connected)
+    return rig
 
 
 async def test_pictures_come_while_somebody_watches_and_no_longer(
-    seats: list[Seat], tmp_path: Path
+    seats: list[CameraRig], tmp_path: Path
 ) -> None:
-    seat = await opened(seats, tmp_path)
+    rig = await open_rig(seats, tmp_path)
     made = with_block(3, 4, 2)
-    await seat.film(made)
-    assert seat.offered == 0, "nobody watches"
-    seat.watch(2.0)
-    await seat.film(made)
-    assert seat.offered == 1
-    assert np.array_equal(seat.pixels, made)
-    seat.clock.advance(2.0)
-    await seat.film(made)
-    assert seat.offered == 1, "the watch is over"
+    await rig.film(made)
+    assert rig.offered == 0, "nobody watches"
+    rig.watch(2.0)
+    await rig.film(made)
+    assert rig.offered == 1
+    assert np.array_equal(rig.pixels, made)
+    rig.clock.advance(2.0)
+    await rig.film(made)
+    assert rig.offered == 1, "the watch is over"
 
 
 async def test_no_more_pictures_than_twice_the_wanted_rate(
-    seats: list[Seat], tmp_path: Path
+    seats: list[CameraRig], tmp_path: Path
 ) -> None:
-    seat = await opened(seats, tmp_path)
-    seat.watch(60.0, rate=4.0)
+    rig = await open_rig(seats, tmp_path)
+    rig.watch(60.0, rate=4.0)
     for _ in range(32):
-        await seat.film(with_block(3, 4))
-        seat.clock.advance(1 / 32)
-    assert seat.offered == 8
-    assert seat.last.t_us == 875_000
+        await rig.film(with_block(3, 4))
+        rig.clock.advance(1 / 32)
+    assert rig.offered == 8
+    assert rig.last.t_us == 875_000
 
 
 @pytest.mark.parametrize(
@@ -114,12 +114,12 @@ async def test_no_more_pictures_than_twice_the_wanted_rate(
     ],
 )
 async def test_a_turned_camera_is_turned_back(
-    seats: list[Seat], tmp_path: Path, mirror: bool, flip: bool, corner: tuple[int, int]
+    seats: list[CameraRig], tmp_path: Path, mirror: bool, flip: bool, corner: tuple[int, int]
 ) -> None:
-    seat = await opened(seats, tmp_path, mirror=mirror, flip=flip)
-    seat.watch(2.0)
-    await seat.film(with_block(3, 4))
-    assert np.argwhere(seat.pixels[:, :, 1] == 200).tolist() == [list(corner)]
+    rig = await open_rig(seats, tmp_path, mirror=mirror, flip=flip)
+    rig.watch(2.0)
+    await rig.film(with_block(3, 4))
+    assert np.argwhere(rig.pixels[:, :, 1] == 200).tolist() == [list(corner)]
 
 
 @pytest.mark.parametrize(

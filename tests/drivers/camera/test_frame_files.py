@@ -17,23 +17,23 @@ from woz_drivers.camera.frame_files import VERB
 from woz_drivers.camera.settings import CameraSettings, FrameSettings
 
 from tests.drivers.camera.pictures import PipedCamera, picture, with_block
-from tests.drivers.heard import PATIENCE_S, Heard, Ordered, until
+from tests.drivers.published_messages import PATIENCE_S, BusJob, PublishedMessages, until
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_feeds import SEEN
 from woz_tui.protocol.messages import Json, Notice
 from woz_tui.system.clock import ManualClock
 
 
-class Shelf:
+class SavingCamera:
     """A camera behind a pipe that saves its pictures."""
 
     def __init__(self, folder: Path, frames: FrameSettings | None, **more: Any) -> None:
         self.clock = ManualClock()
-        self.heard = Heard(folder, self.clock)
+        self.published = PublishedMessages(folder, self.clock)
         self.pipe = PipedCamera(folder / "pipe")
         shape: dict[str, Any] = {"width": 20, "height": 15, "format": "rgb24", **more}
         settings = CameraSettings(command=self.pipe.command, frames=frames, **shape)
-        self.camera = Camera("eye", settings, self.heard.context)
+        self.camera = Camera("eye", settings, self.published.context)
         self._count = 0
 
     async def film(self, *pictures: Any) -> None:
@@ -42,14 +42,14 @@ class Shelf:
             self.clock.advance(0.1)
             self.pipe.send(each)
             self._count += 1
-            await until(lambda: self.heard.context.feed(SEEN).latest().serial >= self._count)
+            await until(lambda: self.published.context.feed(SEEN).latest().serial >= self._count)
 
     async def switch(self, on: bool) -> dict[str, Json]:
-        return dict(await self.camera.perform(Ordered("save_frames", {"on": on})))
+        return dict(await self.camera.perform(BusJob("save_frames", {"on": on})))
 
     @property
     def files(self) -> list[Path]:
-        return sorted((self.heard.context.media / "frames-eye").glob("*.png"))
+        return sorted((self.published.context.media / "frames-eye").glob("*.png"))
 
     async def until_saved(self, count: int) -> None:
         await until(lambda: len(self.files) == count)
@@ -57,10 +57,10 @@ class Shelf:
 
 @pytest.fixture
 async def shelves(tmp_path: Path) -> AsyncIterator[Any]:
-    made: list[Shelf] = []
+    made: list[SavingCamera] = []
 
-    async def opened(frames: FrameSettings | None = None, **more: Any) -> Shelf:
-        shelf = Shelf(tmp_path, frames, **more)
+    async def opened(frames: FrameSettings | None = None, **more: Any) -> SavingCamera:
+        shelf = SavingCamera(tmp_path, frames, **more)
         made.append(shelf)
         await shelf.camera.open()
         await until(shelf.pipe.connected)
@@ -82,7 +82,7 @@ async def test_nothing_is_saved_unless_the_file_asks(shelves: Any) -> None:
     assert Camera.verbs(shelf.camera.settings) == ()
     with pytest.raises(RejectedError):
         await shelf.switch(on=True)
-    assert not shelf.heard.context.media.exists()
+    assert not shelf.published.context.media.exists()
 
 
 async def test_a_key_switches_it_on_and_off(shelves: Any) -> None:
@@ -93,7 +93,7 @@ async def test_a_key_switches_it_on_and_off(shelves: Any) -> None:
     films = [with_block(1, 2), with_block(5, 6)]
     await shelf.film(*films)
     await shelf.until_saved(2)
-    await shelf.heard.until(lambda: 1.0 in shelf.heard.values("frames"))
+    await shelf.published.until(lambda: 1.0 in shelf.published.values("frames"))
     ended = await shelf.switch(on=False)
     await shelf.film(picture())
     assert [path.name for path in shelf.files] == [
@@ -104,10 +104,10 @@ async def test_a_key_switches_it_on_and_off(shelves: Any) -> None:
         assert (pixels(path) == film).all()
         assert path.stat().st_mode & 0o777 == 0o600
     assert shelf.files[0].parent.stat().st_mode & 0o077 == 0
-    folder = f"{shelf.heard.context.media.name}/frames-eye"
+    folder = f"{shelf.published.context.media.name}/frames-eye"
     assert begun == {"folder": folder}
     assert (ended["folder"], ended["skipped"]) == (folder, 0)
-    assert shelf.heard.states("frames") == ["off", "on", "off"]
+    assert shelf.published.states("frames") == ["off", "on", "off"]
 
 
 async def test_from_the_beginning_turned_and_some_of_them(shelves: Any) -> None:
@@ -160,18 +160,18 @@ async def test_a_full_disk_is_told_once_and_survived(
     monkeypatch.setattr(os, "open", opened)
     shelf = await shelves(FrameSettings(at_once=True))
     await shelf.film(picture())
-    await shelf.heard.state("frames", "stale")
+    await shelf.published.state("frames", "stale")
     await shelf.film(picture(), picture())
-    (told,) = shelf.heard.all(Notice)
+    (told,) = shelf.published.all(Notice)
     assert (told.level, "No space left" in told.text) == ("error", True)
     assert told.remedy
     full = False
     shelf.clock.advance(6.0)
     await shelf.film(picture())
-    await shelf.heard.state("frames", "on")
+    await shelf.published.state("frames", "on")
     await shelf.until_saved(1)
     assert (await shelf.switch(on=False))["skipped"] == 3
-    assert [one.level for one in shelf.heard.all(Notice)] == ["error", "info"]
+    assert [one.level for one in shelf.published.all(Notice)] == ["error", "info"]
 
 
 @pytest.mark.parametrize(
@@ -190,8 +190,8 @@ async def test_the_disk_is_left_to_the_log(
     await shelf.film(picture())
     if frames.megabytes == 1:
         await shelf.until_saved(1)
-        await shelf.heard.until(lambda: bool(shelf.heard.values("frames")))
+        await shelf.published.until(lambda: bool(shelf.published.values("frames")))
         await shelf.film(picture())
-    moved = await shelf.heard.state("frames", "stale")
-    told = shelf.heard.all(Notice)[-1]
+    moved = await shelf.published.state("frames", "stale")
+    told = shelf.published.all(Notice)[-1]
     assert words in f"{told.text} {told.remedy} {moved.why}"

@@ -21,8 +21,8 @@ from woz_drivers.faces.face_identity import TrackIdentity
 from woz_drivers.faces.face_networks import PictureSampler
 from woz_drivers.faces.settings import FacesSettings
 
-from tests.drivers.faces.faces_desk import FacesDesk
-from tests.drivers.heard import until
+from tests.drivers.faces.faces_rig import FacesRig
+from tests.drivers.published_messages import until
 from tests.fakes import face_program, face_recogniser_program
 from tests.fakes.face_program import face
 from tests.fakes.face_recogniser_program import FALLS_OVER
@@ -58,7 +58,7 @@ def shot(*people: Person) -> bytes:
     return heads + pixels.tobytes()[len(heads) :]
 
 
-class IdentityDesk(FacesDesk):
+class IdentityRig(FacesRig):
     """A driver that recognises people."""
 
     def __init__(self, folder: Path, **settings: Any) -> None:
@@ -68,13 +68,13 @@ class IdentityDesk(FacesDesk):
     @property
     def name(self) -> str | None:
         """What the last reading of `identity` says; None: there was none."""
-        told = [one.text for one in self.heard.all(Reading) if one.sensor == "identity"]
+        told = [one.text for one in self.published.all(Reading) if one.sensor == "identity"]
         return told[-1] if told else None
 
     @property
     def names(self) -> set[tuple[float | None, str]]:
         """Each face's number with each name that it has had; empty for a stranger."""
-        told = [one for one in self.heard.all(Reading) if one.sensor == "identity.face"]
+        told = [one for one in self.published.all(Reading) if one.sensor == "identity.face"]
         return {(one.value, one.text) for one in told}
 
     async def see(self, *people: Person, until: Callable[[], bool]) -> None:
@@ -106,106 +106,109 @@ class IdentityDesk(FacesDesk):
 
 
 @pytest.fixture
-async def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[IdentityDesk]:
+async def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[IdentityRig]:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    made = IdentityDesk(tmp_path)
-    await made.driver.open()
-    await until(made.pipe.connected)
-    yield made
-    await made.driver.close()
+    identity_rig = IdentityRig(tmp_path)
+    await identity_rig.driver.open()
+    await until(identity_rig.pipe.connected)
+    yield identity_rig
+    await identity_rig.driver.close()
 
 
 def test_nobody_is_recognised_unless_the_robot_file_says_so() -> None:
-    quiet, asked = FacesSettings(), FacesSettings(identity=True)
-    verbs = [{verb.name for verb in Faces.verbs(one)} for one in (quiet, asked)]
+    quiet, faces_settings = FacesSettings(), FacesSettings(identity=True)
+    verbs = [{verb.name for verb in Faces.verbs(one)} for one in (quiet, faces_settings)]
     assert verbs[1] - verbs[0] == {"face_consent", "learn_face"}
-    sensors = [set(Faces.sensors(one)) for one in (quiet, asked)]
+    sensors = [set(Faces.sensors(one)) for one in (quiet, faces_settings)]
     assert sensors[1] - sensors[0] == {"identity", "identity.face"}
 
 
-async def test_without_consent_nothing_is_written(desk: IdentityDesk) -> None:
+async def test_without_consent_nothing_is_written(rig: IdentityRig) -> None:
     with pytest.raises(RejectedError, match="V3") as caught:
-        await desk.learn("V3", ANNA, consent=False)
+        await rig.learn("V3", ANNA, consent=False)
     assert "face_consent" in caught.value.remedy
     assert not default_path().exists()
-    assert desk.name == "", "a stranger"
+    assert rig.name == "", "a stranger"
 
 
 async def test_who_consented_and_was_learnt_is_recognised_and_nobody_else(
-    desk: IdentityDesk,
+    rig: IdentityRig,
 ) -> None:
-    await desk.learn("V3", ANNA)
-    await desk.see(ANNA, until=lambda: desk.name == "V3")
-    assert desk.last("identity") == pytest.approx(1, abs=0.01)
-    assert {one.text for one in desk.heard.all(Reading) if one.sensor == "identity.face"} == {
+    await rig.learn("V3", ANNA)
+    await rig.see(ANNA, until=lambda: rig.name == "V3")
+    assert rig.last("identity") == pytest.approx(1, abs=0.01)
+    assert {one.text for one in rig.published.all(Reading) if one.sensor == "identity.face"} == {
         "",
         "V3",
     }
     assert default_path().stat().st_mode & 0o777 == 0o600
-    [kept] = FaceStore(default_path()).faces()
-    assert (kept.name, kept.log) == ("V3", desk.heard.context.media.name.removesuffix(".media"))
+    [kept_face] = FaceStore(default_path()).faces()
+    assert (kept_face.name, kept_face.log) == (
+        "V3",
+        rig.published.context.media.name.removesuffix(".media"),
+    )
     for _ in range(15):  # the face is gone
-        await desk.look()
-    await desk.see(BELA, until=lambda: desk.last("addressed") == 2)
-    await desk.see(BELA, until=lambda: desk.name == "")
+        await rig.look()
+    await rig.see(BELA, until=lambda: rig.last("addressed") == 2)
+    await rig.see(BELA, until=lambda: rig.name == "")
 
 
 async def test_of_two_people_the_addressed_one_is_learnt_and_both_get_their_names(
-    desk: IdentityDesk,
+    rig: IdentityRig,
 ) -> None:
-    await desk.learn("V3", ANNA, CLEO)
-    await desk.see(ANNA, CLEO, until=lambda: desk.names >= {(1.0, "V3"), (2.0, "")})
+    await rig.learn("V3", ANNA, CLEO)
+    await rig.see(ANNA, CLEO, until=lambda: rig.names >= {(1.0, "V3"), (2.0, "")})
 
 
-async def test_a_consent_is_good_for_one_learning(desk: IdentityDesk) -> None:
-    await desk.learn("V3", ANNA)
+async def test_a_consent_is_good_for_one_learning(rig: IdentityRig) -> None:
+    await rig.learn("V3", ANNA)
     with pytest.raises(RejectedError):
-        await desk.learn("V3", ANNA, consent=False)
+        await rig.learn("V3", ANNA, consent=False)
 
 
 async def test_a_name_that_another_face_has_is_refused_and_so_is_a_second_name(
-    desk: IdentityDesk,
+    rig: IdentityRig,
 ) -> None:
-    await desk.learn("V3", ANNA)
+    await rig.learn("V3", ANNA)
     before = default_path().read_bytes()
     with pytest.raises(DriverError, match="V3"):
-        await desk.learn("V9", ANNA)
+        await rig.learn("V9", ANNA)
     for _ in range(15):
-        await desk.look()
+        await rig.look()
     with pytest.raises(DriverError, match="another face"):
-        await desk.learn("v3", BELA)
+        await rig.learn("v3", BELA)
     assert default_path().read_bytes() == before
 
 
 async def test_a_face_too_far_away_is_not_learnt(
-    desk: IdentityDesk, monkeypatch: pytest.MonkeyPatch
+    rig: IdentityRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.faces.face_identity._PATIENCE_S", 0.2)
     with pytest.raises(DriverError, match="not seen well") as caught:
-        await desk.learn("V3", CLEO)
+        await rig.learn("V3", CLEO)
     assert "one metre" in caught.value.remedy
     assert not default_path().exists()
 
 
-async def test_a_consent_that_is_withdrawn_deletes_what_was_kept(desk: IdentityDesk) -> None:
-    await desk.learn("V3", ANNA)
-    await desk.see(ANNA, until=lambda: desk.name == "V3")
-    told = await (await desk.perform("face_consent", name="v3", given=False))
+async def test_a_consent_that_is_withdrawn_deletes_what_was_kept(rig: IdentityRig) -> None:
+    await rig.learn("V3", ANNA)
+    await rig.see(ANNA, until=lambda: rig.name == "V3")
+    told = await (await rig.perform("face_consent", name="v3", given=False))
     assert told["deleted"] is True
     assert FaceStore(default_path()).faces() == []
-    await desk.look(ANNA)
-    assert desk.name == ""
+    await rig.look(ANNA)
+    assert rig.name == ""
 
 
 async def test_a_consent_withdrawn_while_a_face_is_learnt_keeps_nothing(
-    desk: IdentityDesk,
+    rig: IdentityRig,
 ) -> None:
-    await desk.see(ANNA, until=lambda: desk.name is not None and desk.last("people") == 1)
-    await (await desk.perform("face_consent", name="V3", given=True))
-    learning = await desk.perform("learn_face", name="V3")
-    await desk.look(ANNA)
-    await (await desk.perform("face_consent", name="V3", given=False))
-    await desk.see(ANNA, until=learning.done)
+    await rig.see(ANNA, until=lambda: rig.name is not None and rig.last("people") == 1)
+    await (await rig.perform("face_consent", name="V3", given=True))
+    learning = await rig.perform("learn_face", name="V3")
+    await rig.look(ANNA)
+    await (await rig.perform("face_consent", name="V3", given=False))
+    await rig.see(ANNA, until=learning.done)
     with pytest.raises(RejectedError, match="withdrawn"):
         await learning
     assert FaceStore(default_path()).faces() == []
@@ -216,29 +219,29 @@ async def test_a_consent_can_be_withdrawn_where_the_recogniser_does_not_run(
 ) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     FaceStore(default_path()).learn("V3", b"template", "2026-03-01", "log")
-    desk = IdentityDesk(tmp_path, recogniser="", models=str(tmp_path / "none"))
-    await desk.driver.open()
+    identity_rig = IdentityRig(tmp_path, recogniser="", models=str(tmp_path / "none"))
+    await identity_rig.driver.open()
     try:
-        await until(desk.pipe.connected)
-        told = await (await desk.perform("face_consent", name="V3", given=False))
+        await until(identity_rig.pipe.connected)
+        told = await (await identity_rig.perform("face_consent", name="V3", given=False))
     finally:
-        await desk.driver.close()
+        await identity_rig.driver.close()
     assert told["deleted"] is True
     assert FaceStore(default_path()).faces() == []
 
 
 async def test_woz_visitors_forget_reaches_a_session_that_runs(
-    desk: IdentityDesk, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    rig: IdentityRig, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    await desk.learn("V3", ANNA)
-    await desk.see(ANNA, until=lambda: desk.name == "V3")
+    await rig.learn("V3", ANNA)
+    await rig.see(ANNA, until=lambda: rig.name == "V3")
     file = ("--file", str(tmp_path / "v.json"))
     assert main(["visitors", "list", "--json", *file]) == 0
     assert json.loads(capsys.readouterr().out)["faces"] == ["V3"]
     assert main(["visitors", "forget", "v3", "--yes", *file]) == 0, "no visitor of that name"
     assert "V3" in capsys.readouterr().out
     assert b"V3" not in default_path().read_bytes()
-    await desk.see(ANNA, until=lambda: desk.name == "")
+    await rig.see(ANNA, until=lambda: rig.name == "")
 
 
 @pytest.mark.parametrize("words", [["V4"], ["--all"]])
@@ -260,21 +263,21 @@ def test_a_visitor_with_another_name_is_forgotten_with_the_face(
 
 
 async def test_a_recogniser_that_falls_over_costs_names_and_nothing_else(
-    desk: IdentityDesk,
+    rig: IdentityRig,
 ) -> None:
-    await desk.see(ANNA, until=lambda: desk.name == "")
+    await rig.see(ANNA, until=lambda: rig.name == "")
     for _ in range(15):
-        await desk.look()
+        await rig.look()
     falling = (2, 20, 66, FALLS_OVER + 5)
-    await desk.see(falling, until=lambda: desk.heard.states("identity")[-1] == "stale")
-    assert desk.heard.states("gaze") == ["ok"]
-    assert any("out of memory" in one.text for one in desk.heard.all(Notice))
-    await desk.see(ANNA, until=lambda: desk.heard.states("identity")[-1] == "ok")
+    await rig.see(falling, until=lambda: rig.published.states("identity")[-1] == "stale")
+    assert rig.published.states("gaze") == ["ok"]
+    assert any("out of memory" in one.text for one in rig.published.all(Notice))
+    await rig.see(ANNA, until=lambda: rig.published.states("identity")[-1] == "ok")
 
 
-async def test_the_doctor_says_how_many_faces_are_kept(desk: IdentityDesk, tmp_path: Path) -> None:
+async def test_the_doctor_says_how_many_faces_are_kept(rig: IdentityRig, tmp_path: Path) -> None:
     (tmp_path / "film").write_bytes(shot(ANNA) * 30)
-    made = FacesSettings(
+    faces_settings = FacesSettings(
         command=f"cat {tmp_path / 'film'}",
         width=PIXELS,
         height=PIXELS,
@@ -283,7 +286,7 @@ async def test_the_doctor_says_how_many_faces_are_kept(desk: IdentityDesk, tmp_p
         identity=True,
         recogniser=RECOGNISER,
     )
-    _, finding = await Faces.examine(Probe("it", made, tmp_path))
+    _, finding = await Faces.examine(Probe("it", faces_settings, tmp_path))
     assert (finding.level, "no face" in finding.text) == ("ok", True)
     missing = FacesSettings(
         command=f"cat {tmp_path / 'film'}", program=FINDER, identity=True, models=str(tmp_path)
@@ -362,10 +365,10 @@ async def test_no_template_is_in_any_byte_of_a_session_or_of_what_is_made_of_it(
             main(["export", recordings, "--to", form, "--out", str(folder / form), *options]) == 0
         )
     assert main(["report", recordings, "--html", str(folder / "report.html")]) == 0
-    [kept] = FaceStore(default_path()).faces()
+    [kept_face] = FaceStore(default_path()).faces()
     everything = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     assert any(b"face_consent" in data and b"V3" in data for data in everything.values())
-    for template in kept.templates:
+    for template in kept_face.templates:
         numbers = np.frombuffer(template, "<f4")
         traces = re.compile(
             b"|".join(map(re.escape, (base64.b64encode(template)[:20], template[:20])))

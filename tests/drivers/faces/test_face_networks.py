@@ -48,9 +48,9 @@ def sampler(
     data: bytes, kind: str = "rgb24", *, mirrored: bool = False, flipped: bool = False
 ) -> PictureSampler:
     layout = PictureLayout(WIDTH, HEIGHT, kind, WIDTH if kind == "yuv420" else 3 * WIDTH)
-    made = PictureSampler(layout, mirrored=mirrored, flipped=flipped)
-    made.load(data)
-    return made
+    picture_sampler = PictureSampler(layout, mirrored=mirrored, flipped=flipped)
+    picture_sampler.load(data)
+    return picture_sampler
 
 
 def place(picture: PictureSampler, x: float, y: float) -> list[float]:

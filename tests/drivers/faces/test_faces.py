@@ -18,10 +18,10 @@ from woz_drivers.faces.face_lines import decoded_line
 from woz_drivers.faces.feed_camera import fitted
 from woz_drivers.faces.settings import FacesSettings
 
-from tests.drivers.faces.faces_desk import HEIGHT, PROGRAM, SIZE, SMALL, WIDTH, FacesDesk, picture
-from tests.drivers.heard import Heard, until
+from tests.drivers.faces.faces_rig import HEIGHT, PROGRAM, SIZE, SMALL, WIDTH, FacesRig, picture
+from tests.drivers.published_messages import PublishedMessages, until
+from tests.fakes.child_processes import offspring
 from tests.fakes.face_program import CRASH, FREEZE, NONSENSE, face
-from tests.fakes.offspring import offspring
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Probe, RejectedError
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture
@@ -42,91 +42,91 @@ Opens = Callable[..., Any]
 
 @pytest.fixture
 async def opened(tmp_path: Path) -> AsyncIterator[Opens]:
-    desks: list[FacesDesk] = []
+    desks: list[FacesRig] = []
 
-    async def make(**settings: Any) -> FacesDesk:
-        desk = FacesDesk(tmp_path, **settings)
-        desks.append(desk)
-        await desk.driver.open()
-        await until(desk.pipe.connected)
-        return desk
+    async def make(**settings: Any) -> FacesRig:
+        rig = FacesRig(tmp_path, **settings)
+        desks.append(rig)
+        await rig.driver.open()
+        await until(rig.pipe.connected)
+        return rig
 
     yield make
-    for desk in desks:
-        await desk.driver.close()
+    for rig in desks:
+        await rig.driver.close()
 
 
 async def test_one_person_who_looks(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
-    assert [desk.last(one) for one in ("presence", "people", "addressed", "gaze")] == [1, 1, 1, 1]
-    assert desk.last("distance") == pytest.approx(0.39, abs=0.01)
-    assert desk.last("direction") == pytest.approx(12.2, abs=0.1)
-    assert desk.heard.all(DriverConnected)[0].detail == "cat, 64 x 48 rgb24"
-    assert desk.heard.states("presence") == ["ok"]
+    rig = await opened()
+    await rig.show(NEAR, times=2)
+    assert [rig.last(one) for one in ("presence", "people", "addressed", "gaze")] == [1, 1, 1, 1]
+    assert rig.last("distance") == pytest.approx(0.39, abs=0.01)
+    assert rig.last("direction") == pytest.approx(12.2, abs=0.1)
+    assert rig.published.all(DriverConnected)[0].detail == "cat, 64 x 48 rgb24"
+    assert rig.published.states("presence") == ["ok"]
 
 
 async def test_nobody_is_told_too(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(times=2)
-    assert [desk.last(one) for one in ("presence", "people", "gaze")] == [0, 0, 0]
-    assert [desk.last(one) for one in ("addressed", "distance", "direction")] == [None] * 3
+    rig = await opened()
+    await rig.show(times=2)
+    assert [rig.last(one) for one in ("presence", "people", "gaze")] == [0, 0, 0]
+    assert [rig.last(one) for one in ("addressed", "distance", "direction")] == [None] * 3
 
 
 async def test_several_people_have_numbers_and_the_nearest_who_looks_counts(opened: Opens) -> None:
-    desk = await opened()
+    rig = await opened()
     away = face(10, 20, 20, yaw=60)
-    await desk.show(away, FAR, times=3)
-    assert (desk.last("presence"), desk.last("people")) == (1, 2)
-    assert desk.of_faces("gaze") == {"1": 0, "2": 1}
-    assert desk.of_faces("distance") == {
+    await rig.show(away, FAR, times=3)
+    assert (rig.last("presence"), rig.last("people")) == (1, 2)
+    assert rig.of_faces("gaze") == {"1": 0, "2": 1}
+    assert rig.of_faces("distance") == {
         "1": pytest.approx(0.388, abs=0.01),
         "2": pytest.approx(0.776, abs=0.01),
     }
-    assert desk.last("addressed") == 2
-    assert desk.last("distance") == pytest.approx(0.776, abs=0.01)
+    assert rig.last("addressed") == 2
+    assert rig.last("distance") == pytest.approx(0.776, abs=0.01)
 
 
 async def test_the_wizard_steps_through_people_and_gives_the_choice_back(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, FAR, times=2)
-    assert desk.last("addressed") == 1
-    assert await (await desk.perform("address", who="next")) == {"addressed": 2}
-    await desk.show(NEAR, FAR)
-    told = [one for one in desk.heard.all(Reading) if one.sensor == "addressed"][-1]
+    rig = await opened()
+    await rig.show(NEAR, FAR, times=2)
+    assert rig.last("addressed") == 1
+    assert await (await rig.perform("address", who="next")) == {"addressed": 2}
+    await rig.show(NEAR, FAR)
+    told = [one for one in rig.published.all(Reading) if one.sensor == "addressed"][-1]
     assert (told.value, told.text) == (2, "by hand")
-    assert await (await desk.perform("address", who="rule")) == {"addressed": "rule"}
-    await desk.show(NEAR, FAR, times=12)
-    assert desk.last("addressed") == 1
+    assert await (await rig.perform("address", who="rule")) == {"addressed": "rule"}
+    await rig.show(NEAR, FAR, times=12)
+    assert rig.last("addressed") == 1
 
 
 async def test_each_change_of_who_is_addressed_is_an_event(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, FAR, times=5)
-    await (await desk.perform("address", who="next"))
-    await desk.show(NEAR, FAR, times=2)
-    desk.pipe.unplug()
-    await desk.heard.first(DriverLost)
-    assert [(one.face, one.chosen) for one in desk.heard.all(AddressedChanged)] == [
+    rig = await opened()
+    await rig.show(NEAR, FAR, times=5)
+    await (await rig.perform("address", who="next"))
+    await rig.show(NEAR, FAR, times=2)
+    rig.pipe.unplug()
+    await rig.published.first(DriverLost)
+    assert [(one.face, one.chosen) for one in rig.published.all(AddressedChanged)] == [
         *((1, "rule"), (2, "hand"), (None, "rule"))
     ]
 
 
 @pytest.mark.parametrize("who", ["7", "somebody", "-1"])
 async def test_who_is_not_there_cannot_be_addressed(opened: Opens, who: str) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
+    rig = await opened()
+    await rig.show(NEAR, times=2)
     with pytest.raises(RejectedError, match=who):
-        await (await desk.perform("address", who=who))
+        await (await rig.perform("address", who=who))
 
 
 async def test_ten_readings_a_second_and_every_picture_for_a_head_that_follows(
     opened: Opens,
 ) -> None:
-    desk = await opened(publish=5)
-    await desk.show(NEAR, times=11)
-    assert len(desk.heard.values("presence")) == 6
-    seen = desk.heard.context.feed(SEEN).latest().value
+    rig = await opened(publish=5)
+    await rig.show(NEAR, times=11)
+    assert len(rig.published.values("presence")) == 6
+    seen = rig.published.context.feed(SEEN).latest().value
     assert isinstance(seen, Sighting)
     assert seen.x == pytest.approx(20 / 32 - 1)
     assert seen.frame == 11
@@ -134,31 +134,31 @@ async def test_ten_readings_a_second_and_every_picture_for_a_head_that_follows(
 
 async def test_the_camera_of_another_driver(tmp_path: Path) -> None:
     clock = ManualClock()
-    heard = Heard(tmp_path, clock)
-    made = FacesSettings(camera="pepper", width=WIDTH, height=HEIGHT, program=PROGRAM)
-    assert made.problems() == []
-    driver = Faces("it", made, heard.context)
-    theirs = heard.context.feed(PICTURE, of="pepper")
+    published = PublishedMessages(tmp_path, clock)
+    faces_settings = FacesSettings(camera="pepper", width=WIDTH, height=HEIGHT, program=PROGRAM)
+    assert faces_settings.problems() == []
+    driver = Faces("it", faces_settings, published.context)
+    theirs = published.context.feed(PICTURE, of="pepper")
     await driver.open()
     try:
-        await until(lambda: heard.context.feed(WATCHED, of="pepper").latest().serial > 0)
-        wish = heard.context.feed(WATCHED, of="pepper").latest().value
-        assert (wish.width, wish.rate) == (WIDTH, made.rate)
+        await until(lambda: published.context.feed(WATCHED, of="pepper").latest().serial > 0)
+        wish = published.context.feed(WATCHED, of="pepper").latest().value
+        assert (wish.width, wish.rate) == (WIDTH, faces_settings.rate)
         for n in range(2):
             theirs.put(Picture(clock.now_us(), WIDTH, HEIGHT, picture(NEAR)))
-            await until(lambda n=n: heard.context.feed(SEEN).latest().serial > n)  # type: ignore[misc]
+            await until(lambda n=n: published.context.feed(SEEN).latest().serial > n)  # type: ignore[misc]
             clock.advance(0.1)
-        assert heard.values("people")[-1] == 1
+        assert published.values("people")[-1] == 1
         # One whose bytes are no picture is told, and the next one is looked at as ever.
         for n, (width, height) in enumerate(((WIDTH, HEIGHT), (2, 2), (0, 0)), start=2):
             theirs.put(Picture(clock.now_us(), width, height, b"a few bytes"))
-            await until(lambda n=n: heard.states("people").count("stale") == n - 1)  # type: ignore[misc]
+            await until(lambda n=n: published.states("people").count("stale") == n - 1)  # type: ignore[misc]
             theirs.put(Picture(clock.now_us(), WIDTH, HEIGHT, picture(NEAR)))
-            await until(lambda n=n: heard.context.feed(SEEN).latest().serial > n)  # type: ignore[misc]
+            await until(lambda n=n: published.context.feed(SEEN).latest().serial > n)  # type: ignore[misc]
             clock.advance(0.1)
-        assert heard.values("people")[-1] == 1
+        assert published.values("people")[-1] == 1
         clock.advance(6)
-        lost = await heard.first(DriverLost)
+        lost = await published.first(DriverLost)
         assert "pepper" in lost.detail
     finally:
         await driver.close()
@@ -177,39 +177,39 @@ def test_pictures_of_another_shape_are_fitted_whole() -> None:
 
 
 async def test_two_seconds_of_looking_at_the_robot_calibrate_the_gaze(opened: Opens) -> None:
-    desk = await opened()
+    rig = await opened()
     beside = face(10, 20, 20, yaw=30, pitch=-20)
-    await desk.show(beside, times=2)
-    assert desk.last("gaze") == 0
-    task = await desk.perform("calibrate_gaze", seconds=2.0)
-    await desk.show(beside, times=21)
+    await rig.show(beside, times=2)
+    assert rig.last("gaze") == 0
+    task = await rig.perform("calibrate_gaze", seconds=2.0)
+    await rig.show(beside, times=21)
     found = await task
     assert (found["neutral_yaw"], found["neutral_pitch"]) == (30, -20)
-    await desk.show(beside)
-    assert desk.last("gaze") == 1
-    [notice] = desk.heard.all(Notice)
+    await rig.show(beside)
+    assert rig.last("gaze") == 1
+    [notice] = rig.published.all(Notice)
     assert "neutral_yaw: 30" in notice.text
-    await desk.show(NEAR)
-    assert desk.last("gaze") == 0
+    await rig.show(NEAR)
+    assert rig.last("gaze") == 0
 
 
 async def test_a_distance_that_was_measured_calibrates_distances(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
-    task = await desk.perform("calibrate_distance", metres=1.5, seconds=1.0)
-    await desk.show(NEAR, times=12)
+    rig = await opened()
+    await rig.show(NEAR, times=2)
+    task = await rig.perform("calibrate_distance", metres=1.5, seconds=1.0)
+    await rig.show(NEAR, times=12)
     found = await task
-    await desk.show(NEAR)
-    assert desk.last("distance") == pytest.approx(1.5, abs=0.01)
+    await rig.show(NEAR)
+    assert rig.last("distance") == pytest.approx(1.5, abs=0.01)
     factor = found["distance_factor"]
     assert FacesSettings(distance_factor=factor).distance_factor == pytest.approx(1.5 / 0.388, 0.01)
 
 
 async def test_calibrating_before_nobody_says_what_to_do(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(times=2)
-    task = await desk.perform("calibrate_gaze", seconds=0.5)
-    await desk.show(times=7)
+    rig = await opened()
+    await rig.show(times=2)
+    task = await rig.perform("calibrate_gaze", seconds=0.5)
+    await rig.show(times=7)
     with pytest.raises(DriverError) as caught:
         await task
     assert caught.value.remedy
@@ -219,90 +219,92 @@ async def test_calibrating_before_nobody_says_what_to_do(opened: Opens) -> None:
 
 
 async def test_a_finder_that_crashes_is_told_and_started_again(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
-    desk.pipe.send(picture(order=CRASH))
-    faulted = await desk.heard.first(DriverFaulted)
+    rig = await opened()
+    await rig.show(NEAR, times=2)
+    rig.pipe.send(picture(order=CRASH))
+    faulted = await rig.published.first(DriverFaulted)
     assert "fallen over" in faulted.detail
-    assert desk.heard.states("people")[-1] == "stale"
+    assert rig.published.states("people")[-1] == "stale"
     with pytest.raises(DeviceLostError):
-        await (await desk.perform("calibrate_gaze", seconds=1.0))
-    before = desk.answers
-    while desk.answers == before:  # the new one is handed pictures as soon as it runs
-        desk.watch()
-        await desk.film(NEAR)
-        desk.clock.advance(0.1)
-    await desk.show(NEAR, times=2)
-    assert desk.heard.states("people")[-1] == "ok"
-    assert (desk.last("addressed") or 0) > 1, "numbers are not given twice"
+        await (await rig.perform("calibrate_gaze", seconds=1.0))
+    before = rig.answers
+    while rig.answers == before:  # the new one is handed pictures as soon as it runs
+        rig.watch()
+        await rig.film(NEAR)
+        rig.clock.advance(0.1)
+    await rig.show(NEAR, times=2)
+    assert rig.published.states("people")[-1] == "ok"
+    assert (rig.last("addressed") or 0) > 1, "numbers are not given twice"
 
 
 async def test_a_finder_that_freezes_is_given_up(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
-    desk.pipe.send(picture(order=FREEZE))
+    rig = await opened()
+    await rig.show(NEAR, times=2)
+    rig.pipe.send(picture(order=FREEZE))
     [finder] = offspring(saying="face_program")
     await until(lambda: finder.status() == "stopped")
-    desk.watch()
+    rig.watch()
     for _ in range(12):  # the camera goes on for six seconds
-        await desk.film(NEAR)
-        desk.clock.advance(0.5)
-    faulted = await desk.heard.first(DriverFaulted)
+        await rig.film(NEAR)
+        rig.clock.advance(0.5)
+    faulted = await rig.published.first(DriverFaulted)
     assert "no answer" in faulted.detail
-    assert desk.heard.states("people") == ["ok", "stale"]
+    assert rig.published.states("people") == ["ok", "stale"]
 
 
 async def test_answers_that_are_none_are_told_until_there_is_one(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
-    desk.pipe.send(picture(order=NONSENSE))
-    faulted = await desk.heard.first(DriverFaulted)
+    rig = await opened()
+    await rig.show(NEAR, times=2)
+    rig.pipe.send(picture(order=NONSENSE))
+    faulted = await rig.published.first(DriverFaulted)
     assert "read" in faulted.detail
-    await desk.show(NEAR, times=2)
-    assert len(desk.heard.all(DriverConnected)) == 2
+    await rig.show(NEAR, times=2)
+    assert len(rig.published.all(DriverConnected)) == 2
 
 
 async def test_a_camera_without_pictures_is_no_fault_of_the_finder(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
-    desk.clock.advance(60)
-    await desk.heard.state("people", "stale")
-    assert not desk.heard.all(DriverFaulted)
+    rig = await opened()
+    await rig.show(NEAR, times=2)
+    rig.clock.advance(60)
+    await rig.published.state("people", "stale")
+    assert not rig.published.all(DriverFaulted)
 
 
 async def test_a_camera_that_is_pulled_out_and_comes_back(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
-    desk.pipe.unplug()
-    lost = await desk.heard.first(DriverLost)
+    rig = await opened()
+    await rig.show(NEAR, times=2)
+    rig.pipe.unplug()
+    lost = await rig.published.first(DriverLost)
     assert lost.remedy
-    await until(desk.pipe.connected)
-    await desk.show(NEAR, times=2)
-    assert desk.heard.states("gaze") == ["ok", "stale", "ok"]
+    await until(rig.pipe.connected)
+    await rig.show(NEAR, times=2)
+    assert rig.published.states("gaze") == ["ok", "stale", "ok"]
 
 
 async def test_while_the_finder_is_busy_only_the_newest_picture_waits(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, times=2)
+    rig = await opened()
+    await rig.show(NEAR, times=2)
     [finder] = offspring(saying="face_program")
     finder.suspend()
-    desk.watch()
+    rig.watch()
     for n in range(5):
-        await desk.film(face(10 + n, 20, 20))
-        desk.clock.advance(0.1)
+        await rig.film(face(10 + n, 20, 20))
+        rig.clock.advance(0.1)
     finder.resume()
-    await until(lambda: desk.answers == 4)
-    assert desk.heard.context.feed(SEEN).latest().value.x == pytest.approx(24 / 32 - 1)
+    await until(lambda: rig.answers == 4)
+    assert rig.published.context.feed(SEEN).latest().value.x == pytest.approx(24 / 32 - 1)
 
 
 async def test_without_networks_a_sentence_says_how_to_get_them(tmp_path: Path) -> None:
-    heard = Heard(tmp_path)
+    published = PublishedMessages(tmp_path)
     source = ("cat", "/dev/zero")
-    made = FacesSettings(command=source, width=WIDTH, height=HEIGHT, models=str(tmp_path / "none"))
-    driver = Faces("it", made, heard.context)
+    faces_settings = FacesSettings(
+        command=source, width=WIDTH, height=HEIGHT, models=str(tmp_path / "none")
+    )
+    driver = Faces("it", faces_settings, published.context)
     await driver.open()
     try:
-        faulted = await heard.first(DriverFaulted)
+        faulted = await published.first(DriverFaulted)
     finally:
         await driver.close()
     assert "python -m woz_drivers.faces" in faulted.detail or "woz-tui[faces]" in faulted.detail
@@ -312,10 +314,10 @@ async def test_without_networks_a_sentence_says_how_to_get_them(tmp_path: Path) 
 
 
 async def test_who_watches_sees_a_frame_around_each_face(opened: Opens) -> None:
-    desk = await opened()
-    await desk.show(NEAR, FAR, times=2)
-    desk.watch()
-    shown = await desk.film(NEAR, FAR)
+    rig = await opened()
+    await rig.show(NEAR, FAR, times=2)
+    rig.watch()
+    shown = await rig.film(NEAR, FAR)
     pixels = np.frombuffer(shown.rgb, np.uint8).reshape(HEIGHT, WIDTH, 3)
     framed = {tuple(pixels[20, column]) for column in (12, 28)}
     assert len(framed) == 1, "one colour on both sides of the addressed face"
@@ -328,8 +330,8 @@ async def test_who_watches_sees_a_frame_around_each_face(opened: Opens) -> None:
 
 async def test_the_doctor_says_who_is_in_the_first_picture(tmp_path: Path) -> None:
     (tmp_path / "film").write_bytes(picture(NEAR, FAR) * 30)
-    made = FacesSettings(command=f"cat {tmp_path / 'film'}", **SMALL)
-    [finding] = await Faces.examine(Probe("it", made, tmp_path))
+    faces_settings = FacesSettings(command=f"cat {tmp_path / 'film'}", **SMALL)
+    [finding] = await Faces.examine(Probe("it", faces_settings, tmp_path))
     assert finding.level == "ok"
     assert "2 faces" in finding.text
     assert "0.4 m" in finding.text
@@ -337,8 +339,8 @@ async def test_the_doctor_says_who_is_in_the_first_picture(tmp_path: Path) -> No
 
 async def test_the_doctor_says_what_the_finder_lacks(tmp_path: Path) -> None:
     (tmp_path / "film").write_bytes(picture(order=CRASH) * 30)
-    made = FacesSettings(command=f"cat {tmp_path / 'film'}", **SMALL)
-    [finding] = await Faces.examine(Probe("it", made, tmp_path))
+    faces_settings = FacesSettings(command=f"cat {tmp_path / 'film'}", **SMALL)
+    [finding] = await Faces.examine(Probe("it", faces_settings, tmp_path))
     assert (finding.level, "fallen over" in finding.text) == ("error", True)
 
 

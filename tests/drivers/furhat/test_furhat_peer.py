@@ -14,7 +14,7 @@ from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.furhat import GESTURES, REQUESTS, FurhatSimulator
 from woz_drivers.furhat.realtime_events import read_event
 
-from tests.drivers.furhat.acted import SOMEBODY, acted
+from tests.drivers.furhat.furhat_rig import SOMEBODY, connected_furhat
 from woz_tui.testing import until
 
 
@@ -123,8 +123,8 @@ async def test_our_driver_reads_every_event_that_the_client_knows(robot: FurhatS
 
 
 async def test_both_play_one_robot(tmp_path: Path) -> None:
-    async with acted(tmp_path) as it, client(it.robot) as vendor:
+    async with connected_furhat(tmp_path) as rig, client(rig.robot) as vendor:
         await vendor.request_attend_user("closest")
         await vendor.request_gesture_start("Smile")
-        await until(lambda: it.robot.gesturing == ["Smile"])
-        assert (await it.do("say", text="Hello"))["text"] == "Hello"
+        await until(lambda: rig.robot.gesturing == ["Smile"])
+        assert (await rig.do("say", text="Hello"))["text"] == "Hello"

@@ -24,8 +24,8 @@ async def robot() -> AsyncIterator[FurhatSimulator]:
 
 
 async def examined(robot: FurhatSimulator, **settings: Any) -> list[Finding]:
-    given = dataclasses.replace(FurhatSettings(address=robot.address), **settings)
-    return await Furhat.examine(Probe("furhat", given))
+    furhat_settings = dataclasses.replace(FurhatSettings(address=robot.address), **settings)
+    return await Furhat.examine(Probe("furhat", furhat_settings))
 
 
 def test_addresses() -> None:

@@ -19,7 +19,7 @@ from woz_drivers import live_talk
 from woz_drivers.furhat import Furhat, FurhatSettings, furhat_speech
 from woz_drivers.furhat.settings import FurhatTalkSettings, FurhatVoiceSettings
 
-from tests.drivers.furhat.acted import Acted, acted, brisk
+from tests.drivers.furhat.furhat_rig import FurhatRig, brisk, connected_furhat
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
 from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, SoundWindow, VoiceState
 from woz_tui.protocol.messages import Json
@@ -29,9 +29,9 @@ SENTENCE = "Good morning to everybody in this room"
 
 
 @pytest.fixture
-async def it(tmp_path: Path) -> AsyncIterator[Acted]:
-    async with acted(tmp_path) as it:
-        yield it
+async def rig(tmp_path: Path) -> AsyncIterator[FurhatRig]:
+    async with connected_furhat(tmp_path) as furhat_rig:
+        yield furhat_rig
 
 
 def sound(path: Path, seconds: float, rate: int = 8000, channels: int = 1) -> Path:
@@ -44,19 +44,19 @@ def sound(path: Path, seconds: float, rate: int = 8000, channels: int = 1) -> Pa
     return path
 
 
-async def test_an_utterance_ends_when_the_robot_has_said_it(it: Acted) -> None:
-    saying = it.begin("say", text=SENTENCE)
-    await until(lambda: it.robot.speaking == SENTENCE)
-    await it.passes(0.5)
+async def test_an_utterance_ends_when_the_robot_has_said_it(rig: FurhatRig) -> None:
+    saying = rig.begin("say", text=SENTENCE)
+    await until(lambda: rig.robot.speaking == SENTENCE)
+    await rig.passes(0.5)
     assert not saying.done()
-    sent = await it.ended(saying)
+    sent = await rig.ended(saying)
     assert sent["text"] == SENTENCE
-    assert not it.robot.speaking
+    assert not rig.robot.speaking
 
 
 async def test_each_word_is_noted_with_its_time(tmp_path: Path) -> None:
-    async with acted(tmp_path, brisk()) as it:
-        words = (await it.do("say", text=SENTENCE))["words"]
+    async with connected_furhat(tmp_path, brisk()) as furhat_rig:
+        words = (await furhat_rig.do("say", text=SENTENCE))["words"]
     assert isinstance(words, list)
     times = [float(str(one)) for one in words]
     assert len(times) == len(SENTENCE.split())
@@ -64,34 +64,36 @@ async def test_each_word_is_noted_with_its_time(tmp_path: Path) -> None:
 
 
 async def test_the_countdown_follows_the_words_of_a_slow_voice(
-    it: Acted, monkeypatch: pytest.MonkeyPatch
+    rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("robot_simulators.furhat.CHARACTERS_PER_S", CHARACTERS_PER_S / 4)
     monkeypatch.setattr(furhat_speech, "_WRONG_BY_S", 0.0)
-    await it.do("say", text=SENTENCE)
-    announced = it.jobs[-1].expected
+    await rig.do("say", text=SENTENCE)
+    announced = rig.jobs[-1].expected
     assert announced[0] == pytest.approx(len(SENTENCE) / 14, abs=0.1)
     assert len(announced) > 3
 
 
-async def test_nothing_is_said_of_an_empty_text(it: Acted) -> None:
+async def test_nothing_is_said_of_an_empty_text(rig: FurhatRig) -> None:
     with pytest.raises(RejectedError):
-        await it.do("say", text="  ")
-    assert not it.robot.requests("request.speak.text")
+        await rig.do("say", text="  ")
+    assert not rig.robot.requests("request.speak.text")
 
 
-async def test_a_cancelled_utterance_ends_on_the_robot_and_the_next_one_is_heard(it: Acted) -> None:
-    saying = it.begin("say", text=SENTENCE)
-    await until(lambda: it.robot.speaking == SENTENCE)
+async def test_a_cancelled_utterance_ends_on_the_robot_and_the_next_one_is_heard(
+    rig: FurhatRig,
+) -> None:
+    saying = rig.begin("say", text=SENTENCE)
+    await until(lambda: rig.robot.speaking == SENTENCE)
     saying.cancel()
-    await until(lambda: not it.robot.speaking)
-    assert (await it.do("say", text="Hello"))["text"] == "Hello"
+    await until(lambda: not rig.robot.speaking)
+    assert (await rig.do("say", text="Hello"))["text"] == "Hello"
 
 
 @asynccontextmanager
-async def vendors_client(it: Acted) -> AsyncIterator[AsyncFurhatClient]:
+async def vendors_client(furhat_rig: FurhatRig) -> AsyncIterator[AsyncFurhatClient]:
     other = AsyncFurhatClient("other")
-    other.ws_url = f"ws://{it.robot.address}/v1/events"
+    other.ws_url = f"ws://{furhat_rig.robot.address}/v1/events"
     await other.connect()
     try:
         yield other
@@ -99,72 +101,74 @@ async def vendors_client(it: Acted) -> AsyncIterator[AsyncFurhatClient]:
         await other.disconnect()
 
 
-async def test_another_program_that_cuts_it_short_is_told(it: Acted) -> None:
-    saying = it.begin("say", text=SENTENCE)
-    await until(lambda: it.robot.speaking == SENTENCE)
-    async with vendors_client(it) as other:
+async def test_another_program_that_cuts_it_short_is_told(rig: FurhatRig) -> None:
+    saying = rig.begin("say", text=SENTENCE)
+    await until(lambda: rig.robot.speaking == SENTENCE)
+    async with vendors_client(rig) as other:
         await other.request_speak_text("Now I speak", abort=True)
         with pytest.raises(DriverError, match="cut short"):
             await saying
-        await until(lambda: it.robot.speaking == "Now I speak")
+        await until(lambda: rig.robot.speaking == "Now I speak")
 
 
 async def test_an_utterance_that_does_not_begin_is_given_up_and_does_not_begin_later(
-    it: Acted, monkeypatch: pytest.MonkeyPatch
+    rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(furhat_speech, "_BEGINS_WITHIN_S", 0.1)
-    it.robot.ignored.add("request.speak.text")
+    rig.robot.ignored.add("request.speak.text")
     with pytest.raises(DriverError, match="did not begin"):
-        await it.begin("say", text=SENTENCE)
-    await until(lambda: it.robot.calls[-1][0] == "request.speak.stop")
+        await rig.begin("say", text=SENTENCE)
+    await until(lambda: rig.robot.calls[-1][0] == "request.speak.stop")
 
 
-async def test_a_refused_utterance_gives_the_robots_own_words(it: Acted) -> None:
-    it.robot.faults.refused["request.speak.text"] = "no voice is installed"
+async def test_a_refused_utterance_gives_the_robots_own_words(rig: FurhatRig) -> None:
+    rig.robot.faults.refused["request.speak.text"] = "no voice is installed"
     with pytest.raises(DriverError, match="no voice is installed"):
-        await it.do("say", text=SENTENCE)
+        await rig.do("say", text=SENTENCE)
 
 
 # -- sounds ----------------------------------------------------------------------------------------
 
 
-async def test_a_file_of_this_machine_is_sent_as_it_is_played(it: Acted, tmp_path: Path) -> None:
+async def test_a_file_of_this_machine_is_sent_as_it_is_played(
+    rig: FurhatRig, tmp_path: Path
+) -> None:
     sound(tmp_path / "gong.wav", 1.5, channels=2)
-    sent = await it.do("sound", file="gong.wav")
+    sent = await rig.do("sound", file="gong.wav")
     assert sent == {"file": "gong.wav", "volume": 1.0}
-    [started] = it.robot.requests("request.speak.audio.start")
+    [started] = rig.robot.requests("request.speak.audio.start")
     assert started["sample_rate"] == 8000
-    pieces = it.robot.requests("request.speak.audio.data")
+    pieces = rig.robot.requests("request.speak.audio.data")
     assert len(pieces) > 3
     samples = sum(len(piece["audio"]) * 3 // 4 for piece in pieces) // 2
     assert samples == pytest.approx(1.5 * 8000, abs=2 * len(pieces))  # base64 is padded
-    assert len(it.robot.requests("request.speak.audio.end")) == 1
-    assert it.jobs[-1].expected[0] == pytest.approx(1.5)
+    assert len(rig.robot.requests("request.speak.audio.end")) == 1
+    assert rig.jobs[-1].expected[0] == pytest.approx(1.5)
 
 
-async def test_a_cancelled_sound_ends_on_the_robot(it: Acted, tmp_path: Path) -> None:
+async def test_a_cancelled_sound_ends_on_the_robot(rig: FurhatRig, tmp_path: Path) -> None:
     sound(tmp_path / "long.wav", 30)
-    playing = it.begin("sound", file="long.wav")
-    await until(lambda: bool(it.robot.speaking))
+    playing = rig.begin("sound", file="long.wav")
+    await until(lambda: bool(rig.robot.speaking))
     playing.cancel()
-    await until(lambda: not it.robot.speaking)
-    sent = len(it.robot.requests("request.speak.audio.data"))
-    await it.passes(1.0)
-    assert len(it.robot.requests("request.speak.audio.data")) == sent
+    await until(lambda: not rig.robot.speaking)
+    sent = len(rig.robot.requests("request.speak.audio.data"))
+    await rig.passes(1.0)
+    assert len(rig.robot.requests("request.speak.audio.data")) == sent
 
 
-async def test_what_is_no_sound_is_refused(it: Acted, tmp_path: Path) -> None:
+async def test_what_is_no_sound_is_refused(rig: FurhatRig, tmp_path: Path) -> None:
     (tmp_path / "note.wav").write_text("no sound")
     for name in ("note.wav", "nothing.wav"):
         with pytest.raises(RejectedError):
-            await it.do("sound", file=name)
-    with pytest.raises(RejectedError, match="cannot be played") as refused:
-        await it.do("sound", file="note.wav")
-    assert "ffmpeg" in refused.value.remedy
-    assert not it.robot.requests("request.speak.audio.start")
+            await rig.do("sound", file=name)
+    with pytest.raises(RejectedError, match="cannot be played") as raised:
+        await rig.do("sound", file="note.wav")
+    assert "ffmpeg" in raised.value.remedy
+    assert not rig.robot.requests("request.speak.audio.start")
 
 
-async def test_an_address_is_fetched_by_the_robot(it: Acted, tmp_path: Path) -> None:
+async def test_an_address_is_fetched_by_the_robot(rig: FurhatRig, tmp_path: Path) -> None:
     app = web.Application()
     app.router.add_static("/", sound(tmp_path / "far.wav", 0.5).parent)
     runner = web.AppRunner(app, shutdown_timeout=0.1)
@@ -173,9 +177,9 @@ async def test_an_address_is_fetched_by_the_robot(it: Acted, tmp_path: Path) -> 
     await site.start()
     place = f"http://127.0.0.1:{runner.addresses[0][1]}"
     try:
-        assert await it.do("sound", file=f"{place}/far.wav") == {"file": f"{place}/far.wav"}
+        assert await rig.do("sound", file=f"{place}/far.wav") == {"file": f"{place}/far.wav"}
         with pytest.raises(DriverError, match="could not"):
-            await it.do("sound", file=f"{place}/nothing.wav")
+            await rig.do("sound", file=f"{place}/nothing.wav")
     finally:
         await runner.cleanup()
 
@@ -185,32 +189,35 @@ async def test_an_address_is_fetched_by_the_robot(it: Acted, tmp_path: Path) -> 
 
 async def test_voice_and_volume_of_the_robot_file_are_taken_on_connect(tmp_path: Path) -> None:
     voice = FurhatVoiceSettings(name="Amy", volume=0.35)
-    async with acted(tmp_path, voice=voice) as it:
-        assert it.robot.voice == VOICES[1]
-        assert it.robot.volume == 35
-        assert (it.shown["voice"], it.shown["volume"]) == (VOICES[1]["voice_id"], 0.35)
+    async with connected_furhat(tmp_path, voice=voice) as furhat_rig:
+        assert furhat_rig.robot.voice == VOICES[1]
+        assert furhat_rig.robot.volume == 35
+        assert (furhat_rig.settings_shown["voice"], furhat_rig.settings_shown["volume"]) == (
+            VOICES[1]["voice_id"],
+            0.35,
+        )
 
 
 async def test_a_voice_that_the_robot_does_not_have_is_told(tmp_path: Path) -> None:
-    async with acted(tmp_path, voice=FurhatVoiceSettings(name="Nobody")) as it:
-        assert "Nobody" in it.notices
-        assert (await it.do("voice", name="Vicki"))["voice"] == VOICES[2]["voice_id"]
+    async with connected_furhat(tmp_path, voice=FurhatVoiceSettings(name="Nobody")) as furhat_rig:
+        assert "Nobody" in furhat_rig.notices
+        assert (await furhat_rig.do("voice", name="Vicki"))["voice"] == VOICES[2]["voice_id"]
         with pytest.raises(RejectedError):
-            await it.do("voice")
+            await furhat_rig.do("voice")
 
 
 @pytest.mark.parametrize("wish", [{"language": "sv-SE"}, {"name": "Amy", "language": "fr-FR"}])
 async def test_a_voice_of_another_language_is_told(tmp_path: Path, wish: dict[str, str]) -> None:
-    async with acted(tmp_path, voice=FurhatVoiceSettings(name="Vicki")) as it:
+    async with connected_furhat(tmp_path, voice=FurhatVoiceSettings(name="Vicki")) as furhat_rig:
         with pytest.raises(DriverError, match="Vicki"):
-            await it.do("voice", **wish)
-        taken = await it.do("voice", language="de", gender="female")
+            await furhat_rig.do("voice", **wish)
+        taken = await furhat_rig.do("voice", language="de", gender="female")
         assert str(taken["voice"]).startswith("Vicki")
 
 
-async def test_the_volume_is_set_in_per_cent(it: Acted) -> None:
-    assert await it.do("volume", level=0.5) == {"level": 0.5}
-    await until(lambda: it.robot.volume == 50)
+async def test_the_volume_is_set_in_per_cent(rig: FurhatRig) -> None:
+    assert await rig.do("volume", level=0.5) == {"level": 0.5}
+    await until(lambda: rig.robot.volume == 50)
 
 
 # -- a live voice ----------------------------------------------------------------------------------
@@ -222,22 +229,22 @@ WORD = b"\1\2" * 320
 class Talk:
     """Somebody who talks through the robot."""
 
-    def __init__(self, it: Acted) -> None:
-        self.it = it
-        self.window = SoundWindow(it.context.feed(VOICE), 16_000)
+    def __init__(self, furhat_rig: FurhatRig) -> None:
+        self.rig = furhat_rig
+        self.window = SoundWindow(furhat_rig.context.feed(VOICE), 16_000)
 
     @property
     def on(self) -> bool:
-        state = self.it.context.feed(VOICE_STATE).latest().value
+        state = self.rig.context.feed(VOICE_STATE).latest().value
         return isinstance(state, VoiceState) and state.on
 
     async def begin(self) -> asyncio.Task[Mapping[str, Json]]:
-        task = self.it.begin("talk")
+        task = self.rig.begin("talk")
         await until(lambda: self.on or task.done())
         return task
 
     def say(self, pcm: bytes = WORD) -> None:
-        self.window.add(pcm, self.it.context.clock.now_us(), "con7")
+        self.window.add(pcm, self.rig.context.clock.now_us(), "con7")
 
     def has(self, size: int) -> bool:
         """Whether the robot has so many bytes of it."""
@@ -246,14 +253,14 @@ class Talk:
     @property
     def sent(self) -> bytes:
         """What the robot has got of it."""
-        pieces = self.it.robot.requests("request.speak.audio.data")
+        pieces = self.rig.robot.requests("request.speak.audio.data")
         return b"".join(base64.b64decode(piece["audio"]) for piece in pieces)
 
 
 @pytest.fixture
 async def talk(tmp_path: Path) -> AsyncIterator[Talk]:
-    async with acted(tmp_path, talk=FurhatTalkSettings()) as it:
-        yield Talk(it)
+    async with connected_furhat(tmp_path, talk=FurhatTalkSettings()) as furhat_rig:
+        yield Talk(furhat_rig)
 
 
 async def test_a_live_voice_is_played_by_the_robot_while_it_is_on(talk: Talk) -> None:
@@ -263,16 +270,16 @@ async def test_a_live_voice_is_played_by_the_robot_while_it_is_on(talk: Talk) ->
     await until(lambda: talk.sent == WORD)
     talk.say()
     await until(lambda: talk.sent == 2 * WORD)
-    assert talk.it.robot.requests("request.speak.audio.start") == [
+    assert talk.rig.robot.requests("request.speak.audio.start") == [
         {"sample_rate": 16_000, "lipsync": True}
     ]
-    await talk.it.do("end_talk")
-    sent = await talk.it.ended(talking)
+    await talk.rig.do("end_talk")
+    sent = await talk.rig.ended(talking)
     assert (sent["played"], sent["dropped"], sent["by"]) == (0.04, 0.0, "con7")
-    assert not talk.it.robot.speaking
-    assert not talk.it.robot.requests("request.speak.stop")[1:], "its last words are heard"
+    assert not talk.rig.robot.speaking
+    assert not talk.rig.robot.requests("request.speak.stop")[1:], "its last words are heard"
     talk.say()
-    await talk.it.arrived()
+    await talk.rig.arrived()
     assert talk.sent == 2 * WORD
 
 
@@ -281,11 +288,11 @@ async def test_a_stop_ends_a_live_voice_and_it_needs_the_key_again(talk: Talk) -
     await talk.begin()
     talk.say()
     await until(lambda: talk.sent == WORD)
-    report = await talk.it.stop()
+    report = await talk.rig.stop()
     assert "speech" in report.confirmed
-    assert not talk.on and not talk.it.robot.speaking
+    assert not talk.on and not talk.rig.robot.speaking
     talk.say()
-    await talk.it.arrived()
+    await talk.rig.arrived()
     assert talk.sent == WORD
 
 
@@ -294,39 +301,39 @@ async def test_the_wizards_line_ends_a_live_voice(talk: Talk) -> None:
     talk.say()
     await until(lambda: talk.sent == WORD)
     talking.cancel()
-    await talk.it.driver.stop(Scope.DRIVE)
-    await until(lambda: not talk.it.robot.speaking)
+    await talk.rig.driver.stop(Scope.DRIVE)
+    await until(lambda: not talk.rig.robot.speaking)
 
 
 async def test_what_the_robot_has_too_much_of_is_dropped(talk: Talk) -> None:
     talking = await talk.begin()
     talk.say()
     await until(lambda: talk.sent == WORD)
-    await talk.it.robot.send_raw('{"type": "response.speak.audio.buffer", "played": 0}')
+    await talk.rig.robot.send_raw('{"type": "response.speak.audio.buffer", "played": 0}')
     for count in range(2, 40):  # 20 ms each, and the robot plays nothing
         talk.say()
         await until(functools.partial(talk.has, min(count, 31) * len(WORD)))
-    await talk.it.do("end_talk")
-    sent = await talk.it.ended(talking)
+    await talk.rig.do("end_talk")
+    sent = await talk.rig.ended(talking)
     assert float(str(sent["dropped"])) > 0.0
 
 
 async def test_one_who_talks_is_not_talked_over_by_the_robot(talk: Talk) -> None:
-    saying = talk.it.begin("say", text=SENTENCE)
-    await until(lambda: bool(talk.it.robot.speaking))
+    saying = talk.rig.begin("say", text=SENTENCE)
+    await until(lambda: bool(talk.rig.robot.speaking))
     with pytest.raises(RejectedError, match="speaking"):
         await (await talk.begin())
-    await talk.it.ended(saying)
+    await talk.rig.ended(saying)
     await talk.begin()
     with pytest.raises(RejectedError, match="talks"):
-        await talk.it.begin("say", text=SENTENCE)
+        await talk.rig.begin("say", text=SENTENCE)
 
 
 async def test_a_voice_that_is_cut_short_at_the_robot_is_told(talk: Talk) -> None:
     talking = await talk.begin()
     talk.say()
-    await until(lambda: bool(talk.it.robot.speaking))
-    async with vendors_client(talk.it) as other:
+    await until(lambda: bool(talk.rig.robot.speaking))
+    async with vendors_client(talk.rig) as other:
         await other.request_speak_stop()
         with pytest.raises(DriverError, match="cut short"):
             await talking
@@ -336,7 +343,7 @@ async def test_a_robot_that_goes_ends_a_live_voice(talk: Talk) -> None:
     talking = await talk.begin()
     talk.say()
     await until(lambda: talk.sent == WORD)
-    await talk.it.robot.close()
+    await talk.rig.robot.close()
     with pytest.raises(DeviceLostError):
         await talking
     assert not talk.on

@@ -13,7 +13,7 @@ from robot_simulators.furhat import FurhatSimulator
 from woz_drivers import web_socket_line
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
 
-from tests.drivers.furhat.acted import Acted, acted
+from tests.drivers.furhat.furhat_rig import FurhatRig, connected_furhat
 from woz_tui.drivers.contract import DriverError, Health
 from woz_tui.testing import until
 
@@ -38,8 +38,8 @@ NONSENSE = ("nonsense", "{}", '{"type": "response.users.data", "users": [{}]}', 
 class Troubles:
     """Commands and faults by the dice."""
 
-    def __init__(self, it: Acted, seed: int) -> None:
-        self.it = it
+    def __init__(self, rig: FurhatRig, seed: int) -> None:
+        self.rig = rig
         self.dice = random.Random(seed)
         self.ended: list[str] = []
         self._lanes: dict[str, asyncio.Task[None]] = {}
@@ -53,7 +53,7 @@ class Troubles:
 
     async def _performed(self, verb: str, args: dict[str, Any]) -> None:
         try:
-            await self.it.begin(verb, **args)
+            await self.rig.begin(verb, **args)
         except DriverError as error:
             self.ended.append(error.what)
         else:
@@ -61,7 +61,7 @@ class Troubles:
 
     async def fault(self) -> None:
         """Something goes wrong for a moment."""
-        robot = self.it.robot
+        robot = self.rig.robot
         pause = self.dice.uniform(0.0, 0.05)
         match self.dice.choice(("drop", "freeze", "away", "nonsense", "refuse", "silence", "stop")):
             case "drop":
@@ -93,13 +93,13 @@ class Troubles:
             await asyncio.gather(*self._lanes.values())
 
 
-async def answers(it: Acted) -> None:
+async def answers(rig: FurhatRig) -> None:
     """Return when the robot carries out what it is asked for: the last fault is over."""
     async with asyncio.timeout(20):
         while True:
-            await until(lambda: it.healthy is Health.CONNECTED, 20)
+            await until(lambda: rig.healthy is Health.CONNECTED, 20)
             try:
-                await it.do("voice", name="Matthew")
+                await rig.do("voice", name="Matthew")
                 return
             except DriverError:
                 await asyncio.sleep(0.02)
@@ -115,18 +115,18 @@ async def test_many_faults_in_a_row(
     before = len(asyncio.all_tasks())
     robot = FurhatSimulator(PacedTime(50))
     sensing = {"senses": FurhatSensesSettings(), "listening": FurhatListeningSettings()}
-    async with acted(tmp_path, robot, **sensing) as it:
-        troubles = Troubles(it, seed)
+    async with connected_furhat(tmp_path, robot, **sensing) as rig:
+        troubles = Troubles(rig, seed)
         for _ in range(FAULTS):
             troubles.command()
             await asyncio.sleep(troubles.dice.uniform(0.0, 0.03))
             await troubles.fault()
         await troubles.over()
         assert "" in troubles.ended and len(set(troubles.ended)) > 1, "the faults had no effect"
-        await answers(it)
-        assert not (await it.stop()).missing
+        await answers(rig)
+        assert not (await rig.stop()).missing
         assert (robot.speaking, robot.gesturing) == ("", [])
-        assert (await it.do("say", text="All is well"))["text"] == "All is well"
+        assert (await rig.do("say", text="All is well"))["text"] == "All is well"
     async with asyncio.timeout(10):
         while len(asyncio.all_tasks()) > before:  # noqa: ASYNC110
             await asyncio.sleep(0.01)

@@ -10,7 +10,7 @@ from woz_drivers.hands.device_watch import DeviceWatch
 from woz_drivers.hands.gamepad import axis_names, button_names
 from woz_drivers.hands.hand_device import HandDevice
 
-from tests.drivers.heard import until
+from tests.drivers.published_messages import until
 from tests.fakes.joystick import Joystick
 
 

@@ -51,7 +51,7 @@ class Session(RecordingContext):
             done(*self.outcome)
 
 
-class Stand:
+class HandsRig:
     """A driver with a hand in front of it."""
 
     def __init__(self, driver: HandsPanel, session: Session) -> None:
@@ -69,32 +69,32 @@ class Stand:
             self.hold(**values)
             await asyncio.sleep(0.1)
 
-    def asked(self) -> list[tuple[str, str, dict[str, Json]]]:
+    def new_requests(self) -> list[tuple[str, str, dict[str, Json]]]:
         """What has been asked for since the last time."""
         asks = [(ask.what, ask.name, dict(ask.args)) for ask in self.session.asks]
         self.session.asks.clear()
         return asks
 
     def drives(self) -> list[dict[str, Json]]:
-        return [args for _, name, args in self.asked() if name == "drive"]
+        return [args for _, name, args in self.new_requests() if name == "drive"]
 
-    def ended(self) -> list[str]:
-        return [what for what, _, _ in self.asked() if what in ("cancel", "halt")]
+    def cancellations(self) -> list[str]:
+        return [what for what, _, _ in self.new_requests() if what in ("cancel", "halt")]
 
 
-def play(scene: Callable[[Stand], Awaitable[None]], **settings: Any) -> None:
+def play(scene: Callable[[HandsRig], Awaitable[None]], **settings: Any) -> None:
     """Play a scene in virtual time."""
 
     async def go() -> None:
         session = Session(LoopClock(asyncio.get_running_loop()))
-        made = HandsSettings(**{"controls": CONTROLS, **settings})
-        assert made.problems() == []
-        driver = HandsPanel("pad", made, session)
+        hands_settings = HandsSettings(**{"controls": CONTROLS, **settings})
+        assert hands_settings.problems() == []
+        driver = HandsPanel("pad", hands_settings, session)
         await driver.open()
-        stand = Stand(driver, session)
-        stand.hold()
+        rig = HandsRig(driver, session)
+        rig.hold()
         try:
-            await scene(stand)
+            await scene(rig)
         finally:
             await driver.close()
 
@@ -102,15 +102,15 @@ def play(scene: Callable[[Stand], Awaitable[None]], **settings: Any) -> None:
 
 
 def test_a_button_asks_once_however_often_it_is_said_to_be_held() -> None:
-    async def scene(it: Stand) -> None:
-        await it.hold_for(1.0, south=1)
-        [ask] = it.session.asks
+    async def scene(rig: HandsRig) -> None:
+        await rig.hold_for(1.0, south=1)
+        [ask] = rig.session.asks
         assert (ask.what, ask.name, ask.source, ask.key) == ("action", "Hello", "gamepad", "south")
-        it.hold()
-        it.hold(east=1)
-        it.hold(left_trigger=0.9)
-        it.hold(left_trigger=1.0)
-        assert [ask[:2] for ask in it.asked()] == [
+        rig.hold()
+        rig.hold(east=1)
+        rig.hold(left_trigger=0.9)
+        rig.hold(left_trigger=1.0)
+        assert [ask[:2] for ask in rig.new_requests()] == [
             *(("action", "Hello"), ("key", "f13"), ("mark", "now"))
         ]
 
@@ -118,12 +118,12 @@ def test_a_button_asks_once_however_often_it_is_said_to_be_held() -> None:
 
 
 def test_what_a_hand_does_is_shown_on_the_scale_of_panels() -> None:
-    async def scene(it: Stand) -> None:
-        it.hold(left_stick_y=1, right_stick_x=-1, right_trigger=0.5, south=1)
+    async def scene(rig: HandsRig) -> None:
+        rig.hold(left_stick_y=1, right_stick_x=-1, right_trigger=0.5, south=1)
         await asyncio.sleep(0.2)
-        it.hold()
+        rig.hold()
         await asyncio.sleep(0.2)
-        shown = [one for one in it.session.shown if isinstance(one, ControlsMoved)]
+        shown = [one for one in rig.session.shown if isinstance(one, ControlsMoved)]
         values = {**shown[0].values}
         assert values == {
             **{"left-stick-y": 127, "right-stick-x": 0, "right-trigger": 64, "south": 127}
@@ -134,21 +134,21 @@ def test_what_a_hand_does_is_shown_on_the_scale_of_panels() -> None:
 
 
 def test_both_axes_of_a_stick_set_one_direction_and_the_newest_counts() -> None:
-    async def scene(it: Stand) -> None:
-        it.hold(right_stick_x=1, right_stick_y=1)
-        assert it.asked() == [("verb", "gaze", {"yaw": -60.0, "pitch": 20.0})]
-        it.session.slow = True
+    async def scene(rig: HandsRig) -> None:
+        rig.hold(right_stick_x=1, right_stick_y=1)
+        assert rig.new_requests() == [("verb", "gaze", {"yaw": -60.0, "pitch": 20.0})]
+        rig.session.slow = True
         for share in (0.9, 0.7, 0.6):
-            it.hold(right_stick_x=share)
-        assert len(it.session.asks) == 1
-        it.session.waiting.pop(0)(True, "")
-        first, newest = it.asked()
+            rig.hold(right_stick_x=share)
+        assert len(rig.session.asks) == 1
+        rig.session.waiting.pop(0)(True, "")
+        first, newest = rig.new_requests()
         assert first[2]["yaw"] == yaw_of(0.9)
         assert newest[2]["yaw"] == yaw_of(0.6)
-        it.session.slow = False
-        it.session.waiting.pop(0)(True, "")
-        it.hold()
-        assert it.asked() == [("verb", "gaze", {"yaw": 0.0, "pitch": 0.0})]
+        rig.session.slow = False
+        rig.session.waiting.pop(0)(True, "")
+        rig.hold()
+        assert rig.new_requests() == [("verb", "gaze", {"yaw": 0.0, "pitch": 0.0})]
 
     play(scene)
 
@@ -159,55 +159,55 @@ def yaw_of(share: float) -> Any:
 
 
 def test_nothing_moves_in_the_dead_zone() -> None:
-    async def scene(it: Stand) -> None:
-        await it.hold_for(1.0, right_stick_x=0.15, left_stick_y=-0.1, left_bumper=1)
-        assert it.asked() == []
+    async def scene(rig: HandsRig) -> None:
+        await rig.hold_for(1.0, right_stick_x=0.15, left_stick_y=-0.1, left_bumper=1)
+        assert rig.new_requests() == []
 
     play(scene)
 
 
 def test_a_stick_drives_by_steps_while_the_dead_mans_button_is_held() -> None:
-    async def scene(it: Stand) -> None:
-        await it.hold_for(3.0, left_stick_y=1)
-        assert it.asked() == []
-        await it.hold_for(2.5, left_stick_y=1, left_bumper=1)
-        assert it.drives() == [{"x": 1.0, "turn": 0.0}] * 3
-        await it.hold_for(0.5, left_stick_y=1, left_stick_x=-1, left_bumper=1)
-        assert it.drives() == [{"x": 1.0, "turn": 90.0}]
-        await it.hold_for(0.5, left_stick_y=1, left_stick_x=-1)
-        assert it.ended() == ["cancel"]
-        await it.hold_for(0.5, left_stick_y=1, left_bumper=1)
-        it.hold(left_bumper=1)
-        assert it.ended() == ["cancel"]
+    async def scene(rig: HandsRig) -> None:
+        await rig.hold_for(3.0, left_stick_y=1)
+        assert rig.new_requests() == []
+        await rig.hold_for(2.5, left_stick_y=1, left_bumper=1)
+        assert rig.drives() == [{"x": 1.0, "turn": 0.0}] * 3
+        await rig.hold_for(0.5, left_stick_y=1, left_stick_x=-1, left_bumper=1)
+        assert rig.drives() == [{"x": 1.0, "turn": 90.0}]
+        await rig.hold_for(0.5, left_stick_y=1, left_stick_x=-1)
+        assert rig.cancellations() == ["cancel"]
+        await rig.hold_for(0.5, left_stick_y=1, left_bumper=1)
+        rig.hold(left_bumper=1)
+        assert rig.cancellations() == ["cancel"]
 
     play(scene)
 
 
 def test_what_is_not_said_again_is_let_go_and_counts_after_a_rest() -> None:
-    async def scene(it: Stand) -> None:
-        await it.hold_for(1.0, left_stick_y=1, left_bumper=1, west=1)
-        it.asked()
+    async def scene(rig: HandsRig) -> None:
+        await rig.hold_for(1.0, left_stick_y=1, left_bumper=1, west=1)
+        rig.new_requests()
         await asyncio.sleep(0.6)
-        ended = it.asked()
+        ended = rig.new_requests()
         assert [what for what, *_ in ended if what != "verb"] == ["cancel", "halt"]
         assert ("verb", "emotion", {"emotion": "neutral"}) in ended
-        assert "nothing was heard" in it.session.notices[-1][1]
-        await it.hold_for(2.0, left_stick_y=1, left_bumper=1, west=1)
-        assert it.asked() == [], "the line is back, but the fingers have never moved"
-        await it.hold_for(0.3, left_stick_y=1)
-        await it.hold_for(0.3, left_stick_y=1, left_bumper=1)
-        assert it.drives() == [], "the stick was not let go"
-        it.hold(left_stick_y=0.1, left_stick_x=-0.02, left_trigger=0.01)
-        it.hold(left_stick_y=1, left_bumper=1)
-        assert it.drives() == [{"x": 1.0, "turn": 0.0}]
+        assert "nothing was heard" in rig.session.notices[-1][1]
+        await rig.hold_for(2.0, left_stick_y=1, left_bumper=1, west=1)
+        assert rig.new_requests() == [], "the line is back, but the fingers have never moved"
+        await rig.hold_for(0.3, left_stick_y=1)
+        await rig.hold_for(0.3, left_stick_y=1, left_bumper=1)
+        assert rig.drives() == [], "the stick was not let go"
+        rig.hold(left_stick_y=0.1, left_stick_x=-0.02, left_trigger=0.01)
+        rig.hold(left_stick_y=1, left_bumper=1)
+        assert rig.drives() == [{"x": 1.0, "turn": 0.0}]
 
     play(scene)
 
 
-LOST: dict[str, Callable[[Stand], Any]] = {
-    "unplugged": lambda it: it.driver.take_hand(HandInput("con1", {}, device="")),
-    "the connection ends": lambda it: it.driver.lose_hand("con1"),
-    "another hand takes it": lambda it: it.driver.take_hand(
+LOST: dict[str, Callable[[HandsRig], Any]] = {
+    "unplugged": lambda rig: rig.driver.take_hand(HandInput("con1", {}, device="")),
+    "the connection ends": lambda rig: rig.driver.lose_hand("con1"),
+    "another hand takes it": lambda rig: rig.driver.take_hand(
         HandInput("con2", {"south": 1}, device="another", take_over=True)
     ),
 }
@@ -215,87 +215,87 @@ LOST: dict[str, Callable[[Stand], Any]] = {
 
 @pytest.mark.parametrize("how", LOST)
 def test_a_hand_that_is_lost_lets_go_of_everything(how: str) -> None:
-    async def scene(it: Stand) -> None:
-        await it.hold_for(0.5, left_stick_y=1, left_bumper=1, west=1)
-        it.asked()
-        LOST[how](it)
-        ended = it.asked()
+    async def scene(rig: HandsRig) -> None:
+        await rig.hold_for(0.5, left_stick_y=1, left_bumper=1, west=1)
+        rig.new_requests()
+        LOST[how](rig)
+        ended = rig.new_requests()
         assert ("verb", "emotion", {"emotion": "neutral"}) in ended
         assert [what for what, *_ in ended if what != "verb"] == ["cancel", "halt"]
-        health = it.session.healths[-1][1]
+        health = rig.session.healths[-1][1]
         assert health.startswith("another" if "hand" in how else "no gamepad")
         await asyncio.sleep(3)
-        assert it.asked() == [], "a button that was held at its taking over was not pressed"
+        assert rig.new_requests() == [], "a button that was held at its taking over was not pressed"
 
     play(scene)
 
 
 def test_a_second_client_is_told_whose_hands_it_is_in() -> None:
-    async def scene(it: Stand) -> None:
+    async def scene(rig: HandsRig) -> None:
         with pytest.raises(RejectedError, match="con1"):
-            it.hold("con2", south=1)
-        it.driver.lose_hand("con2")
-        it.hold(south=1)
-        assert [ask[:2] for ask in it.asked()] == [("action", "Hello")]
-        it.driver.lose_hand("con1")
-        it.hold("con2")
-        it.hold("con2", south=1)
-        assert [ask[:2] for ask in it.asked()] == [("action", "Hello")]
+            rig.hold("con2", south=1)
+        rig.driver.lose_hand("con2")
+        rig.hold(south=1)
+        assert [ask[:2] for ask in rig.new_requests()] == [("action", "Hello")]
+        rig.driver.lose_hand("con1")
+        rig.hold("con2")
+        rig.hold("con2", south=1)
+        assert [ask[:2] for ask in rig.new_requests()] == [("action", "Hello")]
 
     play(scene)
 
 
 @pytest.mark.parametrize("scope", Scope)
 def test_a_stop_ends_what_is_held_until_it_has_been_let_go(scope: Scope) -> None:
-    async def scene(it: Stand) -> None:
-        await it.hold_for(0.5, left_stick_y=1, left_bumper=1, right_stick_x=1)
-        await it.driver.stop(scope)
-        await it.driver.resume()
-        it.asked()
-        await it.hold_for(3.0, left_stick_y=1, left_bumper=1, right_stick_x=0.8)
-        assert it.asked() == []
-        it.hold()
-        it.hold(left_stick_y=1, left_bumper=1)
-        assert it.drives() == [{"x": 1.0, "turn": 0.0}]
+    async def scene(rig: HandsRig) -> None:
+        await rig.hold_for(0.5, left_stick_y=1, left_bumper=1, right_stick_x=1)
+        await rig.driver.stop(scope)
+        await rig.driver.resume()
+        rig.new_requests()
+        await rig.hold_for(3.0, left_stick_y=1, left_bumper=1, right_stick_x=0.8)
+        assert rig.new_requests() == []
+        rig.hold()
+        rig.hold(left_stick_y=1, left_bumper=1)
+        assert rig.drives() == [{"x": 1.0, "turn": 0.0}]
 
     play(scene)
 
 
 def test_the_stop_is_asked_for_once_also_when_its_client_has_sent_it_already() -> None:
-    async def scene(it: Stand) -> None:
-        it.hold(select=1)
-        assert [what for what, *_ in it.asked()] == ["stop"]
-        it.hold()
-        await it.driver.stop(Scope.ALL)
-        it.hold(select=1)
-        assert it.asked() == []
+    async def scene(rig: HandsRig) -> None:
+        rig.hold(select=1)
+        assert [what for what, *_ in rig.new_requests()] == ["stop"]
+        rig.hold()
+        await rig.driver.stop(Scope.ALL)
+        rig.hold(select=1)
+        assert rig.new_requests() == []
 
     play(scene)
 
 
 def test_a_refused_drive_is_not_asked_for_again_and_again() -> None:
-    async def scene(it: Stand) -> None:
-        it.session.outcome = (False, "no wizard's console is attached")
-        await it.hold_for(4.0, left_stick_y=1, left_bumper=1)
-        assert len(it.drives()) == 1
-        [(level, text, _)] = it.session.notices
+    async def scene(rig: HandsRig) -> None:
+        rig.session.outcome = (False, "no wizard's console is attached")
+        await rig.hold_for(4.0, left_stick_y=1, left_bumper=1)
+        assert len(rig.drives()) == 1
+        [(level, text, _)] = rig.session.notices
         assert level == "warning"
         assert "no wizard's console" in text
-        it.hold(left_stick_y=1)
-        await it.hold_for(4.0, left_stick_y=1, left_bumper=1)
-        assert len(it.drives()) == 1
+        rig.hold(left_stick_y=1)
+        await rig.hold_for(4.0, left_stick_y=1, left_bumper=1)
+        assert len(rig.drives()) == 1
 
     play(scene)
 
 
 def test_an_old_press_is_refused_by_its_age_and_an_old_stick_moves_nothing() -> None:
-    async def scene(it: Stand) -> None:
+    async def scene(rig: HandsRig) -> None:
         late = {"south": 1.0, "left-stick-y": 1.0, "left-bumper": 1.0, "right-stick-x": 1.0}
-        it.driver.take_hand(HandInput("con1", late, age_us=2_000_000, stale=True))
-        [ask] = it.session.asks
+        rig.driver.take_hand(HandInput("con1", late, age_us=2_000_000, stale=True))
+        [ask] = rig.session.asks
         assert (ask.name, ask.age_us) == ("Hello", 2_000_000)
-        await it.hold_for(2.0, south=1, left_stick_y=1, left_bumper=1, right_stick_x=1)
-        assert len(it.session.asks) == 1
+        await rig.hold_for(2.0, south=1, left_stick_y=1, left_bumper=1, right_stick_x=1)
+        assert len(rig.session.asks) == 1
 
     play(scene)
 
@@ -312,10 +312,10 @@ def test_an_old_press_is_refused_by_its_age_and_an_old_stick_moves_nothing() -> 
     ],
 )
 def test_values_that_no_control_has_are_refused_whole(values: dict[str, float], names: str) -> None:
-    async def scene(it: Stand) -> None:
+    async def scene(rig: HandsRig) -> None:
         with pytest.raises(RejectedError, match=names):
-            it.driver.take_hand(HandInput("con1", {"south": 1.0, **values}))
-        assert it.asked() == []
+            rig.driver.take_hand(HandInput("con1", {"south": 1.0, **values}))
+        assert rig.new_requests() == []
 
     play(scene)
 
@@ -323,22 +323,22 @@ def test_values_that_no_control_has_are_refused_whole(values: dict[str, float], 
 def test_a_stick_on_a_body_waits_until_it_has_passed_the_robots_value() -> None:
     pitch = {"left-stick-y": HandControl(control="pitch", hold="left-bumper")}
 
-    async def scene(it: Stand) -> None:
-        it.hold(left_bumper=1, left_stick_y=0.5)
+    async def scene(rig: HandsRig) -> None:
+        rig.hold(left_bumper=1, left_stick_y=0.5)
         await asyncio.sleep(0.1)
-        shown = [one for one in it.session.shown if isinstance(one, ControlsMoved)]
+        shown = [one for one in rig.session.shown if isinstance(one, ControlsMoved)]
         assert shown[-1].waiting == ["left-stick-y"]
-        assert it.asked() == []
+        assert rig.new_requests() == []
 
     play(scene, controls=pitch, on="body")
     play(jump, controls=pitch, take_over="jump")
 
 
-async def jump(it: Stand) -> None:
-    it.hold(left_stick_y=1)
-    assert it.asked() == []
-    it.hold(left_bumper=1, left_stick_y=0.9)
-    [(_, verb, args)] = it.asked()
+async def jump(rig: HandsRig) -> None:
+    rig.hold(left_stick_y=1)
+    assert rig.new_requests() == []
+    rig.hold(left_bumper=1, left_stick_y=0.9)
+    [(_, verb, args)] = rig.new_requests()
     assert (verb, args["control"]) == ("control", "pitch")
     assert float(str(args["value"])) > 0.9
 
@@ -346,10 +346,10 @@ async def jump(it: Stand) -> None:
 def test_keys_of_a_stream_deck_are_pressed_and_logged_as_such() -> None:
     keys = {"key-1": HandControl(action="Hello"), "dial-2": HandControl(script=True)}
 
-    async def scene(it: Stand) -> None:
-        it.hold(key_1=1)
-        it.hold(dial_2=1)
-        assert [(ask.what, ask.source, ask.key) for ask in it.session.asks] == [
+    async def scene(rig: HandsRig) -> None:
+        rig.hold(key_1=1)
+        rig.hold(dial_2=1)
+        assert [(ask.what, ask.source, ask.key) for ask in rig.session.asks] == [
             *(("action", "stream-deck", "key-1"), ("script", "stream-deck", "dial-2"))
         ]
 

@@ -19,9 +19,9 @@ def test_its_robot_file_is_right_in_the_demo() -> None:
     robot = textwrap.indent(textwrap.dedent(block), "  ")
     demo = ROOT / "experiments" / "demo.yaml"
     [before, after] = re.split(r"^robot: .*\n", demo.read_text("utf-8"), flags=re.MULTILINE)
-    found = load(demo, installed(), f"{before}robot:\n{robot}{after}".encode())
-    assert [driver.name for driver in found.drivers] == ["robot", "pad", "deck"]
-    assert found.warnings == ()
+    experiment = load(demo, installed(), f"{before}robot:\n{robot}{after}".encode())
+    assert [driver.name for driver in experiment.drivers] == ["robot", "pad", "deck"]
+    assert experiment.warnings == ()
 
 
 def test_it_names_every_control_of_a_gamepad() -> None:

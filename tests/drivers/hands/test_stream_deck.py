@@ -17,7 +17,7 @@ from woz_drivers.hands.device_watch import DeviceWatch
 from woz_drivers.hands.hand_device import HandDevice, KeyFace
 from woz_drivers.hands.stream_deck import StreamDeckKeys, find_decks
 
-from tests.drivers.heard import until
+from tests.drivers.published_messages import until
 from woz_tui.drivers.contract import DeviceLostError
 
 KEYS = 15

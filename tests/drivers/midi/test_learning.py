@@ -49,7 +49,7 @@ def test_each_target_gets_the_control_that_was_moved_for_it(tmp_path: Path) -> N
     assert lesson.over
     assert lesson.count == 3
     panel = read_back(lesson, tmp_path)
-    assert [str(signal_of(it)) for it in mapped_controls(MidiSettings(map=panel))] == [
+    assert [str(signal_of(control)) for control in mapped_controls(MidiSettings(map=panel))] == [
         *("cc 20, channel 1", "note 36, channel 10", "program 4, channel 2"),
     ]
     assert panel.controls["cc-20"].range == (0.1, 0.9)
@@ -91,11 +91,11 @@ def test_a_control_cannot_be_taken_twice() -> None:
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_a_known_panel_keeps_its_names_and_its_lights(name: str, tmp_path: Path) -> None:
     lesson = MapLearning(BUILT_IN[name], "nanoKONTROL2", -1)
-    wanted = [it for it in mapped_controls(MidiSettings(map=name)) if not it.free]
-    for it in wanted:
-        number = signal_of(it).number
-        said = lesson.add(knob(number, 127, 0) if it.pressed else knob(number, 1, 2, 3))
-        assert said == f"{it.name}: {it.label}"
+    wanted = [control for control in mapped_controls(MidiSettings(map=name)) if not control.free]
+    for control in wanted:
+        number = signal_of(control).number
+        said = lesson.add(knob(number, 127, 0) if control.pressed else knob(number, 1, 2, 3))
+        assert said == f"{control.name}: {control.label}"
     panel = read_back(lesson, tmp_path)
     assert panel.layout == "nanokontrol2"
     assert panel.controls == BUILT_IN[name].controls

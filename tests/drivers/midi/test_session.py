@@ -12,8 +12,8 @@ from woz_drivers.midi.panel_maps import BUILT_IN
 from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 
-from tests.drivers.heard import PATIENCE_S
-from tests.drivers.midi.test_maps import BODY
+from tests.drivers.midi.test_panel_maps import BODY
+from tests.drivers.published_messages import PATIENCE_S
 from tests.fakes.midi_panel import MidiPanelFake
 from woz_tui.config.experiment import Call, ParallelCalls
 from woz_tui.config.keys.console_keys import builtin_key
@@ -35,7 +35,7 @@ KEYS = {
 }
 
 
-class Room:
+class PanelSession:
     """A running session with everything it published."""
 
     def __init__(self, session: Session, panel: MidiPanelFake) -> None:
@@ -76,7 +76,7 @@ class Room:
 
 
 @asynccontextmanager
-async def room(folder: Path, panel: str) -> AsyncIterator[Room]:
+async def panel_session(folder: Path, panel: str) -> AsyncIterator[PanelSession]:
     """A session with a body that does not breathe, and this panel."""
     fake = MidiPanelFake(folder / "midiC1D0")
     body = f"{BODY}    personality: {{breathing: 0}}\n"
@@ -92,16 +92,16 @@ async def room(folder: Path, panel: str) -> AsyncIterator[Room]:
     session = Session(
         load(folder / "it.yaml", catalogue), catalogue, SessionIdentity(), recorder, clock
     )
-    it = Room(session, fake)
+    rig = PanelSession(session, fake)
     try:
         await session.open()
-        await it.until(lambda: it.at(pitch=0))
-        await it.until(
+        await rig.until(lambda: rig.at(pitch=0))
+        await rig.until(
             lambda: any(
-                isinstance(line, m.DriverConnected) and line.driver == "panel" for line in it.lines
+                isinstance(line, m.DriverConnected) and line.driver == "panel" for line in rig.lines
             )
         )
-        yield it
+        yield rig
     finally:
         await session.close("test", rest=False)
         fake.unplug()
@@ -109,86 +109,88 @@ async def room(folder: Path, panel: str) -> AsyncIterator[Room]:
 
 @pytest.mark.toolkit("K1", "K3", "G7")
 async def test_four_hands_full_of_knobs_and_a_pulled_cable(tmp_path: Path) -> None:
-    async with room(tmp_path, "    map: thesis\n") as it:
-        it.panel.turn(16, 127)
-        await it.until(lambda: any(isinstance(line, m.Notice) for line in it.lines))
-        assert it.commands() == [], "the first touch moves nothing"
+    async with panel_session(tmp_path, "    map: thesis\n") as rig:
+        rig.panel.turn(16, 127)
+        await rig.until(lambda: any(isinstance(line, m.Notice) for line in rig.lines))
+        assert rig.commands() == [], "the first touch moves nothing"
         # Each from one end to the other, so that it passes the robot's value on the way.
         for number in (16, 0, 1, 17):
-            it.panel.turn(number, *range(0, 128, 3), *range(127, 95, -1))
-        await it.until(lambda: it.at(pitch=45.7, middle=67.9, top=67.9))
-        assert {command.source for command in it.commands()} == {"midi"}
-        recalled = it.session.recent.lines
+            rig.panel.turn(number, *range(0, 128, 3), *range(127, 95, -1))
+        await rig.until(lambda: rig.at(pitch=45.7, middle=67.9, top=67.9))
+        assert {command.source for command in rig.commands()} == {"midi"}
+        recalled = rig.session.recent.lines
         assert not any(isinstance(line, m.Command | m.Ack) for line in recalled), "only logged"
-        assert it.session.runner.played == {}, "no knob is the last mistake"
-        assert {command.key for command in it.commands()} == {
+        assert rig.session.runner.played == {}, "no knob is the last mistake"
+        assert {command.key for command in rig.commands()} == {
             *("knob-1", "knob-2", "slider-1", "slider-2")
         }
-        last = {command.key: command.args["value"] for command in it.commands()}
+        last = {command.key: command.args["value"] for command in rig.commands()}
         assert set(last.values()) == {round(0.5 + 32 / 126, 4)}
-        before = len(it.commands())
-        it.panel.unplug()
-        await it.until(lambda: any(isinstance(line, m.DriverLost) for line in it.lines))
-        assert it.at(pitch=45.7, middle=67.9, top=67.9)
-        it.panel.plug()
-        await it.until(
+        before = len(rig.commands())
+        rig.panel.unplug()
+        await rig.until(lambda: any(isinstance(line, m.DriverLost) for line in rig.lines))
+        assert rig.at(pitch=45.7, middle=67.9, top=67.9)
+        rig.panel.plug()
+        await rig.until(
             lambda: (
-                [line.driver for line in it.lines if isinstance(line, m.DriverConnected)].count(
+                [line.driver for line in rig.lines if isinstance(line, m.DriverConnected)].count(
                     "panel"
                 )
                 == 2
             )
         )
-        it.panel.turn(16, 0)
-        await it.until(lambda: _value(it, "knob-1") == 0)
-        assert len(it.commands()) == before
-        assert not any(isinstance(line, m.Failed | m.Refused) for line in it.lines)
+        rig.panel.turn(16, 0)
+        await rig.until(lambda: _value(rig, "knob-1") == 0)
+        assert len(rig.commands()) == before
+        assert not any(isinstance(line, m.Failed | m.Refused) for line in rig.lines)
 
 
 @pytest.mark.toolkit("K2")
 async def test_buttons_lights_actions_and_both_stops(tmp_path: Path) -> None:
-    async with room(tmp_path, "    map: thesis\n    controls: {button-1: {action: Hello}}\n") as it:
-        it.panel.press(32)
-        await it.until(lambda: _lit(it) == ["button-8"])
-        it.panel.press(36)
-        await it.until(lambda: "button-5" in _lit(it))
-        it.panel.press(35)
-        await it.until(lambda: "button-5" not in _lit(it))
-        it.panel.press(42)
-        await it.until(lambda: "stop" in _lit(it))
-        it.panel.press(34)
-        await it.until(lambda: any(isinstance(line, m.Refused) for line in it.lines))
-        it.panel.press(46)
-        await it.until(lambda: "stop" not in _lit(it))
-        it.panel.press(41)
-        await it.until(lambda: any(getattr(line, "key", "") == "play" for line in it.lines))
-        it.panel.press(45)
-        await it.until(lambda: any(isinstance(line, m.Marker) for line in it.lines))
-        asked = [line for line in it.lines if isinstance(line, m.ActionRequested)]
+    async with panel_session(
+        tmp_path, "    map: thesis\n    controls: {button-1: {action: Hello}}\n"
+    ) as rig:
+        rig.panel.press(32)
+        await rig.until(lambda: _lit_buttons(rig) == ["button-8"])
+        rig.panel.press(36)
+        await rig.until(lambda: "button-5" in _lit_buttons(rig))
+        rig.panel.press(35)
+        await rig.until(lambda: "button-5" not in _lit_buttons(rig))
+        rig.panel.press(42)
+        await rig.until(lambda: "stop" in _lit_buttons(rig))
+        rig.panel.press(34)
+        await rig.until(lambda: any(isinstance(line, m.Refused) for line in rig.lines))
+        rig.panel.press(46)
+        await rig.until(lambda: "stop" not in _lit_buttons(rig))
+        rig.panel.press(41)
+        await rig.until(lambda: any(getattr(line, "key", "") == "play" for line in rig.lines))
+        rig.panel.press(45)
+        await rig.until(lambda: any(isinstance(line, m.Marker) for line in rig.lines))
+        asked = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
         assert [(line.source, line.key) for line in asked] == [
             ("midi", "button-1"),
             ("midi", "play"),
         ]
 
 
-def _value(it: Room, control: str) -> int | None:
-    moved = [line for line in it.lines if isinstance(line, m.ControlsMoved)]
+def _value(rig: PanelSession, control: str) -> int | None:
+    moved = [line for line in rig.lines if isinstance(line, m.ControlsMoved)]
     values = [line.values[control] for line in moved if control in line.values]
     return values[-1] if values else None
 
 
-def _lit(it: Room) -> list[str]:
-    moved = [line for line in it.lines if isinstance(line, m.ControlsMoved)]
+def _lit_buttons(rig: PanelSession) -> list[str]:
+    moved = [line for line in rig.lines if isinstance(line, m.ControlsMoved)]
     return list(moved[-1].lit) if moved else []
 
 
 # -- everything a panel does, keys can do -------------------------------------------------------
 
 TARGETS = {
-    f"{name} {it.name} {number}": (it, ask)
+    f"{name} {control.name} {number}": (control, ask)
     for name in BUILT_IN
-    for it in mapped_controls(MidiSettings(map=name))
-    for number, ask in enumerate(it.asks())
+    for control in mapped_controls(MidiSettings(map=name))
+    for number, ask in enumerate(control.asks())
 }
 
 
@@ -208,9 +210,9 @@ def test_everything_a_control_of_a_panel_does_a_key_does_too(tmp_path: Path) -> 
         f"title: it\nrobot:\n  drivers:{BODY.replace(chr(10), chr(10) + '  ')}\npanels:\n"
         f"  - title: P\n    actions:\n{actions}"
     )
-    found = load(tmp_path / "it.yaml", plugins.installed())
-    verbs = {verb.name: verb for verb in found.drivers[0].verbs}
-    by_name = {action.name: action for panel in found.panels for action in panel.actions}
+    experiment = load(tmp_path / "it.yaml", plugins.installed())
+    verbs = {verb.name: verb for verb in experiment.drivers[0].verbs}
+    by_name = {action.name: action for panel in experiment.panels for action in panel.actions}
     assert set(by_name) == set(keyed)
     for name, ask in keyed.items():
         [step] = by_name[name].steps

@@ -8,23 +8,25 @@ import pytest
 import pytest_asyncio
 from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
 
-from tests.drivers.heard import PATIENCE_S
-from tests.drivers.pepper.played import Played, played
+from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
+from tests.drivers.published_messages import PATIENCE_S
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+async def rig(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[RobotRig]:
     """It feels whatever there is to feel."""
     folder = tmp_path_factory.mktemp("experiment")
-    async with played(folder, kind="nao", pace=20.0, senses=SensesSettings(rate=20)) as made:
+    async with connected_robot(
+        folder, kind="nao", pace=20.0, senses=SensesSettings(rate=20)
+    ) as made:
         yield made
 
 
 @pytest_asyncio.fixture(loop_scope="module")
-async def it(shared: Played) -> Played:
+async def robot_rig(rig: RobotRig) -> RobotRig:
     """That robot on its feet, without what the tests before have done with it."""
-    await shared.afresh()
-    return shared
+    await rig.forget()
+    return rig
 
 
 @pytest.fixture(autouse=True)

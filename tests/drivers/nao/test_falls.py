@@ -10,8 +10,8 @@ import pytest
 import pytest_asyncio
 from woz_drivers.nao.falls import FALLEN, FALLING, KEYS
 
-from tests.drivers.pepper.connected import patience
-from tests.drivers.pepper.played import Played, joined, played, settings_for
+from tests.drivers.pepper.connection_rig import patience
+from tests.drivers.pepper.robot_rig import RobotRig, connected_driver, connected_robot, settings_for
 from tests.fakes.naoqi import stand_in
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.protocol.messages import DriverConnected, DriverFaulted, Notice
@@ -33,32 +33,32 @@ def soon_up(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest_asyncio.fixture(loop_scope="module")
-async def fallen(it: Played) -> AsyncIterator[Played]:
+async def fallen(robot_rig: RobotRig) -> AsyncIterator[RobotRig]:
     """It lies, and the wizard knows; up again afterwards."""
-    await it.robot.fault("fall")
-    await it.heard.first(DriverFaulted)
-    await it.robot.clear()
-    yield it
-    await it.do("posture", name="Stand", speed=1.0)
-    await it.heard.first(DriverConnected)
+    await robot_rig.robot.fault("fall")
+    await robot_rig.published.first(DriverFaulted)
+    await robot_rig.robot.clear()
+    yield robot_rig
+    await robot_rig.do("posture", name="Stand", speed=1.0)
+    await robot_rig.published.first(DriverConnected)
 
 
-async def test_a_fall_is_told_with_a_remedy_and_so_is_the_rising(it: Played) -> None:
-    assert it.heard.values("fallen")[-1:] in ([], [0.0])
-    await it.robot.fault("fall:back")
-    faulted = await it.heard.first(DriverFaulted)
+async def test_a_fall_is_told_with_a_remedy_and_so_is_the_rising(robot_rig: RobotRig) -> None:
+    assert robot_rig.published.values("fallen")[-1:] in ([], [0.0])
+    await robot_rig.robot.fault("fall:back")
+    faulted = await robot_rig.published.first(DriverFaulted)
     assert "fallen" in faulted.detail
     assert "posture: Stand" in faulted.remedy
-    assert it.heard.values("fallen")[-1] == 1.0
-    await it.tells(lambda shown: "fallen" in "".join(shown.conflicts[:1]))
-    told = [one for one in it.heard.all(Notice) if one.level == "error"]
+    assert robot_rig.published.values("fallen")[-1] == 1.0
+    await robot_rig.tells(lambda settings_shown: "fallen" in "".join(settings_shown.conflicts[:1]))
+    told = [one for one in robot_rig.published.all(Notice) if one.level == "error"]
     assert len(told) == 1
     assert "posture: Stand" in told[0].remedy
-    await it.do("posture", name="Stand", speed=1.0)
-    await it.heard.first(DriverConnected)
-    await it.heard.until(lambda: it.heard.values("fallen")[-1] == 0.0)
-    assert await it.robot.get(f"memory:{FALLEN}") is False
-    await it.do("drive", x=0.05)
+    await robot_rig.do("posture", name="Stand", speed=1.0)
+    await robot_rig.published.first(DriverConnected)
+    await robot_rig.published.until(lambda: robot_rig.published.values("fallen")[-1] == 0.0)
+    assert await robot_rig.robot.get(f"memory:{FALLEN}") is False
+    await robot_rig.do("drive", x=0.05)
 
 
 MOVING: list[tuple[str, dict[str, Any]]] = [
@@ -75,15 +75,15 @@ MOVING: list[tuple[str, dict[str, Any]]] = [
 ]
 
 
-async def test_no_motion_is_sent_to_it(fallen: Played) -> None:
+async def test_no_motion_is_sent_to_it(fallen: RobotRig) -> None:
     for verb, args in MOVING:
-        with pytest.raises(DriverError, match="fallen") as refused:
+        with pytest.raises(DriverError, match="fallen") as raised:
             await fallen.do(verb, **args)
-        assert "posture: Stand" in refused.value.remedy
+        assert "posture: Stand" in raised.value.remedy
     assert await fallen.calls(*MOTION) == []
 
 
-async def test_everything_else_works(fallen: Played) -> None:
+async def test_everything_else_works(fallen: RobotRig) -> None:
     await fallen.do("say", text="Ouch.")
     assert await fallen.calls("ALTextToSpeech.say") == [("Ouch.",)]
     assert await fallen.calls("ALAnimatedSpeech.say") == []
@@ -92,59 +92,59 @@ async def test_everything_else_works(fallen: Played) -> None:
     await fallen.do("naoqi", call="ALMotion.getAngles", args='["HeadYaw", true]')
 
 
-async def test_the_stop_still_works(fallen: Played) -> None:
+async def test_the_stop_still_works(fallen: RobotRig) -> None:
     report = await fallen.stop()
     assert report.missing == ()
     assert {"walking", "motion", "speech"} <= set(report.confirmed)
     await fallen.driver.resume()
 
 
-async def test_left_alone_it_is_left_as_it_lies(fallen: Played) -> None:
+async def test_left_alone_it_is_left_as_it_lies(fallen: RobotRig) -> None:
     await fallen.driver.rest()
     assert await fallen.calls(*MOTION) == []
 
 
-async def test_home_gets_it_up_too(fallen: Played) -> None:
+async def test_home_gets_it_up_too(fallen: RobotRig) -> None:
     await fallen.do("home")
     assert await fallen.robot.get("posture") == "Stand"
 
 
-async def test_a_fall_in_the_middle_of_a_walk_ends_it_with_that_reason(it: Played) -> None:
-    walk = it.begin("drive", x=5.0)
-    await it.robot.called("ALMotion.moveTo")
-    await it.robot.fault("fall")
+async def test_a_fall_in_the_middle_of_a_walk_ends_it_with_that_reason(robot_rig: RobotRig) -> None:
+    walk = robot_rig.begin("drive", x=5.0)
+    await robot_rig.robot.called("ALMotion.moveTo")
+    await robot_rig.robot.fault("fall")
     with pytest.raises(DriverError, match="fallen"):
         await walk
-    await it.heard.first(DriverFaulted)
-    await it.do("posture", name="Stand", speed=1.0)
-    await it.heard.first(DriverConnected)
+    await robot_rig.published.first(DriverFaulted)
+    await robot_rig.do("posture", name="Stand", speed=1.0)
+    await robot_rig.published.first(DriverConnected)
 
 
-async def test_who_lifts_it_ends_that_too(it: Played) -> None:
-    await it.robot.fault("fall")
-    await it.heard.first(DriverFaulted)
+async def test_who_lifts_it_ends_that_too(robot_rig: RobotRig) -> None:
+    await robot_rig.robot.fault("fall")
+    await robot_rig.published.first(DriverFaulted)
     with pytest.raises(RejectedError):
-        await it.do("drive", x=0.1)
-    await it.robot.set("posture", "Crouch")
-    await it.heard.first(DriverConnected)
-    await it.do("torque", on=True)
-    await it.do("home")
+        await robot_rig.do("drive", x=0.1)
+    await robot_rig.robot.set("posture", "Crouch")
+    await robot_rig.published.first(DriverConnected)
+    await robot_rig.do("torque", on=True)
+    await robot_rig.do("home")
 
 
-async def test_a_fall_is_believed_before_the_posture_knows_of_it(it: Played) -> None:
-    await it.robot.set(f"memory:{FALLING}", True)
-    await it.heard.first(DriverFaulted)
-    assert await it.robot.get("posture") == "Stand"
-    await it.heard.first(DriverConnected)
+async def test_a_fall_is_believed_before_the_posture_knows_of_it(robot_rig: RobotRig) -> None:
+    await robot_rig.robot.set(f"memory:{FALLING}", True)
+    await robot_rig.published.first(DriverFaulted)
+    assert await robot_rig.robot.get("posture") == "Stand"
+    await robot_rig.published.first(DriverConnected)
 
 
-async def test_nonsense_about_a_fall_is_told_and_changes_nothing(it: Played) -> None:
-    await it.robot.set(f"memory:{FALLEN}", "perhaps")
-    await it.heard.state("fallen", "stale")
-    assert it.heard.all(DriverFaulted) == []
-    await it.do("gaze", yaw=5)
-    await it.robot.set(f"memory:{FALLEN}", False)
-    await it.heard.state("fallen", "ok")
+async def test_nonsense_about_a_fall_is_told_and_changes_nothing(robot_rig: RobotRig) -> None:
+    await robot_rig.robot.set(f"memory:{FALLEN}", "perhaps")
+    await robot_rig.published.state("fallen", "stale")
+    assert robot_rig.published.all(DriverFaulted) == []
+    await robot_rig.do("gaze", yaw=5)
+    await robot_rig.robot.set(f"memory:{FALLEN}", False)
+    await robot_rig.published.state("fallen", "ok")
 
 
 async def test_who_lies_when_it_is_found_is_not_moved(tmp_path: Path) -> None:
@@ -152,25 +152,27 @@ async def test_who_lies_when_it_is_found_is_not_moved(tmp_path: Path) -> None:
         async with stand_in(options=("--robot", "nao")) as robot:
             await robot.fault("fall")
             await robot.clear()
-            given = settings_for("nao", robot.address)
-            it = await joined(robot, tmp_path, given, DriverFaulted)
+            naoqi_settings = settings_for("nao", robot.address)
+            rig = await connected_driver(robot, tmp_path, naoqi_settings, DriverFaulted)
             try:
                 with pytest.raises(DriverError, match="fallen"):
-                    await it.do("gaze", yaw=5)
-                assert await it.calls(*MOTION) == []
+                    await rig.do("gaze", yaw=5)
+                assert await rig.calls(*MOTION) == []
             finally:
-                await it.close()
+                await rig.close()
 
 
 async def test_a_fall_of_yesterday_is_no_fall(tmp_path: Path) -> None:
     """Nothing on the robot takes the values back; its posture says that it stands."""
-    async with played(tmp_path, kind="nao") as it:
+    async with connected_robot(tmp_path, kind="nao") as rig:
         for key in KEYS:
-            await it.robot.set(f"memory:{key}", True)
-        again = await joined(it.robot, tmp_path, settings_for("nao", it.robot.address))
+            await rig.robot.set(f"memory:{key}", True)
+        robot_rig = await connected_driver(
+            rig.robot, tmp_path, settings_for("nao", rig.robot.address)
+        )
         try:
-            assert await it.robot.get(f"memory:{FALLING}") is False
-            await again.do("gaze", yaw=5)
-            assert again.heard.all(DriverFaulted) == []
+            assert await rig.robot.get(f"memory:{FALLING}") is False
+            await robot_rig.do("gaze", yaw=5)
+            assert robot_rig.published.all(DriverFaulted) == []
         finally:
-            await again.close()
+            await robot_rig.close()

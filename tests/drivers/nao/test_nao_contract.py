@@ -13,7 +13,7 @@ from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.drivers.pepper.played import QUIET
+from tests.drivers.pepper.robot_rig import QUIET
 from tests.fakes.dropping_proxy import dropping_proxy
 from tests.fakes.naoqi import stand_in
 from woz_tui.testing import Device, DriverTests, PlainJob

@@ -9,7 +9,7 @@ from woz_drivers.nao import doctor
 from woz_drivers.nao.nao_model import NAO
 from woz_drivers.nao.settings import NaoSettings
 
-from tests.drivers.naoqi.hands import own_caller
+from tests.drivers.naoqi.robot_callers import own_caller
 from tests.fakes.naoqi import stand_in
 from woz_tui.drivers.contract import Finding, Probe
 

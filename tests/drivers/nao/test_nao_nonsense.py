@@ -14,52 +14,52 @@ from woz_drivers.nao.posture_animations import NaoAnimationsPart
 from woz_drivers.nao.settings import NaoSettings
 from woz_drivers.nao.walking import WalkingPart
 
-from tests.drivers.heard import Ordered
-from tests.drivers.pepper.babbler import babbler
+from tests.drivers.pepper.scripted_robot import babbler
 from tests.drivers.pepper.test_nonsense import NONSENSE
+from tests.drivers.published_messages import BusJob
 from woz_tui.drivers.contract import DriverError, Scope
 
 SETTINGS = NaoSettings()
 
 
 async def _fails(what: Awaitable[Any], telling: str) -> None:
-    with pytest.raises(DriverError) as told:
+    with pytest.raises(DriverError) as raised:
         await what
-    assert telling in told.value.what
-    assert told.value.remedy
+    assert telling in raised.value.what
+    assert raised.value.remedy
 
 
 async def test_nothing_is_made_of_nonsense(tmp_path: Path) -> None:
-    async with babbler(tmp_path, "nao") as it:
-        made = it.connection, SETTINGS, it.heard.context
+    async with babbler(tmp_path, "nao") as robot:
+        made = robot.connection, SETTINGS, robot.published.context
         walking, animations = WalkingPart(*made), NaoAnimationsPart(*made)
         body = NaoBodyPart(*made)
-        it.says |= {"ALMotion.robotIsWakeUp": True, "ALMotion.getRobotVelocity": [0.0, 0.0, 0.0]}
+        robot.says |= {"ALMotion.robotIsWakeUp": True, "ALMotion.getRobotVelocity": [0.0, 0.0, 0.0]}
         for nonsense in NONSENSE:
-            it.says["ALMotion.moveIsActive"] = nonsense
+            robot.says["ALMotion.moveIsActive"] = nonsense
             await _fails(walking.stop(Scope.ALL), "does not report whether it walks")
-            it.says["ALRobotPosture.getPostureFamily"] = nonsense
-            await _fails(walking.perform(Ordered("drive", {"x": 0.1})), "does not stand")
+            robot.says["ALRobotPosture.getPostureFamily"] = nonsense
+            await _fails(walking.perform(BusJob("drive", {"x": 0.1})), "does not stand")
             if nonsense not in ("", "x"):  # a word is a posture that nobody knows
-                await _fails(animations.perform(Ordered("play", {"move": "Hey_1"})), "its posture")
+                await _fails(animations.perform(BusJob("play", {"move": "Hey_1"})), "its posture")
             await _fails(body.stop(Scope.ALL), "does not report whether it walks")
-        assert not it.called.get("ALMotion.moveTo")
-        assert not it.called.get("ALAnimationPlayer.run")
-        killed = it.called["ALMotion.killTasksUsingResources"]
+        assert not robot.called.get("ALMotion.moveTo")
+        assert not robot.called.get("ALAnimationPlayer.run")
+        killed = robot.called["ALMotion.killTasksUsingResources"]
         assert not any(set(LEGS) & set(resources) for (resources,) in killed), "it would fall"
-        it.says["ALMotion.moveIsActive"] = False
+        robot.says["ALMotion.moveIsActive"] = False
         assert await walking.stop(Scope.DRIVE) == ("walking",)
 
 
 async def test_a_robot_that_babbles_has_not_fallen_and_its_sensors_say_why(tmp_path: Path) -> None:
-    async with babbler(tmp_path, "nao") as it:
-        senses = BodySensesPart(it.connection, SETTINGS, it.heard.context)
+    async with babbler(tmp_path, "nao") as robot:
+        senses = BodySensesPart(robot.connection, SETTINGS, robot.published.context)
         for nonsense in NONSENSE:
-            it.says |= {"ALMemory.getListData": nonsense, "ALMemory.getData": nonsense}
+            robot.says |= {"ALMemory.getListData": nonsense, "ALMemory.getData": nonsense}
             await senses.look()
             await senses._round(warmth=True)
-        assert it.heard.values("fallen").count(1.0) == 0
-        assert it.connection.refused("ALMotion.moveTo") is None
+        assert robot.published.values("fallen").count(1.0) == 0
+        assert robot.connection.refused("ALMotion.moveTo") is None
         for sensor in ("touch.head.front", "button", "temperature"):
-            assert it.heard.states(sensor)[-1] == "stale"
-            assert set(it.heard.values(sensor)) == {None}
+            assert robot.published.states(sensor)[-1] == "stale"
+            assert set(robot.published.values(sensor)) == {None}

@@ -58,6 +58,6 @@ def test_an_impossible_pose_is_refused(pose: Json, says: str) -> None:
 
 def test_a_written_pose_of_the_legs_is_warned_of(tmp_path: Path) -> None:
     written = Written("pose", {"joints": {"LKneePitch": 20, "HeadYaw": 5}}, tmp_path)
-    (found,) = Nao.remarks(NaoSettings(), written)
-    assert (found.level, found.subject) == ("warning", "joints")
-    assert "LKneePitch" in found.text
+    (finding,) = Nao.remarks(NaoSettings(), written)
+    assert (finding.level, finding.subject) == ("warning", "joints")
+    assert "LKneePitch" in finding.text

@@ -11,7 +11,14 @@ from naoqi_simulator.nao_body import NAO
 from naoqi_simulator.world import SimulatorOptions
 from qimessaging import NaoqiClient
 
-from tests.drivers.naoqi.hands import HandTime, Said, Wired, own_caller, qi_caller, qi_session
+from tests.drivers.naoqi.robot_callers import (
+    HandTime,
+    RobotCallError,
+    SimulatedRobotRig,
+    own_caller,
+    qi_caller,
+    qi_session,
+)
 from tests.fakes.libqi import needed
 from tests.fakes.naoqi import PATIENCE_S, stand_in, stand_in_here
 
@@ -21,38 +28,38 @@ SITTING = "animations/Sit/Gestures/Hey_3"
 
 
 @pytest.fixture
-async def nao() -> AsyncIterator[Wired]:
+async def nao() -> AsyncIterator[SimulatedRobotRig]:
     """A NAO in this loop that stands, reached over a socket; its time stands still."""
     time = HandTime()
     options = SimulatorOptions(robot="nao", visitors=False, invalid_signature=False)
     async with stand_in_here(time, options) as robot:
         client = await NaoqiClient.open("127.0.0.1", int(robot.address.rpartition(":")[2]))
         try:
-            yield Wired(robot, client, time)
+            yield SimulatedRobotRig(robot, client, time)
         finally:
             await client.close()
 
 
-async def walking(nao: Wired) -> Any:
+async def walking(nao: SimulatedRobotRig) -> Any:
     walk = await nao.begin("ALMotion.moveTo", 1.0, 0.0, 0.0, kind="move")
     await nao.pass_by(2.0)
     assert await nao.call("ALMotion.moveIsActive") is True
     return walk
 
 
-async def fell(nao: Wired) -> bool:
+async def fell(nao: SimulatedRobotRig) -> bool:
     flags = [await nao.robot.get(f"memory:{key}") for key in (FALLEN, FALLING)]
     return flags == [True, True]
 
 
-async def take(nao: Wired, posture: str) -> bool:
+async def take(nao: SimulatedRobotRig, posture: str) -> bool:
     taking = await nao.begin("ALRobotPosture.goToPosture", posture, 0.5, kind="posture")
     await nao.pass_by(20.0)
     reached: bool = await nao.done(taking)
     return reached
 
 
-async def test_a_walk_ends_with_the_step_that_is_begun(nao: Wired) -> None:
+async def test_a_walk_ends_with_the_step_that_is_begun(nao: SimulatedRobotRig) -> None:
     walk = await walking(nao)
     await nao.call("ALMotion.stopMove")
     assert await nao.done(walk) is False
@@ -67,21 +74,23 @@ async def test_a_walk_ends_with_the_step_that_is_begun(nao: Wired) -> None:
     ("method", "args"),
     [("killMove", ()), ("killAll", ()), ("killTasksUsingResources", (["LLeg"],))],
 )
-async def test_a_walk_that_is_killed_ends_in_a_fall(nao: Wired, method: str, args: Any) -> None:
+async def test_a_walk_that_is_killed_ends_in_a_fall(
+    nao: SimulatedRobotRig, method: str, args: Any
+) -> None:
     walk = await walking(nao)
     await nao.call(f"ALMotion.{method}", *args)
     assert await nao.done(walk) is False
     assert await fell(nao)
 
 
-async def test_arms_that_are_stopped_leave_it_walking(nao: Wired) -> None:
+async def test_arms_that_are_stopped_leave_it_walking(nao: SimulatedRobotRig) -> None:
     await walking(nao)
     await nao.call("ALMotion.killTasksUsingResources", ["LArm", "RArm", "Head"])
     assert await nao.call("ALMotion.moveIsActive") is True
     assert nao.pepper.world.falls.lies is False
 
 
-async def test_who_lies_gets_up_when_its_motors_are_stiff(nao: Wired) -> None:
+async def test_who_lies_gets_up_when_its_motors_are_stiff(nao: SimulatedRobotRig) -> None:
     await nao.robot.fault("fall:back")
     assert await fell(nao)
     assert await nao.call("ALRobotPosture.getPostureFamily") == "LyingBack"
@@ -95,7 +104,9 @@ async def test_who_lies_gets_up_when_its_motors_are_stiff(nao: Wired) -> None:
     assert await fell(nao)
 
 
-async def test_a_seated_robot_plays_what_is_for_a_seat_and_falls_over_the_rest(nao: Wired) -> None:
+async def test_a_seated_robot_plays_what_is_for_a_seat_and_falls_over_the_rest(
+    nao: SimulatedRobotRig,
+) -> None:
     assert await take(nao, "Sit") is True
     playing = await nao.begin(
         "ALAnimationPlayer.run", "animations/[posture]/Gestures/Hey_3", kind="animation"
@@ -108,7 +119,7 @@ async def test_a_seated_robot_plays_what_is_for_a_seat_and_falls_over_the_rest(n
     assert await fell(nao)
 
 
-async def test_it_has_26_joints_and_their_limits(nao: Wired) -> None:
+async def test_it_has_26_joints_and_their_limits(nao: SimulatedRobotRig) -> None:
     assert len(await nao.call("ALMotion.getBodyNames", "Body")) == 26
     (low, high, *_), *_ = await nao.call("ALMotion.getLimits", "LKneePitch")
     assert (low, high) == pytest.approx((-0.092346, 2.112528))
@@ -116,7 +127,7 @@ async def test_it_has_26_joints_and_their_limits(nao: Wired) -> None:
         assert all(NAO.clip(joint, angle) == angle for joint, angle in angles.items()), posture
 
 
-async def test_it_feels_touches_and_heat(nao: Wired) -> None:
+async def test_it_feels_touches_and_heat(nao: SimulatedRobotRig) -> None:
     key = "Device/SubDeviceList/Head/Touch/Front/Sensor/Value"
     assert await nao.call("ALMemory.getData", key) == 0.0
     await nao.robot.set("touched", ["Head/Touch/Front"])
@@ -131,7 +142,7 @@ async def test_it_feels_touches_and_heat(nao: Wired) -> None:
             await nao.robot.set(name, wrong)
 
 
-async def test_each_sonar_sees_its_side(nao: Wired) -> None:
+async def test_each_sonar_sees_its_side(nao: SimulatedRobotRig) -> None:
     await nao.call("ALSonar.subscribe", "test")
     keys = [f"Device/SubDeviceList/US/{side}/Sensor/Value" for side in ("Left", "Right")]
     await nao.robot.person({"distance": 0.8, "angle": -0.6})
@@ -140,13 +151,15 @@ async def test_each_sonar_sees_its_side(nao: Wired) -> None:
     assert await nao.call("ALMemory.getListData", keys) == [pytest.approx(0.8)] * 2
 
 
-async def test_it_has_no_tablet_and_a_pepper_does_not_fall(nao: Wired, wired: Wired) -> None:
-    with pytest.raises(Said):
+async def test_it_has_no_tablet_and_a_pepper_does_not_fall(
+    nao: SimulatedRobotRig, rig: SimulatedRobotRig
+) -> None:
+    with pytest.raises(RobotCallError):
         await nao.call("ALTabletService.hideWebview")
     with pytest.raises(AssertionError, match="tablet"):
         await nao.robot.touch(0.5, 0.5)
     with pytest.raises(AssertionError, match="no fault 'fall'"):
-        await wired.robot.fault("fall")
+        await rig.robot.fault("fall")
 
 
 @needed

@@ -12,7 +12,13 @@ from typing import Any
 
 import pytest
 
-from tests.drivers.naoqi.hands import Caller, Said, own_caller, qi_caller, qi_session
+from tests.drivers.naoqi.robot_callers import (
+    Caller,
+    RobotCallError,
+    own_caller,
+    qi_caller,
+    qi_session,
+)
 from tests.fakes.libqi import SERVERS, needed
 from tests.fakes.naoqi import PATIENCE_S, StandIn, stand_in
 
@@ -82,14 +88,14 @@ async def test_every_kind_of_value_over_every_wire(pair: tuple[StandIn, Caller])
 
 async def test_errors_faults_and_calls_beside_each_other(pair: tuple[StandIn, Caller]) -> None:
     robot, call = pair
-    with pytest.raises(Said) as said:
+    with pytest.raises(RobotCallError) as raised:
         await call("ALAnimationPlayer.run", "nothing/here")
-    assert str(said.value) == "ALAnimationPlayer::run\n\tanimation nothing/here is not installed"
-    with pytest.raises(Said):
+    assert str(raised.value) == "ALAnimationPlayer::run\n\tanimation nothing/here is not installed"
+    with pytest.raises(RobotCallError):
         await call("ALMotion.noSuchMethod")
-    with pytest.raises(Said):
+    with pytest.raises(RobotCallError):
         await call("ALMotion.moveTo", "far")
-    with pytest.raises(Said):
+    with pytest.raises(RobotCallError):
         await call("NoSuchService.call")
     await _faults_over_the_wire(call)
     await _calls_do_not_wait_for_each_other(robot, call)
@@ -98,7 +104,7 @@ async def test_errors_faults_and_calls_beside_each_other(pair: tuple[StandIn, Ca
 
 async def _faults_over_the_wire(call: Caller) -> None:
     await call("StandIn.fault", "refuse:ALLeds.reset=the eyes are shut", 0.0)
-    with pytest.raises(Said, match="the eyes are shut"):
+    with pytest.raises(RobotCallError, match="the eyes are shut"):
         await call("ALLeds.reset", "FaceLeds")
     await call("ALLeds.on", "FaceLeds")
     await call("StandIn.fault", "none", 0.0)

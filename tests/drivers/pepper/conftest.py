@@ -9,9 +9,9 @@ import pytest
 import pytest_asyncio
 from woz_drivers.naoqi_robot import robot_line
 
-from tests.drivers.heard import Heard
-from tests.drivers.pepper.connected import patience
-from tests.drivers.pepper.played import Played, played
+from tests.drivers.pepper.connection_rig import patience
+from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
+from tests.drivers.published_messages import PublishedMessages
 from tests.fakes.naoqi import StandIn, stand_in
 from tests.fakes.ports import free_port
 
@@ -44,30 +44,30 @@ def unhurried_loss(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def heard(tmp_path: Path) -> Heard:
+def published(tmp_path: Path) -> PublishedMessages:
     """What the driver tells its session."""
-    return Heard(tmp_path)
+    return PublishedMessages(tmp_path)
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """A module that has `KINDS` is about what all these kinds of robots have."""
     kinds = getattr(metafunc.module, "KINDS", None)
-    if kinds and "shared" in metafunc.fixturenames:
-        metafunc.parametrize("shared", kinds, indirect=True, scope="module")
+    if kinds and "rig" in metafunc.fixturenames:
+        metafunc.parametrize("rig", kinds, indirect=True, scope="module")
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(
+async def rig(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> AsyncIterator[Played]:
+) -> AsyncIterator[RobotRig]:
     """One robot and its driver for a module whose tests leave nothing behind."""
     kind = getattr(request, "param", "pepper")
-    async with played(tmp_path_factory.mktemp("experiment"), kind=kind) as made:
+    async with connected_robot(tmp_path_factory.mktemp("experiment"), kind=kind) as made:
         yield made
 
 
 @pytest_asyncio.fixture(loop_scope="module")
-async def it(shared: Played) -> Played:
+async def robot_rig(rig: RobotRig) -> RobotRig:
     """That robot, without what the tests before have done with it."""
-    await shared.afresh()
-    return shared
+    await rig.forget()
+    return rig

@@ -52,10 +52,10 @@ def test_what_is_understood(text: str, address: Address, shown: str | None) -> N
     ],
 )
 def test_what_is_refused_says_what_to_write(text: str, what: str, remedy: str) -> None:
-    with pytest.raises(RejectedError) as refused:
+    with pytest.raises(RejectedError) as raised:
         parse(text)
-    assert what in refused.value.what
-    assert remedy in refused.value.remedy
+    assert what in raised.value.what
+    assert remedy in raised.value.remedy
 
 
 #: With a password, whatever else is wrong, and what may be seen of it.
@@ -77,9 +77,9 @@ TELLING = (
 
 @pytest.mark.parametrize(("text", "seen_of_it"), TELLING)
 def test_a_password_in_an_address_is_refused_and_not_repeated(text: str, seen_of_it: str) -> None:
-    with pytest.raises(RejectedError) as refused:
+    with pytest.raises(RejectedError) as raised:
         parse(text)
-    assert "Hush" not in refused.value.what + refused.value.remedy + repr(refused.value)
+    assert "Hush" not in raised.value.what + raised.value.remedy + repr(raised.value)
     assert without_password(text) == seen_of_it
     with pytest.raises(RejectedError):  # nobody connects to what is left
         parse(seen_of_it)
@@ -106,21 +106,21 @@ def test_a_file_with_a_password_is_told_where_without_it() -> None:
 
 
 def test_a_user_with_a_password_is_told_where_that_belongs() -> None:
-    with pytest.raises(RejectedError) as refused:
+    with pytest.raises(RejectedError) as raised:
         parse("tcps://nao:Hush!42@pepper")
-    assert "WOZ_PEPPER_PASSWORD" in refused.value.remedy
+    assert "WOZ_PEPPER_PASSWORD" in raised.value.remedy
 
 
 @given(st.text(max_size=40))
 def test_any_text_is_understood_or_refused(text: str) -> None:
     try:
-        found = parse(text)
+        address = parse(text)
     except RejectedError as refused:
         assert refused.what
         assert refused.remedy
     else:
-        assert 1 <= found.port <= 65535
-        assert found.simulated or parse(found.shown).host == found.host
+        assert 1 <= address.port <= 65535
+        assert address.simulated or parse(address.shown).host == address.host
 
 
 def test_a_secret_shows_nowhere_but_on_the_wire(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,8 +12,8 @@ from woz_drivers.pepper import Pepper
 from woz_drivers.pepper.pepper_model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.drivers.heard import PATIENCE_S, Heard, Ordered
-from tests.drivers.pepper.played import QUIET, joined, played
+from tests.drivers.pepper.robot_rig import QUIET, connected_driver, connected_robot
+from tests.drivers.published_messages import PATIENCE_S, BusJob, PublishedMessages
 from tests.fakes.naoqi import stand_in, stand_in_here
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
@@ -73,55 +73,55 @@ def test_it_is_found_by_the_name_that_files_use() -> None:
 
 
 async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path) -> None:
-    async with stand_in() as other, played(tmp_path) as it:
-        sent = await it.do("connect", robot=other.address)
+    async with stand_in() as other, connected_robot(tmp_path) as rig:
+        sent = await rig.do("connect", robot=other.address)
         assert sent["robot"] == other.address.removeprefix("tcp://")
-        await it.do("say", text="Here I am.")
+        await rig.do("say", text="Here I am.")
         assert await other.trace("ALAnimatedSpeech.say")
-        assert await it.calls("ALAnimatedSpeech.say") == []
-        assert await it.do("disconnect") == {"robot": sent["robot"]}
-        await it.tells(lambda shown: "volume" not in shown.values)
+        assert await rig.calls("ALAnimatedSpeech.say") == []
+        assert await rig.do("disconnect") == {"robot": sent["robot"]}
+        await rig.tells(lambda settings_shown: "volume" not in settings_shown.values)
         with pytest.raises(DeviceLostError, match="disconnected by the wizard"):
-            await it.do("say", text="Nobody hears this.")
+            await rig.do("say", text="Nobody hears this.")
 
 
 @pytest.mark.usefixtures("unhurried_stop")
 async def test_a_robot_is_not_left_driving_or_speaking(tmp_path: Path) -> None:
-    async with played(tmp_path, pace=2) as it:
-        driving = it.begin("drive", x=5.0)
-        saying = it.begin("say", text="A long story. " * 100)
-        await it.robot.called("ALMotion.moveTo")
-        await it.robot.called("ALAnimatedSpeech.say")
-        await it.do("disconnect")
+    async with connected_robot(tmp_path, pace=2) as rig:
+        driving = rig.begin("drive", x=5.0)
+        saying = rig.begin("say", text="A long story. " * 100)
+        await rig.robot.called("ALMotion.moveTo")
+        await rig.robot.called("ALAnimatedSpeech.say")
+        await rig.do("disconnect")
         for job in (driving, saying):
             with contextlib.suppress(DriverError):
                 await job
-        assert not any(await it.robot.get("velocity"))
-        assert "speech" not in [kind for kind, *_ in await it.robot.get("going")]
+        assert not any(await rig.robot.get("velocity"))
+        assert "speech" not in [kind for kind, *_ in await rig.robot.get("going")]
 
 
 async def test_what_the_end_of_the_session_cuts_short_ends_on_the_robot(tmp_path: Path) -> None:
-    async with played(tmp_path, pace=2) as it:
-        job = it.begin("drive", x=5.0)
-        await it.robot.called("ALMotion.moveTo")
-        await it.cancel(job)
-        await it.driver.close()
-        await it.robot.called("ALMotion.stopMove")
-        assert not any(await it.robot.get("velocity"))
+    async with connected_robot(tmp_path, pace=2) as rig:
+        job = rig.begin("drive", x=5.0)
+        await rig.robot.called("ALMotion.moveTo")
+        await rig.cancel(job)
+        await rig.driver.close()
+        await rig.robot.called("ALMotion.stopMove")
+        assert not any(await rig.robot.get("velocity"))
 
 
 async def test_without_a_robot_verbs_say_so_at_once(tmp_path: Path) -> None:
-    heard = Heard(tmp_path)
-    driver = Pepper("it", PepperSettings(robots=(), connect=False), heard.context)
+    published = PublishedMessages(tmp_path)
+    driver = Pepper("it", PepperSettings(robots=(), connect=False), published.context)
     await driver.open()
     for verb, args in (("say", {"text": "Hi"}), ("drive", {"x": 1.0}), ("eyes", {"color": "red"})):
-        with pytest.raises(DeviceLostError) as told:
-            await driver.perform(Ordered(verb, args))
-        assert "connect" in told.value.remedy
+        with pytest.raises(DeviceLostError) as raised:
+            await driver.perform(BusJob(verb, args))
+        assert "connect" in raised.value.remedy
     await driver.rest()
     await driver.close()
     with pytest.raises(DeviceLostError, match="closed"):
-        await driver.perform(Ordered("connect"))
+        await driver.perform(BusJob("connect"))
 
 
 @pytest.mark.usefixtures("patient")
@@ -131,17 +131,17 @@ async def test_another_robot_gets_the_files_autonomy_too(tmp_path: Path) -> None
         file = PepperSettings(
             robots=(first.address,), senses=QUIET, autonomy=AutonomySettings(blinking=False)
         )
-        it = await joined(first, tmp_path, file)
-        await it.shows(blinking=False)
-        await it.do("connect", robot=second.address)
-        await it.tells(
-            lambda shown: (
-                shown.values.get("robot") == second.address.removeprefix("tcp://")
-                and shown.values.get("blinking") is False
-                and not shown.wanted
+        rig = await connected_driver(first, tmp_path, file)
+        await rig.shows(blinking=False)
+        await rig.do("connect", robot=second.address)
+        await rig.tells(
+            lambda settings_shown: (
+                settings_shown.values.get("robot") == second.address.removeprefix("tcp://")
+                and settings_shown.values.get("blinking") is False
+                and not settings_shown.wanted
             )
         )
-        await it.close()
+        await rig.close()
 
 
 @pytest.mark.usefixtures("patient")
@@ -153,35 +153,39 @@ async def test_a_robot_that_comes_back_gets_the_files_settings_again(
     )
     async with stand_in(port=port) as robot:
         address = robot.address
-        it = await joined(
+        rig = await connected_driver(
             robot,
             tmp_path,
             PepperSettings(robots=(address,), senses=QUIET, voice=settings.voice, eyes="green"),
         )
-        await it.shows(volume=0.3, eyes="#00ff00", robot=address)
+        await rig.shows(volume=0.3, eyes="#00ff00", robot=address)
         # What the wizard has changed since counts more than the file.
-        await it.do("eyes", color="red")
-        await it.do("volume", level=0.4)
-        await it.do("autonomy", awareness=False)
+        await rig.do("eyes", color="red")
+        await rig.do("volume", level=0.4)
+        await rig.do("autonomy", awareness=False)
         robot.kill()
-        await it.heard.first(DriverLost)
-        await it.tells(lambda shown: set(shown.values) == {"robot"})
+        await rig.published.first(DriverLost)
+        await rig.tells(lambda settings_shown: set(settings_shown.values) == {"robot"})
         async with stand_in(port=port):
-            await it.heard.first(DriverConnected, after=1)
+            await rig.published.first(DriverConnected, after=1)
             asked = {"volume": 0.4, "eyes": "#ff0000", "awareness": False}
-            await it.tells(lambda shown: asked.items() <= shown.values.items() and not shown.wanted)
-            await it.close()
+            await rig.tells(
+                lambda settings_shown: (
+                    asked.items() <= settings_shown.values.items() and not settings_shown.wanted
+                )
+            )
+            await rig.close()
 
 
 async def test_all_settings_are_read_from_a_simulated_robot_of_its_own(tmp_path: Path) -> None:
-    heard = Heard(tmp_path)
+    published = PublishedMessages(tmp_path)
     settings = PepperSettings(robots=("simulated",), pace=20)
-    driver = Pepper("it", settings, heard.context)
+    driver = Pepper("it", settings, published.context)
     await driver.open()
-    await heard.until(
-        lambda: any(set(PEPPER.settings) <= set(one.values) for one in heard.all(SettingsShown))
+    await published.until(
+        lambda: any(set(PEPPER.settings) <= set(one.values) for one in published.all(SettingsShown))
     )
-    await asyncio.wait_for(driver.perform(Ordered("say", {"text": "Hello"})), 20)
+    await asyncio.wait_for(driver.perform(BusJob("say", {"text": "Hello"})), 20)
     await driver.rest()
     await driver.close()
 
@@ -194,10 +198,10 @@ async def test_a_call_that_never_returns_keeps_nobody_from_leaving_or_changing_t
     tmp_path: Path, verb: str, why: str
 ) -> None:
     async with stand_in_here() as robot:
-        heard = Heard(tmp_path)
+        published = PublishedMessages(tmp_path)
         settings = PepperSettings(robots=(robot.address,), senses=QUIET)
-        driver = Pepper("it", settings, heard.context)
-        hub = Hub(heard.clock, lambda message, line: None)
+        driver = Pepper("it", settings, published.context)
+        hub = Hub(published.clock, lambda message, line: None)
         bus = Bus(hub, {"it": driver}, {"it": Pepper.verbs(settings)})
 
         def send(name: str, **args: Json) -> asyncio.Future[End]:
@@ -207,15 +211,15 @@ async def test_a_call_that_never_returns_keeps_nobody_from_leaving_or_changing_t
             return end
 
         await driver.open()
-        await heard.first(DriverConnected)
+        await published.first(DriverConnected)
         await send("volume", level=0.5)  # now the settings have been applied
         await robot.fault("deaf")
         hanging = send("naoqi", call="ALTextToSpeech.getAvailableLanguages")
         await robot.called("ALTextToSpeech.getAvailableLanguages")
         changing = send(verb)
-        ended = await asyncio.wait_for(hanging, PATIENCE_S)
-        assert isinstance(ended, Failed)
-        assert ended.reason.endswith(why)
+        end = await asyncio.wait_for(hanging, PATIENCE_S)
+        assert isinstance(end, Failed)
+        assert end.reason.endswith(why)
         await robot.clear()
         assert isinstance(await asyncio.wait_for(changing, PATIENCE_S), Done)
         await driver.close()
@@ -225,17 +229,17 @@ async def test_a_call_that_never_returns_keeps_nobody_from_leaving_or_changing_t
 
 
 async def test_any_call_of_any_service_with_its_result(tmp_path: Path) -> None:
-    async with played(tmp_path) as it:
-        sent = await it.do("naoqi", call="ALTextToSpeech.getAvailableLanguages")
+    async with connected_robot(tmp_path) as rig:
+        sent = await rig.do("naoqi", call="ALTextToSpeech.getAvailableLanguages")
         assert sent["result"] == ["English", "French", "German", "Japanese"]
-        sent = await it.do("naoqi", call="ALMotion.setStiffnesses", args='["Head", 0.5]')
+        sent = await rig.do("naoqi", call="ALMotion.setStiffnesses", args='["Head", 0.5]')
         assert sent == {
             "call": "ALMotion.setStiffnesses",
             "args": ["Head", 0.5],
             "result": None,
         }
-        assert await it.calls("ALMotion.setStiffnesses") == [("Head", 0.5)]
-        sent = await it.do("naoqi", call="ALTextToSpeech.getVolume", args="[]")
+        assert await rig.calls("ALMotion.setStiffnesses") == [("Head", 0.5)]
+        sent = await rig.do("naoqi", call="ALTextToSpeech.getVolume", args="[]")
         assert sent["result"] == pytest.approx(0.7)
         for args, says in (
             ({"call": "say"}, "no call"),
@@ -244,8 +248,8 @@ async def test_any_call_of_any_service_with_its_result(tmp_path: Path) -> None:
             ({"call": "A.b", "args": "[1"}, "no JSON list"),
         ):
             with pytest.raises(RejectedError, match=says):
-                await it.do("naoqi", **args)
+                await rig.do("naoqi", **args)
         with pytest.raises(DriverError):
-            await it.do("naoqi", call="ALTextToSpeech.noSuchMethod")
+            await rig.do("naoqi", call="ALTextToSpeech.noSuchMethod")
         with pytest.raises(DriverError):
-            await it.do("naoqi", call="ALNothing.say", args='["x"]')
+            await rig.do("naoqi", call="ALNothing.say", args='["x"]')

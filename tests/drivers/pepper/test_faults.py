@@ -12,7 +12,13 @@ from pathlib import Path
 import pytest
 from woz_drivers.naoqi_robot.robot_line import FRESH_S
 
-from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand
+from tests.drivers.pepper.connection_rig import (
+    WITHIN_S,
+    ConnectionRig,
+    Outcome,
+    is_lost,
+    started_connection,
+)
 from tests.fakes.dropping_proxy import dropping_proxy
 from tests.fakes.naoqi import Call, StandIn, stand_in
 from woz_tui.drivers.contract import DeviceLostError, Health
@@ -47,18 +53,20 @@ async def marks(robot: StandIn) -> dict[int, Call]:
     return numbered
 
 
-async def said(robot: StandIn, it: Stand) -> asyncio.Task[Outcome]:
+async def begun_utterance(robot: StandIn, rig: ConnectionRig) -> asyncio.Task[Outcome]:
     """A long utterance that has begun."""
-    task: asyncio.Task[Outcome] = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
+    task: asyncio.Task[Outcome] = rig.begin("ALTextToSpeech", "say", "word " * 500, within=60)
     await robot.called("ALTextToSpeech.say")
     return task
 
 
-async def marked_until(it: Stand, ended: asyncio.Task[Outcome]) -> list[asyncio.Task[Outcome]]:
+async def marked_until(
+    rig: ConnectionRig, ended: asyncio.Task[Outcome]
+) -> list[asyncio.Task[Outcome]]:
     """Marks from 1 on, one every 20 ms until the other call has ended."""
     sent: list[asyncio.Task[Outcome]] = []
     while not ended.done():
-        sent.append(it.begin(*MARK, len(sent) + 1))
+        sent.append(rig.begin(*MARK, len(sent) + 1))
         await asyncio.sleep(0.02)
     return sent
 
@@ -70,20 +78,20 @@ async def test_a_killed_robot_is_told_of_and_found_again(
     options = ("--robot", kind)
     async with (
         stand_in(port=port, options=options) as robot,
-        stand(tmp_path, robot.address, kind=kind) as it,
+        started_connection(tmp_path, robot.address, kind=kind) as rig,
     ):
-        await it.is_so(Health.CONNECTED)
-        saying = await said(robot, it)
+        await rig.is_so(Health.CONNECTED)
+        saying = await begun_utterance(robot, rig)
         robot.kill()
         assert is_lost(await saying)
-        await it.is_so(Health.LOST)
-        await it.until(lambda: it.went == 1)
+        await rig.is_so(Health.LOST)
+        await rig.until(lambda: rig.went == 1)
         async with stand_in(port=port, options=options) as again:
-            await it.is_so(Health.CONNECTED)
-            assert await it.connection.call("ALSystem", "robotName") == name
+            await rig.is_so(Health.CONNECTED)
+            assert await rig.connection.call("ALSystem", "robotName") == name
             names = [call.name for call in await again.trace()]
             assert silence <= set(names[: names.index("ALSystem.robotName")])
-            assert it.came == 2
+            assert rig.came == 2
 
 
 @KINDS
@@ -93,21 +101,21 @@ async def test_a_frozen_robot_wakes_and_is_silenced_first(
 ) -> None:
     async with (
         stand_in(options=("--robot", kind)) as robot,
-        stand(tmp_path, robot.address, kind=kind) as it,
+        started_connection(tmp_path, robot.address, kind=kind) as rig,
     ):
-        await it.is_so(Health.CONNECTED)
-        saying = await said(robot, it)
-        await it.connection.call(*MARK, 0)  # now calls pass unasked for a moment
+        await rig.is_so(Health.CONNECTED)
+        saying = await begun_utterance(robot, rig)
+        await rig.connection.call(*MARK, 0)  # now calls pass unasked for a moment
         robot.freeze()
         froze = time.monotonic_ns()
-        sent = await marked_until(it, saying)
+        sent = await marked_until(rig, saying)
         assert is_lost(await saying)
-        await it.is_so(Health.LOST, "has not answered")
+        await rig.is_so(Health.LOST, "has not answered")
         with pytest.raises(DeviceLostError):
-            await it.connection.probe()
+            await rig.connection.probe()
         robot.thaw()
-        await it.is_so(Health.CONNECTED)
-        await it.connection.call(*MARK, LAST)
+        await rig.is_so(Health.CONNECTED)
+        await rig.connection.call(*MARK, LAST)
         arrived = await marks(robot)
         outcomes = [await one for one in sent]
         assert all(is_lost(one) for one in outcomes)
@@ -126,20 +134,20 @@ async def test_what_was_sent_into_a_cut_cable_never_arrives(tmp_path: Path) -> N
     async with (
         stand_in() as robot,
         dropping_proxy(robot.port) as network,
-        stand(tmp_path, network.address) as it,
+        started_connection(tmp_path, network.address) as rig,
     ):
-        await it.is_so(Health.CONNECTED)
-        saying = await said(robot, it)
-        await it.connection.call(*MARK, 0)  # now calls pass unasked for a moment
+        await rig.is_so(Health.CONNECTED)
+        saying = await begun_utterance(robot, rig)
+        await rig.connection.call(*MARK, 0)  # now calls pass unasked for a moment
         network.cut()
-        sent = await marked_until(it, saying)
+        sent = await marked_until(rig, saying)
         assert is_lost(await saying)
-        await it.is_so(Health.LOST, "has not answered")
+        await rig.is_so(Health.LOST, "has not answered")
         await asyncio.gather(*sent)
-        await it.until(lambda: it.went == 1)  # what was sent has been thrown away by then
+        await rig.until(lambda: rig.went == 1)  # what was sent has been thrown away by then
         network.heal()
-        await it.is_so(Health.CONNECTED)
-        await it.connection.call(*MARK, LAST)
+        await rig.is_so(Health.CONNECTED)
+        await rig.connection.call(*MARK, LAST)
         assert all(is_lost(one) for one in [await one for one in sent])
         assert set(await marks(robot)) == {0, LAST}
         assert await robot.trace("ALTextToSpeech.stopAll")
@@ -150,30 +158,30 @@ async def test_a_short_cut_is_no_loss(tmp_path: Path) -> None:
     async with (
         stand_in() as robot,
         dropping_proxy(robot.port) as network,
-        stand(tmp_path, network.address) as it,
+        started_connection(tmp_path, network.address) as rig,
     ):
-        await it.is_so(Health.CONNECTED)
-        await it.connection.probe()
+        await rig.is_so(Health.CONNECTED)
+        await rig.connection.probe()
         network.cut()
-        calls = [it.begin(*MARK, number) for number in range(3)]
+        calls = [rig.begin(*MARK, number) for number in range(3)]
         await asyncio.sleep(0.2)
         network.heal()
         assert [(await call).error for call in calls] == [None] * 3
-        assert it.went == 0
+        assert rig.went == 0
 
 
 async def test_a_network_that_breaks_the_line_ends_calls_at_once(tmp_path: Path) -> None:
     async with (
         stand_in() as robot,
         dropping_proxy(robot.port) as network,
-        stand(tmp_path, network.address) as it,
+        started_connection(tmp_path, network.address) as rig,
     ):
-        await it.is_so(Health.CONNECTED)
-        saying = await said(robot, it)
+        await rig.is_so(Health.CONNECTED)
+        saying = await begun_utterance(robot, rig)
         network.reset()
         assert is_lost(await saying)
-        await it.until(lambda: it.came == 2)
-        await it.is_so(Health.CONNECTED)
+        await rig.until(lambda: rig.came == 2)
+        await rig.is_so(Health.CONNECTED)
         assert {call.name for call in await robot.trace()} >= SILENCE
 
 
@@ -181,27 +189,27 @@ async def test_a_network_that_breaks_the_line_ends_calls_at_once(tmp_path: Path)
 async def test_a_slow_network_is_played_slowly(tmp_path: Path) -> None:
     async with stand_in() as robot, dropping_proxy(robot.port) as network:
         network.delay_s = 0.04
-        async with stand(tmp_path, network.address) as it:
-            await it.is_so(Health.CONNECTED)
+        async with started_connection(tmp_path, network.address) as rig:
+            await rig.is_so(Health.CONNECTED)
             for number in range(3):
-                assert (await it.call(*MARK, number)).error is None
-            assert it.went == 0
+                assert (await rig.call(*MARK, number)).error is None
+            assert rig.went == 0
 
 
 @pytest.mark.usefixtures("unhurried_loss")
 async def test_a_robot_that_does_not_answer_one_call_is_not_lost(tmp_path: Path) -> None:
-    async with stand_in() as robot, stand(tmp_path, robot.address) as it:
-        await it.is_so(Health.CONNECTED)
+    async with stand_in() as robot, started_connection(tmp_path, robot.address) as rig:
+        await rig.is_so(Health.CONNECTED)
         await robot.fault("deaf")
         with pytest.raises(
             DeviceLostError, match=r"did not answer ALSystem\.robotName in time"
         ) as lost:
-            await it.connection.call("ALSystem", "robotName", within=0.1)
+            await rig.connection.call("ALSystem", "robotName", within=0.1)
         assert lost.value.remedy
-        assert it.connection.available
+        assert rig.connection.available
         await robot.fault("none")
-        assert await it.connection.call("ALSystem", "robotName") == "Pepper"
-        assert it.went == 0
+        assert await rig.connection.call("ALSystem", "robotName") == "Pepper"
+        assert rig.went == 0
 
 
 @pytest.mark.safety
@@ -211,13 +219,13 @@ async def test_a_silent_robot_is_asked_to_stop_even_so(
     # It is silent, and does not count as gone before the test has looked.
     monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line.ANSWER_S", WITHIN_S)
     monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line.NOTICED_S", 2 * WITHIN_S)
-    async with stand_in() as robot, stand(tmp_path, robot.address) as it:
-        await it.is_so(Health.CONNECTED)
+    async with stand_in() as robot, started_connection(tmp_path, robot.address) as rig:
+        await rig.is_so(Health.CONNECTED)
         robot.freeze()
-        await it.until(lambda: not it.connection.available)
-        stopping = it.begin("ALMotion", "stopMove")
-        ending = [it.begin(*what.split(".")) for what in ENDS]
-        moving = it.begin("ALMotion", "moveTo", 1.0, 0.0, 0.0)
+        await rig.until(lambda: not rig.connection.available)
+        stopping = rig.begin("ALMotion", "stopMove")
+        ending = [rig.begin(*what.split(".")) for what in ENDS]
+        moving = rig.begin("ALMotion", "moveTo", 1.0, 0.0, 0.0)
         assert "nothing was sent" in str((await moving).error)
         assert not stopping.done()
         robot.thaw()

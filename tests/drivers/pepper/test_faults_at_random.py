@@ -14,7 +14,14 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand, threads_now
+from tests.drivers.pepper.connection_rig import (
+    WITHIN_S,
+    ConnectionRig,
+    Outcome,
+    is_lost,
+    started_connection,
+    threads_now,
+)
 from tests.fakes.dropping_proxy import DroppingProxy, dropping_proxy
 from tests.fakes.naoqi import StandIn, stand_in
 
@@ -32,12 +39,12 @@ BROKE_NS, ARRIVED_NS = 1_000_000_000, 5_000_000_000
 GROWTH = 30 << 20
 
 
-class Troubled:
+class FaultyConnection:
     """A connection, its network, and numbered calls that go on all the time."""
 
-    def __init__(self, number: int, it: Stand, network: DroppingProxy, seed: int) -> None:
+    def __init__(self, number: int, rig: ConnectionRig, network: DroppingProxy, seed: int) -> None:
         self.number = number
-        self.it = it
+        self.connection = rig
         self.network = network
         self.calls: list[asyncio.Task[Outcome]] = []
         self.resets_ns: list[int] = []
@@ -47,7 +54,7 @@ class Troubled:
     async def _calls(self) -> None:
         while True:
             name = f"{self.number}:{len(self.calls)}"
-            self.calls.append(self.it.begin("ALMemory", "insertData", KEY, name))
+            self.calls.append(self.connection.begin("ALMemory", "insertData", KEY, name))
             await asyncio.sleep(self.dice.uniform(0.002, 0.02))
 
     async def meets(self, faults: int) -> None:
@@ -62,10 +69,10 @@ class Troubled:
                     await asyncio.sleep(self.dice.uniform(0.01, 0.15))
                     self.network.heal()
                 case "long cut":
-                    await self.it.until(lambda: self.it.connection.available)
-                    went = self.it.went
+                    await self.connection.until(lambda: self.connection.connection.available)
+                    went = self.connection.went
                     self.network.cut()
-                    await self.it.until(lambda went=went: self.it.went > went)  # type: ignore[misc]
+                    await self.connection.until(lambda went=went: self.connection.went > went)  # type: ignore[misc]
                     # A busy system brings the driver's reset to the other end a moment later.
                     await asyncio.sleep(0.1)
                     self.network.heal()
@@ -104,15 +111,15 @@ async def trouble(robot: StandIn, folder: Path, faults: int) -> int:
     await robot.clear()
     tasks = len(asyncio.all_tasks())
     async with asyncio.timeout(100), AsyncExitStack() as stack:
-        troubled: list[Troubled] = []
+        troubled: list[FaultyConnection] = []
         for number in range(STANDS):
             network = await stack.enter_async_context(dropping_proxy(robot.port))
-            it = await stack.enter_async_context(stand(folder, network.address))
-            await it.until(lambda it=it: it.came == 1)  # type: ignore[misc]
-            troubled.append(Troubled(number, it, network, seed=faults * 10 + number))
+            rig = await stack.enter_async_context(started_connection(folder, network.address))
+            await rig.until(lambda it=rig: it.came == 1)  # type: ignore[misc]
+            troubled.append(FaultyConnection(number, rig, network, seed=faults * 10 + number))
         await asyncio.gather(*(one.meets(faults) for one in troubled))
         for one in troubled:
-            await one.it.until(lambda one=one: one.it.connection.available)  # type: ignore[misc]
+            await one.connection.until(lambda one=one: one.connection.connection.available)  # type: ignore[misc]
         lost = await judged(robot, troubled)
     async with asyncio.timeout(WITHIN_S):
         while len(asyncio.all_tasks()) > tasks:  # noqa: ASYNC110
@@ -120,7 +127,7 @@ async def trouble(robot: StandIn, folder: Path, faults: int) -> int:
     return lost
 
 
-async def judged(robot: StandIn, troubled: list[Troubled]) -> int:
+async def judged(robot: StandIn, troubled: list[FaultyConnection]) -> int:
     """Compare with what the robot entered; returns how many calls were told as lost."""
     outcomes = [await one.ended() for one in troubled]
     entered: dict[str, int] = {}
@@ -128,15 +135,15 @@ async def judged(robot: StandIn, troubled: list[Troubled]) -> int:
         if call.args[0] == KEY:
             assert call.args[1] not in entered, "a call was carried out twice"
             entered[call.args[1]] = call.at_ns
-    for it, ends in zip(troubled, outcomes, strict=True):
+    for rig, ends in zip(troubled, outcomes, strict=True):
         for at, one in enumerate(ends):
-            ran_ns = entered.get(f"{it.number}:{at}", 0)
+            ran_ns = entered.get(f"{rig.number}:{at}", 0)
             assert one.ends == 1
             if one.error is None:
                 assert one.begun_ns <= ran_ns <= one.ended_ns
                 continue
             assert is_lost(one), one.error
-            if not any(0 <= one.ended_ns - reset < BROKE_NS for reset in it.resets_ns):
+            if not any(0 <= one.ended_ns - reset < BROKE_NS for reset in rig.resets_ns):
                 assert ran_ns <= one.ended_ns, "it ran after it was told as failed"
             else:
                 assert ran_ns <= one.ended_ns + ARRIVED_NS, "it ran long after the line broke"

@@ -34,9 +34,9 @@ def troubles() -> list[str]:
 
 @pytest.fixture
 def server(troubles: list[str]) -> Iterator[FileServer]:
-    made = FileServer(HOST, 0, troubles.append)
-    yield made
-    made.close()
+    file_server = FileServer(HOST, 0, troubles.append)
+    yield file_server
+    file_server.close()
     assert troubles == []
 
 
@@ -297,18 +297,18 @@ def test_a_token_is_never_the_same(server: FileServer, film: Path) -> None:
 
 
 def test_a_taken_port_is_told_with_a_remedy(server: FileServer) -> None:
-    with pytest.raises(DriverError, match=f"port {server.port}: Address already in use") as told:
+    with pytest.raises(DriverError, match=f"port {server.port}: Address already in use") as raised:
         FileServer(HOST, server.port, pytest.fail)
-    assert "tablet.port" in told.value.remedy
+    assert "tablet.port" in raised.value.remedy
 
 
 @pytest.mark.parametrize(
     ("host", "words"), [("192.0.2.1", "Cannot assign"), ("robot.local", "is no address")]
 )
 def test_an_address_of_somebody_else_is_told(host: str, words: str) -> None:
-    with pytest.raises(DriverError, match=words) as told:
+    with pytest.raises(DriverError, match=words) as raised:
         FileServer(host, 0, pytest.fail)
-    assert "tablet.address" in told.value.remedy
+    assert "tablet.address" in raised.value.remedy
 
 
 def test_a_client_that_says_nothing_is_shown_out(film: Path, troubles: list[str]) -> None:
@@ -385,7 +385,7 @@ def test_closing_hangs_up_and_leaves_no_thread(
         server.close()
         assert idle.recv(10) == b""
     until(lambda: threads() == set())
-    with pytest.raises(OSError) as refused:
+    with pytest.raises(OSError) as raised:
         socket.create_connection((HOST, server.port), timeout=1).close()
-    assert refused.value.errno == errno.ECONNREFUSED
+    assert raised.value.errno == errno.ECONNREFUSED
     assert capfd.readouterr() == ("", "")

@@ -8,8 +8,8 @@ from collections.abc import AsyncIterator
 import pytest
 import pytest_asyncio
 
-from tests.drivers.heard import PATIENCE_S
-from tests.drivers.pepper.played import Played, played
+from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
+from tests.drivers.published_messages import PATIENCE_S
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.messages import Json
 
@@ -17,11 +17,13 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+async def rig(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[RobotRig]:
     # Awareness would turn the head by itself.
-    async with played(tmp_path_factory.mktemp("experiment"), life="safeguard") as made:
-        await made.do("torque", on=True)
-        yield made
+    async with connected_robot(
+        tmp_path_factory.mktemp("experiment"), life="safeguard"
+    ) as robot_rig:
+        await robot_rig.do("torque", on=True)
+        yield robot_rig
 
 
 @pytest.fixture(autouse=True)
@@ -33,68 +35,70 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("woz_drivers.naoqi_robot.head.RECENT_US", PATIENCE_S * 1e6)
 
 
-async def angle(it: Played, joint: str) -> float:
+async def angle(robot_rig: RobotRig, joint: str) -> float:
     """Degrees."""
-    return round(math.degrees((await it.robot.get("angles"))[joint]), 1)
+    return round(math.degrees((await robot_rig.robot.get("angles"))[joint]), 1)
 
 
-async def reaches(it: Played, joint: str, degrees: float) -> None:
+async def reaches(robot_rig: RobotRig, joint: str, degrees: float) -> None:
     async def there() -> bool:
-        return abs(await angle(it, joint) - degrees) <= 0.1
+        return abs(await angle(robot_rig, joint) - degrees) <= 0.1
 
-    await it.robot.until(there)
-
-
-async def test_a_gaze_is_absolute_and_returns_at_once(it: Played) -> None:
-    assert await it.do("gaze", yaw=40, pitch=10) == {"yaw": 40, "pitch": 10}
-    await reaches(it, "HeadYaw", 40)
-    await reaches(it, "HeadPitch", 10)
-    await it.do("gaze", yaw=-20, pitch=0)
-    await reaches(it, "HeadYaw", -20)
+    await robot_rig.robot.until(there)
 
 
-async def test_a_gaze_beyond_the_range_goes_to_the_nearest_and_says_so(it: Played) -> None:
-    sent = await it.do("gaze", yaw=170, pitch=-10)
+async def test_a_gaze_is_absolute_and_returns_at_once(robot_rig: RobotRig) -> None:
+    assert await robot_rig.do("gaze", yaw=40, pitch=10) == {"yaw": 40, "pitch": 10}
+    await reaches(robot_rig, "HeadYaw", 40)
+    await reaches(robot_rig, "HeadPitch", 10)
+    await robot_rig.do("gaze", yaw=-20, pitch=0)
+    await reaches(robot_rig, "HeadYaw", -20)
+
+
+async def test_a_gaze_beyond_the_range_goes_to_the_nearest_and_says_so(robot_rig: RobotRig) -> None:
+    sent = await robot_rig.do("gaze", yaw=170, pitch=-10)
     assert sent == {"yaw": 119.5, "pitch": -10, "clamped": {"yaw": 170}}
-    sent = await it.do("gaze", yaw=100, pitch=25)
+    sent = await robot_rig.do("gaze", yaw=100, pitch=25)
     assert sent == {"yaw": 100, "pitch": 13.5, "clamped": {"pitch": 25}}
 
 
 @pytest.mark.woz4u("default_head_turn_deg")
-async def test_every_step_of_a_held_key_counts(it: Played) -> None:
-    await it.do("gaze", yaw=0, pitch=0)
+async def test_every_step_of_a_held_key_counts(robot_rig: RobotRig) -> None:
+    await robot_rig.do("gaze", yaw=0, pitch=0)
     for _ in range(20):
-        sent = await it.do("nudge", yaw=2.5)
+        sent = await robot_rig.do("nudge", yaw=2.5)
     assert sent["yaw"] == 50
-    await reaches(it, "HeadYaw", 50)
+    await reaches(robot_rig, "HeadYaw", 50)
 
 
-async def test_steps_go_on_from_where_something_else_has_turned_the_head(it: Played) -> None:
-    await it.stop()
-    await it.do("pose", joints={"HeadYaw": 30, "HeadPitch": 0}, seconds=0.5)
-    assert (await it.do("nudge", yaw=-10))["yaw"] == pytest.approx(20, abs=0.2)
+async def test_steps_go_on_from_where_something_else_has_turned_the_head(
+    robot_rig: RobotRig,
+) -> None:
+    await robot_rig.stop()
+    await robot_rig.do("pose", joints={"HeadYaw": 30, "HeadPitch": 0}, seconds=0.5)
+    assert (await robot_rig.do("nudge", yaw=-10))["yaw"] == pytest.approx(20, abs=0.2)
 
 
-async def test_steps_end_at_the_range_and_come_back_from_there_at_once(it: Played) -> None:
-    await it.do("gaze", yaw=110, pitch=0)
-    assert (await it.do("nudge", yaw=30))["yaw"] == 119.5
-    assert (await it.do("nudge", yaw=-10))["yaw"] == 109.5
-    assert (await it.do("nudge", pitch=40))["pitch"] == 13.5
+async def test_steps_end_at_the_range_and_come_back_from_there_at_once(robot_rig: RobotRig) -> None:
+    await robot_rig.do("gaze", yaw=110, pitch=0)
+    assert (await robot_rig.do("nudge", yaw=30))["yaw"] == 119.5
+    assert (await robot_rig.do("nudge", yaw=-10))["yaw"] == 109.5
+    assert (await robot_rig.do("nudge", pitch=40))["pitch"] == 13.5
 
 
 @pytest.mark.naoqi("ALMotion.setStiffnesses")
 async def test_a_slack_head_is_stiffened_first_and_a_stiff_one_is_not_asked_again(
-    it: Played,
+    robot_rig: RobotRig,
 ) -> None:
-    await it.do("gaze", yaw=0, pitch=0)
-    await reaches(it, "HeadYaw", 0)
-    await it.stop()  # where it looks is asked anew after a stop
-    await it.do("naoqi", call="ALMotion.setStiffnesses", args='["Head", 0.0]')
-    await it.robot.clear()
-    await it.do("nudge", yaw=20)
-    await it.do("nudge", yaw=1)
-    assert await it.calls("ALMotion.setStiffnesses") == [(["Head"], 1.0)]
-    await reaches(it, "HeadYaw", 21)
+    await robot_rig.do("gaze", yaw=0, pitch=0)
+    await reaches(robot_rig, "HeadYaw", 0)
+    await robot_rig.stop()  # where it looks is asked anew after a stop
+    await robot_rig.do("naoqi", call="ALMotion.setStiffnesses", args='["Head", 0.0]')
+    await robot_rig.robot.clear()
+    await robot_rig.do("nudge", yaw=20)
+    await robot_rig.do("nudge", yaw=1)
+    assert await robot_rig.calls("ALMotion.setStiffnesses") == [(["Head"], 1.0)]
+    await reaches(robot_rig, "HeadYaw", 21)
 
 
 def lacks(*methods: str) -> str:
@@ -107,45 +111,45 @@ def lacks(*methods: str) -> str:
 )
 @pytest.mark.naoqi("ALMotion.angleInterpolation")
 async def test_head_and_hip_move_on_a_naoqi_that_lacks_getStiffnesses(  # noqa: N802 - its name
-    it: Played, lacking: tuple[str, ...]
+    robot_rig: RobotRig, lacking: tuple[str, ...]
 ) -> None:
-    await it.do("gaze", yaw=0, pitch=0)
-    await it.do("pose", joints={"HeadYaw": 0, "HipPitch": 0}, seconds=0.5)
-    await it.stop()
-    await it.robot.clear()
-    await it.robot.fault(lacks("getStiffnesses", *lacking))
-    await it.do("nudge", yaw=20)
-    assert await it.calls("ALMotion.setStiffnesses") == [(["Head"], 1.0)]
-    await reaches(it, "HeadYaw", 20)
-    await it.do("hip", pitch=10)
-    await reaches(it, "HipPitch", -10)
-    await it.stop()
-    await it.do("nudge", yaw=-5)
-    await reaches(it, "HeadYaw", 15)
-    await it.stop()
+    await robot_rig.do("gaze", yaw=0, pitch=0)
+    await robot_rig.do("pose", joints={"HeadYaw": 0, "HipPitch": 0}, seconds=0.5)
+    await robot_rig.stop()
+    await robot_rig.robot.clear()
+    await robot_rig.robot.fault(lacks("getStiffnesses", *lacking))
+    await robot_rig.do("nudge", yaw=20)
+    assert await robot_rig.calls("ALMotion.setStiffnesses") == [(["Head"], 1.0)]
+    await reaches(robot_rig, "HeadYaw", 20)
+    await robot_rig.do("hip", pitch=10)
+    await reaches(robot_rig, "HipPitch", -10)
+    await robot_rig.stop()
+    await robot_rig.do("nudge", yaw=-5)
+    await reaches(robot_rig, "HeadYaw", 15)
+    await robot_rig.stop()
 
 
 async def test_without_getStiffnesses_the_hip_of_a_robot_at_rest_is_left_alone(  # noqa: N802
-    it: Played,
+    robot_rig: RobotRig,
 ) -> None:
-    await it.do("torque", on=False)
-    await it.stop()
-    await it.robot.clear()
-    await it.robot.fault(lacks("getStiffnesses"))
-    with pytest.raises(DriverError, match="at rest") as told:
-        await it.do("hip", pitch=5)
-    assert "torque" in told.value.remedy
-    assert await it.calls("ALMotion.setStiffnesses", "ALMotion.setAngles") == []
-    await it.robot.clear()
-    await it.do("torque", on=True)
+    await robot_rig.do("torque", on=False)
+    await robot_rig.stop()
+    await robot_rig.robot.clear()
+    await robot_rig.robot.fault(lacks("getStiffnesses"))
+    with pytest.raises(DriverError, match="at rest") as raised:
+        await robot_rig.do("hip", pitch=5)
+    assert "torque" in raised.value.remedy
+    assert await robot_rig.calls("ALMotion.setStiffnesses", "ALMotion.setAngles") == []
+    await robot_rig.robot.clear()
+    await robot_rig.do("torque", on=True)
 
 
-async def test_the_hip_bends_in_steps_within_its_range(it: Played) -> None:
-    await it.stop()
-    await it.do("pose", joints={"HipPitch": 0, "HipRoll": 0}, seconds=0.5)
-    assert (await it.do("hip", pitch=5, roll=-3))["pitch"] == pytest.approx(5, abs=0.1)
-    assert (await it.do("hip", roll=-40))["roll"] == -29.5
-    await reaches(it, "HipRoll", -29.5)
+async def test_the_hip_bends_in_steps_within_its_range(robot_rig: RobotRig) -> None:
+    await robot_rig.stop()
+    await robot_rig.do("pose", joints={"HipPitch": 0, "HipRoll": 0}, seconds=0.5)
+    assert (await robot_rig.do("hip", pitch=5, roll=-3))["pitch"] == pytest.approx(5, abs=0.1)
+    assert (await robot_rig.do("hip", roll=-40))["roll"] == -29.5
+    await reaches(robot_rig, "HipRoll", -29.5)
 
 
 @pytest.mark.parametrize(
@@ -159,28 +163,28 @@ async def test_the_hip_bends_in_steps_within_its_range(it: Played) -> None:
     ],
 )
 async def test_the_hip_bends_to_the_side_that_is_asked_for(
-    it: Played, step: dict[str, Json], joint: str, radians: float
+    robot_rig: RobotRig, step: dict[str, Json], joint: str, radians: float
 ) -> None:
-    await it.stop()
-    await it.do("pose", joints={"HipPitch": 0, "HipRoll": 0}, seconds=0.5)
-    sent = await it.do("hip", **step)
+    await robot_rig.stop()
+    await robot_rig.do("pose", joints={"HipPitch": 0, "HipRoll": 0}, seconds=0.5)
+    sent = await robot_rig.do("hip", **step)
     assert {name: sent[name] for name in step} == pytest.approx(step, abs=0.01)
-    joints, angles, _ = (await it.last("ALMotion.setAngles")).args
+    joints, angles, _ = (await robot_rig.last("ALMotion.setAngles")).args
     assert dict(zip(joints, angles, strict=True))[joint] == pytest.approx(radians, abs=1e-3)
 
 
-async def test_a_burst_of_steps_is_quick_and_leaves_nothing_out(it: Played) -> None:
-    await it.do("gaze", yaw=0, pitch=0)
-    steps = [await it.do("nudge", yaw=1) for _ in range(60)]
+async def test_a_burst_of_steps_is_quick_and_leaves_nothing_out(robot_rig: RobotRig) -> None:
+    await robot_rig.do("gaze", yaw=0, pitch=0)
+    steps = [await robot_rig.do("nudge", yaw=1) for _ in range(60)]
     assert steps[-1]["yaw"] == 60
-    assert len(await it.calls("ALMotion.setAngles")) == 61
+    assert len(await robot_rig.calls("ALMotion.setAngles")) == 61
 
 
-async def test_after_a_stop_a_step_begins_where_the_head_stands(it: Played) -> None:
-    await it.do("gaze", yaw=0, pitch=0)
-    await reaches(it, "HeadYaw", 0)
-    await it.do("gaze", yaw=100, pitch=0)
-    report = await it.stop()
+async def test_after_a_stop_a_step_begins_where_the_head_stands(robot_rig: RobotRig) -> None:
+    await robot_rig.do("gaze", yaw=0, pitch=0)
+    await reaches(robot_rig, "HeadYaw", 0)
+    await robot_rig.do("gaze", yaw=100, pitch=0)
+    report = await robot_rig.stop()
     assert "motion" in report.confirmed
-    stood = await angle(it, "HeadYaw")
-    assert (await it.do("nudge", yaw=1))["yaw"] == pytest.approx(stood + 1, abs=0.3)
+    stood = await angle(robot_rig, "HeadYaw")
+    assert (await robot_rig.do("nudge", yaw=1))["yaw"] == pytest.approx(stood + 1, abs=0.3)

@@ -26,14 +26,14 @@ from woz_drivers.naoqi_robot.naoqi_link import (
 )
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.drivers.pepper.connected import threads_now
+from tests.drivers.pepper.connection_rig import threads_now
 from woz_tui.drivers.contract import DeviceLostError
 
 SETTINGS = PepperSettings(robots=())
 WITHIN_S = 10.0
 
 
-class Desk:
+class ServiceRig:
     """A robot with one service, in the test's own loop."""
 
     def __init__(self) -> None:
@@ -68,18 +68,18 @@ class Desk:
 
 
 @pytest.fixture
-async def desk() -> AsyncIterator[Desk]:
-    made = Desk()
-    endpoint = await made.server.listen("127.0.0.1")
-    made.host = str(endpoint)
-    yield made
-    await made.server.close()
+async def rig() -> AsyncIterator[ServiceRig]:
+    service_rig = ServiceRig()
+    endpoint = await service_rig.server.listen("127.0.0.1")
+    service_rig.host = str(endpoint)
+    yield service_rig
+    await service_rig.server.close()
 
 
 @asynccontextmanager
-async def opened(desk: Desk) -> AsyncIterator[NaoqiLink]:
+async def opened_link(service_rig: ServiceRig) -> AsyncIterator[NaoqiLink]:
     settings = PepperSettings(robots=())
-    link = await open_link(parse(desk.host), settings, within=WITHIN_S)
+    link = await open_link(parse(service_rig.host), settings, within=WITHIN_S)
     try:
         yield link
     finally:
@@ -94,22 +94,22 @@ async def happens(event: asyncio.Event) -> None:
     "value",
     [True, 0, -3, 1 << 40, 2.5, "", "Grüße, 世界", [1, "a", [2.5, None]], {"a": [1]}, b"\xff\x00"],
 )
-async def test_values_go_there_and_back(desk: Desk, value: Any) -> None:
-    async with opened(desk) as link:
+async def test_values_go_there_and_back(rig: ServiceRig, value: Any) -> None:
+    async with opened_link(rig) as link:
         found = await link.call("Desk", "echo", value, within=WITHIN_S)
         assert found == value
         assert isinstance(found, bool) == isinstance(value, bool)
 
 
 @pytest.mark.parametrize("data", [b"\xff\x00\x80", b"\x00\x00", b"plain"])
-async def test_bytes_are_bytes_even_where_they_could_be_text(desk: Desk, data: bytes) -> None:
-    async with opened(desk) as link:
+async def test_bytes_are_bytes_even_where_they_could_be_text(rig: ServiceRig, data: bytes) -> None:
+    async with opened_link(rig) as link:
         assert binary(await link.call("Desk", "echo", data, within=WITHIN_S)) == data
         assert binary((await link.call("Desk", "picture", within=WITHIN_S))[2]) == b"\xff\x00"
 
 
-async def test_a_text_that_looks_like_bytes_stays_a_text(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_a_text_that_looks_like_bytes_stays_a_text(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         assert await link.call("Desk", "echo", "b'hello'", within=WITHIN_S) == "b'hello'"
 
 
@@ -118,11 +118,11 @@ def test_a_number_is_no_picture() -> None:
         binary(3)
 
 
-async def test_what_the_robot_refuses_is_said_in_one_line(desk: Desk) -> None:
-    async with opened(desk) as link:
-        with pytest.raises(RobotRefusedError, match=r"Desk\.fails: .*no such animation") as said:
+async def test_what_the_robot_refuses_is_said_in_one_line(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
+        with pytest.raises(RobotRefusedError, match=r"Desk\.fails: .*no such animation") as raised:
             await link.call("Desk", "fails", within=WITHIN_S)
-        assert "\n" not in str(said.value)
+        assert "\n" not in str(raised.value)
         with pytest.raises(RobotRefusedError, match="nothing"):
             await link.call("Desk", "nothing", within=WITHIN_S)
         with pytest.raises(RobotRefusedError, match=r"Desk\.echo"):
@@ -131,59 +131,59 @@ async def test_what_the_robot_refuses_is_said_in_one_line(desk: Desk) -> None:
             await link.listen("Desk", "nothing", print)
 
 
-async def test_a_missing_service_is_found_once_it_is_there(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_a_missing_service_is_found_once_it_is_there(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         with pytest.raises(ServiceMissingError, match="Late"):
             await link.call("Late", "echo", 1, within=WITHIN_S)
         assert await link.services(WITHIN_S) == {"ServiceDirectory", "Desk"}
-        desk.server.add("Late", methods=[HostedMethod("echo", "(m)", "m", lambda value: value)])
+        rig.server.add("Late", methods=[HostedMethod("echo", "(m)", "m", lambda value: value)])
         assert await link.call("Late", "echo", 1, within=WITHIN_S) == 1
         assert "Late" in await link.services(WITHIN_S)
 
 
-async def test_no_answer_in_time_is_no_loss(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_no_answer_in_time_is_no_loss(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         within = 0.05
-        while not desk.entered.is_set():  # a busy machine may not even have sent it by then
+        while not rig.entered.is_set():  # a busy machine may not even have sent it by then
             with pytest.raises(UnansweredError, match=r"Desk\.waits"):
                 await link.call("Desk", "waits", within=within)
             within *= 2
-        await happens(desk.cancelled)
+        await happens(rig.cancelled)
         assert not link.lost.done()
         await link.ask(WITHIN_S)
 
 
-async def test_a_cancelled_call_is_cancelled_on_the_robot(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_a_cancelled_call_is_cancelled_on_the_robot(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         calling = asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S))
-        await happens(desk.entered)
+        await happens(rig.entered)
         calling.cancel()
-        await happens(desk.cancelled)
+        await happens(rig.cancelled)
         with pytest.raises(asyncio.CancelledError):
             await calling
 
 
-async def test_signals_are_heard_until_they_are_not_wanted(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_signals_are_heard_until_they_are_not_wanted(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         touches: asyncio.Queue[tuple[float, str]] = asyncio.Queue()
 
         def touch(x: float, what: str) -> None:
             touches.put_nowait((x, what))
 
         forget = await link.listen("Desk", "touched", touch)
-        desk.server.emit("Desk", "touched", 0.5, "ä")
+        rig.server.emit("Desk", "touched", 0.5, "ä")
         assert await asyncio.wait_for(touches.get(), WITHIN_S) == (0.5, "ä")
         await forget()
-        desk.server.emit("Desk", "touched", 0.7, "b")
+        rig.server.emit("Desk", "touched", 0.7, "b")
         await link.ask(WITHIN_S)
         assert touches.empty()
 
 
-async def test_closing_ends_the_calls_under_way(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_closing_ends_the_calls_under_way(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         calls = [asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S)) for _ in range(3)]
         looking = asyncio.create_task(link.call("Other", "echo", within=WITHIN_S))
-        await happens(desk.entered)
+        await happens(rig.entered)
         await link.close()
         ends = await asyncio.wait_for(
             asyncio.gather(*calls, looking, return_exceptions=True), WITHIN_S
@@ -196,23 +196,23 @@ async def test_closing_ends_the_calls_under_way(desk: Desk) -> None:
         await link.close()
 
 
-async def test_a_robot_that_hangs_up_is_known_at_once(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_a_robot_that_hangs_up_is_known_at_once(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         calling = asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S))
-        await happens(desk.entered)
-        await desk.server.close()
+        await happens(rig.entered)
+        await rig.server.close()
         with pytest.raises(LinkClosedError):
             await calling
         assert await asyncio.wait_for(link.lost, WITHIN_S)
 
 
-async def test_a_service_that_comes_again_is_looked_up_again(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_a_service_that_comes_again_is_looked_up_again(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         assert await link.call("Desk", "echo", 1, within=WITHIN_S) == 1
-        desk.server.remove("Desk")
+        rig.server.remove("Desk")
         with pytest.raises(RobotRefusedError):
             await link.call("Desk", "echo", 2, within=WITHIN_S)
-        desk.offer()
+        rig.offer()
 
         async def again() -> int:
             while True:
@@ -224,15 +224,15 @@ async def test_a_service_that_comes_again_is_looked_up_again(desk: Desk) -> None
         assert await asyncio.wait_for(again(), WITHIN_S) == 3
 
 
-async def test_it_says_who_carries_it_and_where_from(desk: Desk) -> None:
-    async with opened(desk) as link:
+async def test_it_says_who_carries_it_and_where_from(rig: ServiceRig) -> None:
+    async with opened_link(rig) as link:
         assert link.local_host == "127.0.0.1"
         assert link.certificate == ""
 
 
-async def test_links_leave_no_threads_and_tasks(desk: Desk) -> None:
+async def test_links_leave_no_threads_and_tasks(rig: ServiceRig) -> None:
     async def once() -> None:
-        async with opened(desk) as link:
+        async with opened_link(rig) as link:
             await link.call("Desk", "echo", 1, within=WITHIN_S)
 
     for _ in range(3):
@@ -245,8 +245,8 @@ async def test_links_leave_no_threads_and_tasks(desk: Desk) -> None:
             await asyncio.sleep(0.01)
 
 
-async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(desk: Desk) -> None:
-    place = ("127.0.0.1", parse(desk.host).port)
+async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(rig: ServiceRig) -> None:
+    place = ("127.0.0.1", parse(rig.host).port)
 
     def limits() -> list[int]:
         """How long each connection to the robot waits for a confirmation, in milliseconds."""
@@ -258,7 +258,7 @@ async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(desk: D
         return sorted(found)
 
     with socket.create_connection(place):
-        async with opened(desk) as link:
+        async with opened_link(rig) as link:
             await link.call("Desk", "echo", 1, within=WITHIN_S)
             assert limits() == [0, UNCONFIRMED_MS]
         assert limits() == [0]

@@ -15,7 +15,7 @@ from woz_drivers.naoqi_robot.naoqi_link import ConnectionRefusedByRobotError, Na
 from woz_drivers.pepper.pepper_model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.drivers.pepper.connected import stand
+from tests.drivers.pepper.connection_rig import started_connection
 from woz_tui.drivers.contract import DeviceLostError, Health
 from woz_tui.protocol.messages import Notice
 
@@ -45,8 +45,8 @@ class Guarded:
         self.address = f"tcps://ada@127.0.0.1:{endpoint.port}"
 
     async def open(self, **settings: str) -> NaoqiLink:
-        given = PepperSettings(robots=(), password="ROBOT_PASSWORD", **settings)  # type: ignore[arg-type]
-        return await open_link(parse(self.address), given, within=WITHIN_S)
+        pepper_settings = PepperSettings(robots=(), password="ROBOT_PASSWORD", **settings)  # type: ignore[arg-type]
+        return await open_link(parse(self.address), pepper_settings, within=WITHIN_S)
 
 
 @pytest.fixture
@@ -101,25 +101,25 @@ async def test_which_certificate_is_accepted_is_told(
     for name in sorted(PEPPER.services):
         guarded.server.add(name)
     given = {"password": "ROBOT_PASSWORD"}
-    async with stand(tmp_path, guarded.address, **given) as it:
-        await it.is_so(Health.CONNECTED)
-        (notice,) = it.heard.all(Notice)
+    async with started_connection(tmp_path, guarded.address, **given) as rig:
+        await rig.is_so(Health.CONNECTED)
+        (notice,) = rig.published.all(Notice)
         assert fingerprint() in notice.text
         assert f"trusted: {fingerprint()}" in notice.remedy
-        assert PASSWORD not in str(it.heard.messages)
-    async with stand(tmp_path, guarded.address, trusted=fingerprint(), **given) as it:
-        await it.is_so(Health.CONNECTED)
-        assert not it.heard.all(Notice)
+        assert PASSWORD not in str(rig.published.messages)
+    async with started_connection(tmp_path, guarded.address, trusted=fingerprint(), **given) as rig:
+        await rig.is_so(Health.CONNECTED)
+        assert not rig.published.all(Notice)
 
 
 async def test_to_a_robot_with_another_certificate_no_password_is_sent(
     guarded: Guarded, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
-    with pytest.raises(ConnectionRefusedByRobotError) as refused:
+    with pytest.raises(ConnectionRefusedByRobotError) as raised:
         await guarded.open(trusted="00" * 32)
-    assert "certificate" in refused.value.what
-    assert fingerprint() in refused.value.remedy
+    assert "certificate" in raised.value.what
+    assert fingerprint() in raised.value.remedy
     assert guarded.asked == []
 
 

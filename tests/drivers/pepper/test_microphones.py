@@ -21,8 +21,8 @@ from woz_drivers.naoqi_robot.microphones import (
 )
 from woz_drivers.sound_file import SoundFile
 
-from tests.drivers.heard import PATIENCE_S, until
-from tests.drivers.pepper.wired import Wired, wired
+from tests.drivers.pepper.part_rig import PartRig, connected_part
+from tests.drivers.published_messages import PATIENCE_S, until
 from tests.fakes.libqi import SERVERS
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.drivers.contract import DriverError, RejectedError, Scope
@@ -48,67 +48,67 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 @pytest.mark.woz4u("audio_save_dir")
 async def test_a_recording_on_the_robot(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(
+    async with connected_part(
         MicrophonesPart, tmp_path, robot, recordings="/home/nao/sounds of today"
-    ) as it:
-        told = await it.do("record_sound", on=True)
+    ) as rig:
+        told = await rig.do("record_sound", on=True)
         path = str(told["file"])
         assert path.startswith("/home/nao/sounds of today/woz-2")
         assert path.endswith(".wav")
         [call] = await robot.called("ALAudioRecorder.startMicrophonesRecording")
         assert call.args == [path, "wav", 16000, [1, 1, 1, 1]]
-        assert await it.part.read() == {"microphones": f"recording {path}"}
-        assert await it.part.stop(Scope.ALL) == ()
+        assert await rig.part.read() == {"microphones": f"recording {path}"}
+        assert await rig.part.stop(Scope.ALL) == ()
         with pytest.raises(RejectedError, match="recording already"):
-            await it.do("record_sound", on=True)
-        ended = await it.do("record_sound", on=False)
+            await rig.do("record_sound", on=True)
+        ended = await rig.do("record_sound", on=False)
         assert (ended["file"], ended["t"]) == (path, told["t"])
         assert isinstance(ended["seconds"], float)
         assert await robot.get("recording") == ""
-        assert await it.part.read() == {"microphones": "off"}
+        assert await rig.part.read() == {"microphones": "off"}
         with pytest.raises(RejectedError):
-            await it.do("sing", on=True)
+            await rig.do("sing", on=True)
 
 
 async def test_off_ends_what_an_earlier_program_began(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(MicrophonesPart, tmp_path, robot) as it:
+    async with connected_part(MicrophonesPart, tmp_path, robot) as rig:
         words = ("/home/nao/old.wav", "wav", 16000, [1, 1, 1, 1])
-        await it.connection.call("ALAudioRecorder", "startMicrophonesRecording", *words)
-        with pytest.raises(DriverError, match="no recording was begun") as told:
-            await it.do("record_sound", on=True)
-        assert "record_sound off" in told.value.remedy
-        assert await it.do("record_sound", on=False) == {"file": ""}
-        assert str((await it.do("record_sound", on=True))["file"]).endswith(".wav")
+        await rig.connection.call("ALAudioRecorder", "startMicrophonesRecording", *words)
+        with pytest.raises(DriverError, match="no recording was begun") as raised:
+            await rig.do("record_sound", on=True)
+        assert "record_sound off" in raised.value.remedy
+        assert await rig.do("record_sound", on=False) == {"file": ""}
+        assert str((await rig.do("record_sound", on=True))["file"]).endswith(".wav")
 
 
 async def test_the_end_of_the_session_ends_the_recording(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(MicrophonesPart, tmp_path, robot) as it:
-        await it.do("record_sound", on=True)
+    async with connected_part(MicrophonesPart, tmp_path, robot) as rig:
+        await rig.do("record_sound", on=True)
     assert await robot.get("recording") == ""
-    assert it.notices == []
+    assert rig.notices == []
 
 
 async def test_a_robot_that_goes_may_record_on(tmp_path: Path) -> None:
-    async with stand_in() as robot, wired(MicrophonesPart, tmp_path, robot) as it:
-        path = (await it.do("record_sound", on=True))["file"]
+    async with stand_in() as robot, connected_part(MicrophonesPart, tmp_path, robot) as rig:
+        path = (await rig.do("record_sound", on=True))["file"]
         robot.kill()
-        await until(lambda: bool(it.notices))
-        assert it.notices == [f"it: the robot may still be recording to {path}"]
-        assert await it.part.read() == {"microphones": "off"}
+        await until(lambda: bool(rig.notices))
+        assert rig.notices == [f"it: the robot may still be recording to {path}"]
+        assert await rig.part.read() == {"microphones": "off"}
 
 
 async def test_a_robot_that_refuses_the_end_may_record_on(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(MicrophonesPart, tmp_path, robot) as it:
-        path = (await it.do("record_sound", on=True))["file"]
+    async with connected_part(MicrophonesPart, tmp_path, robot) as rig:
+        path = (await rig.do("record_sound", on=True))["file"]
         await robot.fault("refuse:ALAudioRecorder.stopMicrophonesRecording=busy")
         with pytest.raises(DriverError, match="busy"):
-            await it.do("record_sound", on=False)
-        assert await it.part.read() == {"microphones": f"recording {path}"}
-    assert it.notices == [f"it: the robot may still be recording to {path}"]
+            await rig.do("record_sound", on=False)
+        assert await rig.part.read() == {"microphones": f"recording {path}"}
+    assert rig.notices == [f"it: the robot may still be recording to {path}"]
 
 
-def _sound(it: Wired[MicrophonesPart], file: Any) -> tuple[int, int, int, bytes]:
-    path = it.heard.context.media.parent / str(file)
+def _sound(rig: PartRig[MicrophonesPart], file: Any) -> tuple[int, int, int, bytes]:
+    path = rig.published.context.media.parent / str(file)
     with wave.open(str(path)) as sound:
         frames = sound.readframes(sound.getnframes())
         return sound.getnchannels(), sound.getsampwidth(), sound.getframerate(), frames
@@ -121,58 +121,58 @@ def _sound(it: Wired[MicrophonesPart], file: Any) -> tuple[int, int, int, bytes]
 async def test_the_robots_sound_is_a_file_here(tmp_path: Path, server: str) -> None:
     async with (
         stand_in(server, pace=2.0) as robot,
-        wired(MicrophonesPart, tmp_path, robot) as it,
+        connected_part(MicrophonesPart, tmp_path, robot) as rig,
     ):
-        before = it.heard.context.t(it.heard.clock.now_us())
-        told = await it.do("listen", on=True)
+        before = rig.published.context.t(rig.published.clock.now_us())
+        told = await rig.do("listen", on=True)
         [call] = await robot.trace("ALAudioDevice.setClientPreferences")
         name = str(call.args[0])
         assert name.startswith(SERVICE)
         assert call.args[1:] == [48000, 3, 0]
         assert await robot.get("sound.subscribers") == [name]
-        assert await it.part.read() == {"microphones": f"listening to {told['file']}"}
+        assert await rig.part.read() == {"microphones": f"listening to {told['file']}"}
         t, robot_time = told["t"], told["robot_time"]
         assert isinstance(t, int)
         assert isinstance(robot_time, float)
-        assert before - 100_000 <= t <= it.heard.context.t(it.heard.clock.now_us())
+        assert before - 100_000 <= t <= rig.published.context.t(rig.published.clock.now_us())
         with pytest.raises(RejectedError, match="listening already"):
-            await it.do("listen", on=True)
-        ended = await it.do("listen", on=False)
+            await rig.do("listen", on=True)
+        ended = await rig.do("listen", on=False)
         assert await robot.get("sound.subscribers") == []
-        channels, width, rate, frames = _sound(it, ended["file"])
+        channels, width, rate, frames = _sound(rig, ended["file"])
         assert (channels, width, rate) == (1, 2, 48000)
         assert len(frames) >= 2 * 4096
         assert len(set(frames)) > 10
         assert ended["seconds"] == round(len(frames) / 2 / 48000, 3)
         assert (ended["missing"], ended["t"]) == (0, told["t"])
-        again = await it.do("listen", on=True)
+        again = await rig.do("listen", on=True)
         assert again["file"] != ended["file"]
-        assert it.notices == []
-    assert len(_sound(it, again["file"])[3]) >= 2 * 4096
+        assert rig.notices == []
+    assert len(_sound(rig, again["file"])[3]) >= 2 * 4096
     await until(lambda: "robot sound" not in [one.name for one in threading.enumerate()])
 
 
 async def test_without_sound_it_says_so_and_lets_go(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(MicrophonesPart, tmp_path, robot) as it:
+    async with connected_part(MicrophonesPart, tmp_path, robot) as rig:
         await robot.fault("refuse:ALAudioDevice.subscribe=no microphone")
         with pytest.raises(DriverError, match="no microphone"):
-            await it.do("listen", on=True)
-        assert await it.part.read() == {"microphones": "off"}
+            await rig.do("listen", on=True)
+        assert await rig.part.read() == {"microphones": "off"}
         await robot.clear()
-        assert await it.do("listen", on=False) == {"file": ""}
-        await it.do("listen", on=True)
+        assert await rig.do("listen", on=False) == {"file": ""}
+        await rig.do("listen", on=True)
         assert len(await robot.get("sound.subscribers")) == 1
     assert await robot.get("sound.subscribers") == []
 
 
 async def test_a_robot_that_goes_ends_the_file_and_it_is_whole(tmp_path: Path) -> None:
-    async with stand_in() as robot, wired(MicrophonesPart, tmp_path, robot) as it:
-        told = await it.do("listen", on=True)
+    async with stand_in() as robot, connected_part(MicrophonesPart, tmp_path, robot) as rig:
+        told = await rig.do("listen", on=True)
         robot.kill()
-        await until(lambda: bool(it.notices))
-        assert "ends here: the robot is disconnected" in it.notices[0]
-        assert await it.do("listen", on=False) == {"file": ""}
-    assert len(_sound(it, told["file"])[3]) >= 2 * 4096
+        await until(lambda: bool(rig.notices))
+        assert "ends here: the robot is disconnected" in rig.notices[0]
+        assert await rig.do("listen", on=False) == {"file": ""}
+    assert len(_sound(rig, told["file"])[3]) >= 2 * 4096
 
 
 @pytest.mark.naoqi(
@@ -182,11 +182,11 @@ async def test_a_robot_that_goes_ends_the_file_and_it_is_whole(tmp_path: Path) -
 async def test_live_sound_while_somebody_listens(tmp_path: Path, server: str) -> None:
     async with (
         stand_in(server, pace=2.0) as robot,
-        wired(MicrophonesPart, tmp_path, robot) as it,
+        connected_part(MicrophonesPart, tmp_path, robot) as rig,
     ):
-        await it.connected()
-        feed, wish = it.heard.context.feed(SOUND), it.heard.context.feed(LISTENED)
-        wish.put(SoundListened(it.heard.clock.now_us() + 600_000_000))
+        await rig.wait_connected()
+        feed, wish = rig.published.context.feed(SOUND), rig.published.context.feed(LISTENED)
+        wish.put(SoundListened(rig.published.clock.now_us() + 600_000_000))
         await until(lambda: isinstance(feed.latest().value, LiveSound))
         [call] = await robot.trace("ALAudioDevice.setClientPreferences")
         assert call.args[1:] == [16000, 3, 0]
@@ -194,34 +194,34 @@ async def test_live_sound_while_somebody_listens(tmp_path: Path, server: str) ->
         assert isinstance(sound, LiveSound)
         assert sound.rate == 16000
         assert len(sound.blocks[-1].pcm) == 2 * 1365
-        told = await it.do("listen", on=True)
+        told = await rig.do("listen", on=True)
         assert len(await robot.get("sound.subscribers")) == 2, "a file beside it"
         wish.put(SoundListened(0))
         while len(await robot.get("sound.subscribers")) > 1:  # noqa: ASYNC110
             await asyncio.sleep(0.01)
         before = feed.latest().serial
-        assert (await it.do("listen", on=False))["file"] == told["file"]
+        assert (await rig.do("listen", on=False))["file"] == told["file"]
         assert feed.latest().serial == before
-        wish.put(SoundListened(it.heard.clock.now_us() + 600_000_000))
+        wish.put(SoundListened(rig.published.clock.now_us() + 600_000_000))
         await until(lambda: feed.latest().serial > before)
-        assert it.notices == []
-    assert not list(it.heard.context.media.glob("live*")), "no file"
+        assert rig.notices == []
+    assert not list(rig.published.context.media.glob("live*")), "no file"
 
 
 async def test_a_robot_that_refuses_live_sound_is_told_once(
     tmp_path: Path, robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.naoqi_robot.microphones._AGAIN_S", 0.01)
-    async with wired(MicrophonesPart, tmp_path, robot) as it:
-        await it.connected()
+    async with connected_part(MicrophonesPart, tmp_path, robot) as rig:
+        await rig.wait_connected()
         await robot.fault("refuse:ALAudioDevice.subscribe=no microphone")
-        wish = it.heard.context.feed(LISTENED)
-        wish.put(SoundListened(it.heard.clock.now_us() + 600_000_000))
-        await until(lambda: bool(it.notices))
+        wish = rig.published.context.feed(LISTENED)
+        wish.put(SoundListened(rig.published.clock.now_us() + 600_000_000))
+        await until(lambda: bool(rig.notices))
         await robot.clear()
-        await until(lambda: it.heard.context.feed(SOUND).latest().serial > 0)
-        assert len(it.notices) == 1
-        assert "no live sound: " in it.notices[0]
+        await until(lambda: rig.published.context.feed(SOUND).latest().serial > 0)
+        assert len(rig.notices) == 1
+        assert "no live sound: " in rig.notices[0]
     assert await robot.get("sound.subscribers") == []
 
 
@@ -244,8 +244,8 @@ async def test_a_disk_that_takes_nothing_is_told_once(
     sound = SoundFile(path, 48000, 1, failures.append)
     sound.begin()
     sound.write_block(b"\0\0" * 100)
-    written = await sound.finish()
-    assert written.trouble == trouble
+    sound_file = await sound.finish()
+    assert sound_file.trouble == trouble
     sound.write_block(b"\0\0")
     assert failures == [trouble]
     assert path.read_bytes() == b"somebody's"
@@ -290,8 +290,8 @@ def test_a_buffer_of_four_microphones() -> None:
 
 
 async def test_nothing_is_left_after_closing(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(MicrophonesPart, tmp_path, robot) as it:
-        listening = asyncio.create_task(it.do("listen", on=True))
+    async with connected_part(MicrophonesPart, tmp_path, robot) as rig:
+        listening = asyncio.create_task(rig.do("listen", on=True))
         await robot.called("ALAudioDevice.subscribe")
         listening.cancel()
         await asyncio.wait([listening])

@@ -20,8 +20,8 @@ from woz_drivers.naoqi_robot.service_call import ServiceCallPart
 from woz_drivers.naoqi_robot.sounds import SoundsPart
 from woz_drivers.naoqi_robot.voice import VoicePart
 
-from tests.drivers.heard import Ordered
-from tests.drivers.pepper.babbler import SETTINGS, Babbler, babbler
+from tests.drivers.pepper.scripted_robot import SETTINGS, ScriptedRobot, babbler
+from tests.drivers.published_messages import BusJob
 from woz_tui.drivers.contract import DriverError, Scope
 
 NAN, INF = math.nan, math.inf
@@ -52,34 +52,34 @@ def test_a_kind_of_picture_is_told_in_few_words() -> None:
 
 
 async def _fails(what: Any, telling: str) -> None:
-    with pytest.raises(DriverError) as told:
+    with pytest.raises(DriverError) as raised:
         await what
-    assert telling in told.value.what
-    assert told.value.remedy
+    assert telling in raised.value.what
+    assert raised.value.remedy
 
 
 async def test_nothing_is_made_of_nonsense(tmp_path: Path) -> None:
-    async with babbler(tmp_path) as it:
-        await _settings(it)
-        await _stops(it)
-        await _verbs(it)
+    async with babbler(tmp_path) as robot:
+        await _settings(robot)
+        await _stops(robot)
+        await _verbs(robot)
 
 
 async def test_a_long_result_is_cut_short(tmp_path: Path) -> None:
-    async with babbler(tmp_path) as it:
-        call = ServiceCallPart(it.connection, SETTINGS, it.heard.context)
+    async with babbler(tmp_path) as robot:
+        call = ServiceCallPart(robot.connection, SETTINGS, robot.published.context)
         for said, length in (("a" * 900, 900), ("L" * 3_000_000, 60_000), (["a"] * 40_000, 60_000)):
-            it.says["ALTextToSpeech.getVolume"] = said
-            told = await call.perform(Ordered("naoqi", {"call": "ALTextToSpeech.getVolume"}))
+            robot.says["ALTextToSpeech.getVolume"] = said
+            told = await call.perform(BusJob("naoqi", {"call": "ALTextToSpeech.getVolume"}))
             assert isinstance(told["result"], str)
             assert len(told["result"]) <= length
             assert told["result"] == said or told["result"].endswith(" characters)")
 
 
-async def _settings(it: Babbler) -> None:
+async def _settings(robot: ScriptedRobot) -> None:
     """Read back: what makes no sense is left out, what does is kept."""
     made = [
-        kind(it.connection, SETTINGS, it.heard.context)
+        kind(robot.connection, SETTINGS, robot.published.context)
         for kind in (VoicePart, AutonomyPart, BodyPart, EyesPart)
     ]
     asked = (
@@ -87,60 +87,60 @@ async def _settings(it: Babbler) -> None:
         *("ALBasicAwareness.isEnabled", "ALMotion.getTangentialSecurityDistance"),
         *("ALRobotPosture.getPosture", "ALMotion.robotIsWakeUp"),
     )
-    it.says["ALTextToSpeech.getVolume"] = 0.25
+    robot.says["ALTextToSpeech.getVolume"] = 0.25
     for nonsense in NONSENSE[3:]:
-        it.says |= dict.fromkeys(asked, nonsense)
+        robot.says |= dict.fromkeys(asked, nonsense)
         read: dict[str, Any] = {}
         for part in made:
             read |= await part.read()
         assert read == {"volume": 0.25}, repr(nonsense)[:60]
-    it.says |= {"ALBasicAwareness.isEnabled": 1, "ALLeds.getIntensity": [1.0, 0.0, 0.0]}
+    robot.says |= {"ALBasicAwareness.isEnabled": 1, "ALLeds.getIntensity": [1.0, 0.0, 0.0]}
     assert (await made[1].read())["awareness"] is True
     assert (await made[3].read())["eyes"] == "#0000ff"
 
 
-async def _stops(it: Babbler) -> None:
+async def _stops(robot: ScriptedRobot) -> None:
     """A stop is confirmed only by a robot that says that it stands."""
-    base = BasePart(it.connection, SETTINGS, it.heard.context)
+    base = BasePart(robot.connection, SETTINGS, robot.published.context)
     for nonsense in NONSENSE:
-        it.says["ALMotion.getRobotVelocity"] = nonsense
+        robot.says["ALMotion.getRobotVelocity"] = nonsense
         await _fails(base.stop(Scope.ALL), "does not report its speed")
-    it.says["ALMotion.getRobotVelocity"] = [0.0, 0, 0.001]
+    robot.says["ALMotion.getRobotVelocity"] = [0.0, 0, 0.001]
     assert await base.stop(Scope.DRIVE) == ("driving",)
 
-    animations = AnimationsPart(it.connection, SETTINGS, it.heard.context)
+    animations = AnimationsPart(robot.connection, SETTINGS, robot.published.context)
     animations._playing = "animations/x"
-    it.says["ALBehaviorManager.stopBehavior"] = ValueError("it is not running")
+    robot.says["ALBehaviorManager.stopBehavior"] = ValueError("it is not running")
     for nonsense in NONSENSE:
-        it.says["ALBehaviorManager.isBehaviorRunning"] = nonsense
+        robot.says["ALBehaviorManager.isBehaviorRunning"] = nonsense
         await _fails(animations.stop(Scope.ALL), "does not report whether animations/x has ended")
-    it.says["ALBehaviorManager.isBehaviorRunning"] = False
+    robot.says["ALBehaviorManager.isBehaviorRunning"] = False
     assert await animations.stop(Scope.ALL) == ("animations",)
 
 
-async def _verbs(it: Babbler) -> None:
+async def _verbs(robot: ScriptedRobot) -> None:
     """No angle that is none is sent to a joint, no file is played under a number that is none."""
-    head = HeadPart(it.connection, SETTINGS, it.heard.context)
-    sounds = SoundsPart(it.connection, SETTINGS, it.heard.context)
-    drive = BasePart(it.connection, SETTINGS, it.heard.context)
-    it.says |= {"ALMotion.robotIsWakeUp": True, "ALMotion.moveTo": False}
+    head = HeadPart(robot.connection, SETTINGS, robot.published.context)
+    sounds = SoundsPart(robot.connection, SETTINGS, robot.published.context)
+    drive = BasePart(robot.connection, SETTINGS, robot.published.context)
+    robot.says |= {"ALMotion.robotIsWakeUp": True, "ALMotion.moveTo": False}
     for nonsense in NONSENSE:
-        it.says["ALMotion.getStiffnesses"] = [1.0, 1.0]
-        it.says["ALMotion.getAngles"] = nonsense
-        await _fails(head.perform(Ordered("nudge", {"yaw": 5})), "does not report where")
-        it.says["ALMotion.getStiffnesses"] = nonsense
-        await _fails(head.perform(Ordered("gaze", {"yaw": 5})), "does not report whether")
-        it.says["ALAudioPlayer.loadFile"] = nonsense
-        await _fails(sounds.perform(Ordered("sound", {"file": "/a.wav"})), "under which number")
-        it.says["ALMotion.getTangentialSecurityDistance"] = nonsense
-        await _fails(drive.perform(Ordered("drive", {"x": 0.1})), "did not arrive")
-    assert not it.called.get("ALMotion.setAngles")
-    assert not it.called.get("ALAudioPlayer.play")
+        robot.says["ALMotion.getStiffnesses"] = [1.0, 1.0]
+        robot.says["ALMotion.getAngles"] = nonsense
+        await _fails(head.perform(BusJob("nudge", {"yaw": 5})), "does not report where")
+        robot.says["ALMotion.getStiffnesses"] = nonsense
+        await _fails(head.perform(BusJob("gaze", {"yaw": 5})), "does not report whether")
+        robot.says["ALAudioPlayer.loadFile"] = nonsense
+        await _fails(sounds.perform(BusJob("sound", {"file": "/a.wav"})), "under which number")
+        robot.says["ALMotion.getTangentialSecurityDistance"] = nonsense
+        await _fails(drive.perform(BusJob("drive", {"x": 0.1})), "did not arrive")
+    assert not robot.called.get("ALMotion.setAngles")
+    assert not robot.called.get("ALAudioPlayer.play")
 
-    it.says["ALAudioPlayer.loadFile"] = 7
-    job = Ordered("sound", {"file": "/a.wav"})
+    robot.says["ALAudioPlayer.loadFile"] = 7
+    job = BusJob("sound", {"file": "/a.wav"})
     for nonsense in (*NONSENSE, -1, 1e300):
-        it.says["ALAudioPlayer.getFileLength"] = nonsense
+        robot.says["ALAudioPlayer.getFileLength"] = nonsense
         await sounds.perform(job)
     assert job.announced == []
-    assert it.called["ALAudioPlayer.play"][-1] == (7,)
+    assert robot.called["ALAudioPlayer.play"][-1] == (7,)

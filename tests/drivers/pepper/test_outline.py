@@ -74,9 +74,9 @@ def test_a_short_name_becomes_a_path_and_any_path_is_tried(typed: str, path: str
 
 
 def test_an_unknown_short_name_is_refused_with_the_nearest() -> None:
-    with pytest.raises(RejectedError) as refused:
+    with pytest.raises(RejectedError) as raised:
         PEPPER.animations.path_of("Heey_1")
-    assert "did you mean 'Hey_1'" in refused.value.remedy
+    assert "did you mean 'Hey_1'" in raised.value.remedy
 
 
 def test_the_known_paths_are_each_there_once_and_find_themselves() -> None:
@@ -183,7 +183,7 @@ def test_what_is_no_colour_is_unknown(nonsense: Json) -> None:
 
 
 def test_what_the_file_asks_for_is_wanted_until_the_robot_has_it() -> None:
-    it = wanted(
+    settings = wanted(
         dataclasses.replace(
             ONE,
             autonomy=AutonomySettings(blinking=False, orthogonal=0.4),
@@ -191,45 +191,45 @@ def test_what_the_file_asks_for_is_wanted_until_the_robot_has_it() -> None:
         )
     )
     has: dict[str, Json] = {"blinking": True, "orthogonal": 0.40001, "volume": 0.7}
-    assert it.differing(has) == {"blinking": False, "volume": 0.5}
-    assert it.differing(has | {"blinking": False, "volume": 0.5}) == {}
-    assert it.differing({}) == {}  # unknown is no difference
+    assert settings.differing(has) == {"blinking": False, "volume": 0.5}
+    assert settings.differing(has | {"blinking": False, "volume": 0.5}) == {}
+    assert settings.differing({}) == {}  # unknown is no difference
 
 
 def test_a_body_is_not_wanted_to_breathe_as_a_whole_where_its_parts_are_to_differ() -> None:
-    it = wanted(dataclasses.replace(ONE, autonomy=AutonomySettings(body_breathing=True)))
+    settings = wanted(dataclasses.replace(ONE, autonomy=AutonomySettings(body_breathing=True)))
     still: dict[str, Json] = {"body_breathing": False, "head_breathing": True}
-    assert it.differing(still) == {"body_breathing": True}
-    it.note("autonomy", {"head_breathing": True})
-    assert it.differing(still) == {"body_breathing": True}
-    it.note("autonomy", {"head_breathing": False})
-    assert it.differing(still) == {"head_breathing": False}
+    assert settings.differing(still) == {"body_breathing": True}
+    settings.note("autonomy", {"head_breathing": True})
+    assert settings.differing(still) == {"body_breathing": True}
+    settings.note("autonomy", {"head_breathing": False})
+    assert settings.differing(still) == {"head_breathing": False}
 
 
 def test_a_command_changes_what_is_wanted_and_other_verbs_do_not() -> None:
-    it = wanted()
-    assert it.differing({"volume": 0.7, "posture": "Stand"}) == {}
-    it.note("volume", {"level": 0.4})
-    it.note("sound", {"volume": 1.0})
-    it.note("posture", {"name": "StandInit"})
-    assert it.differing({"volume": 0.7, "posture": "Stand"}) == {"volume": 0.4}
+    settings = wanted()
+    assert settings.differing({"volume": 0.7, "posture": "Stand"}) == {}
+    settings.note("volume", {"level": 0.4})
+    settings.note("sound", {"volume": 1.0})
+    settings.note("posture", {"name": "StandInit"})
+    assert settings.differing({"volume": 0.7, "posture": "Stand"}) == {"volume": 0.4}
 
 
 def test_eyes_that_blink_are_not_called_different() -> None:
-    it = wanted()
-    it.note("eyes", {"color": "green"})
-    assert it.differing({"eyes": "#000000"}) == {}
-    assert it.differing({"eyes": "#01fe00"}) == {}
-    assert it.differing({"eyes": "#ff0000"}) == {}
-    assert it.differing({"eyes": "#ff0000"}) == {"eyes": "#00ff00"}
+    settings = wanted()
+    settings.note("eyes", {"color": "green"})
+    assert settings.differing({"eyes": "#000000"}) == {}
+    assert settings.differing({"eyes": "#01fe00"}) == {}
+    assert settings.differing({"eyes": "#ff0000"}) == {}
+    assert settings.differing({"eyes": "#ff0000"}) == {"eyes": "#00ff00"}
 
 
 def test_life_wakes_the_robot_and_puts_it_to_rest_so_torque_is_not_wanted_any_more() -> None:
-    it = wanted()
-    it.note("torque", {"on": True})
-    assert it.differing({"awake": False}) == {"awake": True}
-    it.note("autonomy", {"state": "disabled"})
-    assert it.differing({"awake": False, "state": "disabled"}) == {}
+    settings = wanted()
+    settings.note("torque", {"on": True})
+    assert settings.differing({"awake": False}) == {"awake": True}
+    settings.note("autonomy", {"state": "disabled"})
+    assert settings.differing({"awake": False, "state": "disabled"}) == {}
 
 
 @pytest.mark.parametrize(

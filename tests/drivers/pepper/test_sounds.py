@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from woz_drivers.wav import Wav
 
-from tests.drivers.pepper.played import Played, played
+from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
 from woz_tui.drivers.contract import DriverError, RejectedError
 
 BEEP, APPLAUSE, MUSIC = (
@@ -21,46 +21,48 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 KINDS = ("pepper", "nao")
 
 
-async def sounds(it: Played) -> bool:
-    return any("sound" in kind for kind, *_ in await it.robot.get("going"))
+async def sounds(rig: RobotRig) -> bool:
+    return any("sound" in kind for kind, *_ in await rig.robot.get("going"))
 
 
 @pytest.mark.naoqi("ALAudioPlayer.loadFile", "ALAudioPlayer.play", "ALAudioPlayer.setVolume")
 @pytest.mark.woz4u("audio_files")
-async def test_a_sound_is_loaded_once_and_ends_when_it_has_ended(it: Played) -> None:
+async def test_a_sound_is_loaded_once_and_ends_when_it_has_ended(robot_rig: RobotRig) -> None:
     for volume in (0.25, 0.5):
-        sent = await it.do("sound", file=APPLAUSE, volume=volume)
+        sent = await robot_rig.do("sound", file=APPLAUSE, volume=volume)
         assert sent == {"file": APPLAUSE, "volume": volume}
-        assert not await sounds(it)
-    assert await it.calls("ALAudioPlayer.loadFile") == [(APPLAUSE,)]
+        assert not await sounds(robot_rig)
+    assert await robot_rig.calls("ALAudioPlayer.loadFile") == [(APPLAUSE,)]
     number = next(
-        one["id"] for one in await it.robot.get("sounds.loaded") if one["path"] == APPLAUSE
+        one["id"] for one in await robot_rig.robot.get("sounds.loaded") if one["path"] == APPLAUSE
     )
-    assert await it.calls("ALAudioPlayer.setVolume") == [(number, 0.25), (number, 0.5)]
-    assert await it.calls("ALAudioPlayer.play") == [(number,), (number,)]
-    assert it.jobs[-1].announced == [3.0]
+    assert await robot_rig.calls("ALAudioPlayer.setVolume") == [(number, 0.25), (number, 0.5)]
+    assert await robot_rig.calls("ALAudioPlayer.play") == [(number,), (number,)]
+    assert robot_rig.jobs[-1].announced == [3.0]
 
 
 @pytest.mark.naoqi("ALAudioPlayer.stopAll")
-async def test_a_cancelled_sound_ends_on_the_robot_and_the_next_one_plays(it: Played) -> None:
-    job = it.begin("sound", file=MUSIC)
-    await it.robot.until(lambda: sounds(it))
-    await it.shows(sound=MUSIC)
-    await it.cancel(job)
-    await it.do("sound", file=BEEP)
-    assert not await sounds(it)
-    await it.shows(sound="")
+async def test_a_cancelled_sound_ends_on_the_robot_and_the_next_one_plays(
+    robot_rig: RobotRig,
+) -> None:
+    job = robot_rig.begin("sound", file=MUSIC)
+    await robot_rig.robot.until(lambda: sounds(robot_rig))
+    await robot_rig.shows(sound=MUSIC)
+    await robot_rig.cancel(job)
+    await robot_rig.do("sound", file=BEEP)
+    assert not await sounds(robot_rig)
+    await robot_rig.shows(sound="")
 
 
-async def test_a_file_that_is_not_on_the_robot_is_told(it: Played) -> None:
-    with pytest.raises(DriverError, match=r"could not load /nowhere\.wav") as told:
-        await it.do("sound", file="/nowhere.wav")
-    assert "copy it there" in told.value.remedy
+async def test_a_file_that_is_not_on_the_robot_is_told(robot_rig: RobotRig) -> None:
+    with pytest.raises(DriverError, match=r"could not load /nowhere\.wav") as raised:
+        await robot_rig.do("sound", file="/nowhere.wav")
+    assert "copy it there" in raised.value.remedy
     with pytest.raises(RejectedError):
-        await it.do("sound", file=" ")
+        await robot_rig.do("sound", file=" ")
 
 
-def written(path: Path, seconds: float) -> Path:
+def write_sound(path: Path, seconds: float) -> Path:
     """A quiet WAV file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     samples = np.zeros(round(8000 * seconds), "<i2")
@@ -69,61 +71,63 @@ def written(path: Path, seconds: float) -> Path:
 
 
 @pytest.mark.naoqi("ALAudioPlayer.playWebStream")
-async def test_a_sound_beside_the_experiment_is_fetched_by_the_robot(it: Played) -> None:
-    here = written(it.folder / "media" / "gong.wav", 1.5)
-    sent = await it.do("sound", file="media/gong.wav", volume=0.5)
+async def test_a_sound_beside_the_experiment_is_fetched_by_the_robot(robot_rig: RobotRig) -> None:
+    here = write_sound(robot_rig.folder / "media" / "gong.wav", 1.5)
+    sent = await robot_rig.do("sound", file="media/gong.wav", volume=0.5)
     assert sent == {"file": "media/gong.wav", "volume": 0.5}
-    ((url, volume, pan),) = await it.calls("ALAudioPlayer.playWebStream")
+    ((url, volume, pan),) = await robot_rig.calls("ALAudioPlayer.playWebStream")
     assert (volume, pan) == (0.5, 0.0)
-    (played,) = await it.robot.get("sounds.streamed")
+    (played,) = await robot_rig.robot.get("sounds.streamed")
     assert played == {"url": url, "type": "audio/wav", "size": here.stat().st_size}
-    assert it.jobs[-1].announced == [1.5]
-    assert await it.calls("ALAudioPlayer.loadFile") == []
+    assert robot_rig.jobs[-1].announced == [1.5]
+    assert await robot_rig.calls("ALAudioPlayer.loadFile") == []
 
 
 async def test_a_sound_of_another_folder_is_fetched_and_ends_when_it_is_cut_short(
-    it: Played, tmp_path_factory: pytest.TempPathFactory
+    robot_rig: RobotRig, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    here = written(tmp_path_factory.mktemp("elsewhere") / "long.wav", 300.0)
-    job = it.begin("sound", file=f"../{here.parent.name}/long.wav")
-    await it.robot.until(lambda: sounds(it))
-    await it.cancel(job)
-    await it.do("sound", file=BEEP)
-    assert not await sounds(it)
+    here = write_sound(tmp_path_factory.mktemp("elsewhere") / "long.wav", 300.0)
+    job = robot_rig.begin("sound", file=f"../{here.parent.name}/long.wav")
+    await robot_rig.robot.until(lambda: sounds(robot_rig))
+    await robot_rig.cancel(job)
+    await robot_rig.do("sound", file=BEEP)
+    assert not await sounds(robot_rig)
 
 
-async def test_an_address_is_played_as_it_is(it: Played) -> None:
+async def test_an_address_is_played_as_it_is(robot_rig: RobotRig) -> None:
     with pytest.raises(DriverError, match="could not play"):
-        await it.do("sound", file="http://127.0.0.1:9/none.mp3")
-    ((url, *_),) = await it.calls("ALAudioPlayer.playWebStream")
+        await robot_rig.do("sound", file="http://127.0.0.1:9/none.mp3")
+    ((url, *_),) = await robot_rig.calls("ALAudioPlayer.playWebStream")
     assert url == "http://127.0.0.1:9/none.mp3"
 
 
-async def test_the_robot_does_not_know_the_files_of_this_machine(it: Played) -> None:
-    here = written(it.folder / "mine.wav", 0.1)
+async def test_the_robot_does_not_know_the_files_of_this_machine(robot_rig: RobotRig) -> None:
+    here = write_sound(robot_rig.folder / "mine.wav", 0.1)
     with pytest.raises(DriverError, match="could not load"):
-        await it.do("sound", file=str(here))
+        await robot_rig.do("sound", file=str(here))
 
 
 @pytest.mark.naoqi("ALAudioPlayer.getLoadedFilesIds")
-async def test_a_loaded_sound_is_not_loaded_again_after_its_ids_were_read(it: Played) -> None:
-    await it.do("sound", file=BEEP)
-    await it.robot.clear()
-    await it.robot.called("ALAudioPlayer.getLoadedFilesIds", 2)
-    await it.do("sound", file=BEEP)
-    assert await it.calls("ALAudioPlayer.loadFile") == []
+async def test_a_loaded_sound_is_not_loaded_again_after_its_ids_were_read(
+    robot_rig: RobotRig,
+) -> None:
+    await robot_rig.do("sound", file=BEEP)
+    await robot_rig.robot.clear()
+    await robot_rig.robot.called("ALAudioPlayer.getLoadedFilesIds", 2)
+    await robot_rig.do("sound", file=BEEP)
+    assert await robot_rig.calls("ALAudioPlayer.loadFile") == []
 
 
 @pytest.mark.naoqi("ALAudioPlayer.getLoadedFilesIds", "ALAudioPlayer.unloadAllFiles")
 async def test_what_the_robot_has_unloaded_is_loaded_anew_and_close_unloads(
     tmp_path: Path,
 ) -> None:
-    async with played(tmp_path) as it:
-        await it.do("sound", file=BEEP)
-        await it.do("naoqi", call="ALAudioPlayer.unloadAllFiles")
-        await it.robot.clear()
-        await it.robot.called("ALAudioPlayer.getLoadedFilesIds", 2)
-        await it.do("sound", file=BEEP)
-        assert len(await it.calls("ALAudioPlayer.loadFile")) == 1
-        await it.driver.close()
-        assert await it.robot.get("sounds.loaded") == []
+    async with connected_robot(tmp_path) as rig:
+        await rig.do("sound", file=BEEP)
+        await rig.do("naoqi", call="ALAudioPlayer.unloadAllFiles")
+        await rig.robot.clear()
+        await rig.robot.called("ALAudioPlayer.getLoadedFilesIds", 2)
+        await rig.do("sound", file=BEEP)
+        assert len(await rig.calls("ALAudioPlayer.loadFile")) == 1
+        await rig.driver.close()
+        assert await rig.robot.get("sounds.loaded") == []

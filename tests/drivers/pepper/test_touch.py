@@ -17,9 +17,9 @@ from woz_drivers.naoqi_robot.served_files import ServedFiles
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import SENSORS, TabletPart, Touch, TouchScale, place
 
-from tests.drivers.heard import Heard
+from tests.drivers.pepper.part_rig import connected_part
 from tests.drivers.pepper.test_senses_values import ANYTHING
-from tests.drivers.pepper.wired import wired
+from tests.drivers.published_messages import PublishedMessages
 from tests.fakes.naoqi import StandIn, stand_in
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.drivers.contract import DriverError
@@ -34,41 +34,41 @@ from woz_tui.protocol.messages import Reading
 async def test_a_finger_is_told_where_it_comes_down_moves_and_leaves(
     tmp_path: Path, robot: StandIn
 ) -> None:
-    async with wired(TabletPart, tmp_path, robot) as it:
-        await it.heard.state("touch.x", "ok")
+    async with connected_part(TabletPart, tmp_path, robot) as rig:
+        await rig.published.state("touch.x", "ok")
         await robot.touch(0.25, 0.75)
-        await it.heard.until(lambda: len(it.heard.values("touch.y")) >= 3)
-        assert it.heard.values("touch.x") == [0.25] * 3
-        assert it.heard.values("touch.y") == [0.75] * 3
-        told = [one.text for one in it.heard.all(Reading) if one.sensor == "touch.x"]
+        await rig.published.until(lambda: len(rig.published.values("touch.y")) >= 3)
+        assert rig.published.values("touch.x") == [0.25] * 3
+        assert rig.published.values("touch.y") == [0.75] * 3
+        told = [one.text for one in rig.published.all(Reading) if one.sensor == "touch.x"]
         # libqi sends and hears each signal in its own time: within a moment they may be swapped.
         assert sorted(told) == ["down", "move", "up"]
 
 
 async def test_a_lost_tablet_is_touched_again_when_it_is_back(tmp_path: Path, port: int) -> None:
-    async with stand_in(port=port) as robot, wired(TabletPart, tmp_path, robot) as it:
+    async with stand_in(port=port) as robot, connected_part(TabletPart, tmp_path, robot) as rig:
         robot.kill()
-        await it.heard.state("touch.y", "stale")
+        await rig.published.state("touch.y", "stale")
         async with stand_in(port=port) as back:
-            await it.connected(2)
-            await it.heard.state("touch.y", "ok")
+            await rig.wait_connected(2)
+            await rig.published.state("touch.y", "ok")
             await back.touch(0.5, 0.5)
-            await it.heard.until(lambda: len(it.heard.values("touch.y")) >= 3)
+            await rig.published.until(lambda: len(rig.published.values("touch.y")) >= 3)
 
 
 async def test_touches_that_nobody_wants_are_not_listened_to(
     tmp_path: Path, robot: StandIn
 ) -> None:
     none = SensesSettings(touch=False)
-    async with wired(TabletPart, tmp_path, robot, senses=none) as it:
+    async with connected_part(TabletPart, tmp_path, robot, senses=none) as rig:
         await robot.touch(0.5, 0.5)
-        await it.do("tablet", what="hide")
-        assert it.heard.values("touch.x") == []
+        await rig.do("tablet", what="hide")
+        assert rig.published.values("touch.x") == []
     assert TabletPart.sensors(PepperSettings(robots=(), senses=none)) == ()
     assert TabletPart.sensors(PepperSettings(robots=())) == SENSORS
 
 
-class Fingers:
+class TouchedRobot:
     """A robot with a tablet that tells what it is told to; `missing` signals it does not have."""
 
     available = True
@@ -77,13 +77,13 @@ class Fingers:
 
     def __init__(self, *missing: str) -> None:
         self._missing = missing
-        self.heard: dict[str, Callable[..., None]] = {}
+        self.published: dict[str, Callable[..., None]] = {}
         self.ended = 0
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
         if signal in self._missing:
             raise DriverError(f"{service} has no signal {signal}")
-        self.heard[signal] = heard
+        self.published[signal] = heard
         return self._end
 
     async def _end(self) -> None:
@@ -112,21 +112,21 @@ class Fingers:
 
 
 def _touched(
-    folder: Path, script: Callable[[Fingers], Any], *missing: str
+    folder: Path, script: Callable[[TouchedRobot], Any], *missing: str
 ) -> list[tuple[float | None, float | None, str]]:
     """What is told of a script of touches, in virtual time; nothing is left afterwards."""
 
     async def play() -> list[tuple[float | None, float | None, str]]:
         loop = asyncio.get_running_loop()
-        heard = Heard(folder, LoopClock(loop))
-        fingers = Fingers(*missing)
-        touch = Touch(fingers, heard.context)
+        published = PublishedMessages(folder, LoopClock(loop))
+        robot = TouchedRobot(*missing)
+        touch = Touch(robot, published.context)
         await touch.connected()
-        await script(fingers)
+        await script(robot)
         await asyncio.sleep(1)
         await touch.close()
-        assert fingers.ended == len(fingers.heard)
-        told = heard.all(Reading)
+        assert robot.ended == len(robot.published)
+        told = published.all(Reading)
         x, y = ([one for one in told if one.sensor == sensor] for sensor in SENSORS)
         assert [one.text for one in x] == [one.text for one in y]
         return [(a.value, b.value, a.text) for a, b in zip(x, y, strict=True)]
@@ -134,22 +134,22 @@ def _touched(
     return run_virtual(play())
 
 
-async def _swipe(fingers: Fingers, moves: int, every: float, size: tuple[float, float]) -> None:
+async def _swipe(robot: TouchedRobot, moves: int, every: float, size: tuple[float, float]) -> None:
     """A finger that goes from left to right."""
     across, down = size
-    fingers.heard["onTouchDownRatio"](0.1, 0.5, "webview")
-    fingers.heard["onTouchDown"](0.1 * across, 0.5 * down)
+    robot.published["onTouchDownRatio"](0.1, 0.5, "webview")
+    robot.published["onTouchDown"](0.1 * across, 0.5 * down)
     for step in range(1, moves + 1):
         await asyncio.sleep(every)
-        fingers.heard["onTouchMove"]((0.1 + 0.8 * step / moves) * across, 0.5 * down)
-    fingers.heard["onTouchUp"](0.9 * across, 0.5 * down)
+        robot.published["onTouchMove"]((0.1 + 0.8 * step / moves) * across, 0.5 * down)
+    robot.published["onTouchUp"](0.9 * across, 0.5 * down)
 
 
 @pytest.mark.parametrize("size", [(1280.0, 800.0), (1707.0, 1067.0), (1600.0, 1080.0)])
 def test_moves_are_thinned_and_the_last_one_is_never_lost(
     tmp_path: Path, size: tuple[float, float]
 ) -> None:
-    told = _touched(tmp_path, lambda fingers: _swipe(fingers, 100, 0.01, size))
+    told = _touched(tmp_path, lambda robot: _swipe(robot, 100, 0.01, size))
     assert told[0] == (0.1, 0.5, "down")
     assert told[-2] == (0.9, 0.5, "move")
     assert told[-1] == (0.9, 0.5, "up")
@@ -160,18 +160,18 @@ def test_moves_are_thinned_and_the_last_one_is_never_lost(
 
 
 def test_a_move_that_is_held_back_is_told_in_its_time(tmp_path: Path) -> None:
-    async def script(fingers: Fingers) -> None:
-        fingers.heard["onTouchMove"](128.0, 80.0)
-        fingers.heard["onTouchMove"](256.0, 80.0)
-        fingers.heard["onTouchMove"](384.0, 80.0)
+    async def script(robot: TouchedRobot) -> None:
+        robot.published["onTouchMove"](128.0, 80.0)
+        robot.published["onTouchMove"](256.0, 80.0)
+        robot.published["onTouchMove"](384.0, 80.0)
 
     assert _touched(tmp_path, script) == [(0.1, 0.1, "move"), (0.3, 0.1, "move")]
 
 
 def test_a_tablet_without_shares_tells_by_pixels(tmp_path: Path) -> None:
-    async def script(fingers: Fingers) -> None:
-        fingers.heard["onTouchDown"](640.0, 400.0)
-        fingers.heard["onTouchUp"](1707.0, 1067.0)
+    async def script(robot: TouchedRobot) -> None:
+        robot.published["onTouchDown"](640.0, 400.0)
+        robot.published["onTouchUp"](1707.0, 1067.0)
 
     told = _touched(tmp_path, script, "onTouchDownRatio", "onTouchMove")
     assert told == [(0.5, 0.5, "down"), (1.0, 1.0, "up")]
@@ -179,27 +179,27 @@ def test_a_tablet_without_shares_tells_by_pixels(tmp_path: Path) -> None:
 
 def test_a_tablet_that_tells_nothing_is_stale(tmp_path: Path) -> None:
     async def play() -> list[str]:
-        heard = Heard(tmp_path, LoopClock(asyncio.get_running_loop()))
+        published = PublishedMessages(tmp_path, LoopClock(asyncio.get_running_loop()))
         names = ("onTouchDownRatio", "onTouchDown", "onTouchMove", "onTouchUp")
-        await Touch(Fingers(*names), heard.context).connected()
-        return heard.states("touch.x")
+        await Touch(TouchedRobot(*names), published.context).connected()
+        return published.states("touch.x")
 
     assert run_virtual(play()) == ["stale"]
 
 
 def test_a_tablet_that_tells_thousands_of_touches_fills_no_log(tmp_path: Path) -> None:
     async def play() -> tuple[int, list[str], int]:
-        heard = Heard(tmp_path, LoopClock(asyncio.get_running_loop()))
-        fingers = Fingers()
-        touch = Touch(fingers, heard.context)
+        published = PublishedMessages(tmp_path, LoopClock(asyncio.get_running_loop()))
+        robot = TouchedRobot()
+        touch = Touch(robot, published.context)
         await touch.connected()
         for _ in range(5000):
-            fingers.heard["onTouchDownRatio"](0.5, 0.5)
-        told = len(heard.values("touch.x"))
+            robot.published["onTouchDownRatio"](0.5, 0.5)
+        told = len(published.values("touch.x"))
         await asyncio.sleep(1.5)
-        fingers.heard["onTouchDownRatio"](0.5, 0.5)
+        robot.published["onTouchDownRatio"](0.5, 0.5)
         await touch.close()
-        return told, heard.states("touch.x"), len(heard.values("touch.x")) - told
+        return told, published.states("touch.x"), len(published.values("touch.x")) - told
 
     told, states, later = run_virtual(play())
     assert 50 < told < 500
@@ -213,10 +213,10 @@ def test_a_tablet_that_tells_thousands_of_touches_fills_no_log(tmp_path: Path) -
 def test_no_touch_raises_and_each_is_on_the_screen(
     tmp_path_factory: pytest.TempPathFactory, touches: list[tuple[str, Any, Any]]
 ) -> None:
-    async def script(fingers: Fingers) -> None:
+    async def script(robot: TouchedRobot) -> None:
         for kind, x, y in touches:
-            fingers.heard[f"onTouch{kind}"](x, y)
-        fingers.heard["onTouchDown"]()
+            robot.published[f"onTouch{kind}"](x, y)
+        robot.published["onTouchDown"]()
 
     for x, y, _ in _touched(tmp_path_factory.getbasetemp(), script):
         assert x is not None

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from qimessaging import NaoqiClient
 
-from tests.drivers.qimessaging.desk import QiCaller
+from tests.drivers.qimessaging.messaging_rig import QiCaller
 from tests.fakes import libqi
 
 HERE = Path(__file__).parent

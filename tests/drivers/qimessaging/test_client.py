@@ -18,7 +18,7 @@ from qimessaging import (
     RemoteObject,
 )
 
-from tests.drivers.qimessaging.desk import until
+from tests.drivers.qimessaging.messaging_rig import until
 
 W = 10.0  # seconds within which a call is answered, generously
 

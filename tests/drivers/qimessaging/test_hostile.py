@@ -24,7 +24,14 @@ from qimessaging.authentication import error_text
 from qimessaging.encoding import encode
 from qimessaging.frames import MessageKind, QiMessage, QiMessageReader
 
-from tests.drivers.qimessaging.desk import answering, bench, between, frames, script, until
+from tests.drivers.qimessaging.messaging_rig import (
+    answering,
+    between,
+    frames,
+    messaging_server,
+    script,
+    until,
+)
 
 WELCOME = encode("{sm}", {"__qi_auth_state": 3, "RemoteCancelableCalls": True})
 
@@ -57,7 +64,7 @@ async def test_a_broken_greeting_is_a_protocol_error() -> None:
     def greeted(frame: QiMessage, writer: asyncio.StreamWriter) -> None:
         writer.write(frame.answer(MessageKind.REPLY, b"\1").encoded())
 
-    async with bench() as (_, port), between(port, greeted) as robot:
+    async with messaging_server() as (_, port), between(port, greeted) as robot:
         with pytest.raises(ProtocolError):
             await NaoqiClient.open("127.0.0.1", robot)
 
@@ -66,7 +73,7 @@ async def test_an_answer_that_comes_twice_counts_once() -> None:
     def twice(frame: QiMessage) -> bytes:
         return 2 * frame.encoded()
 
-    async with bench() as (_, port), answering(port, twice) as robot:
+    async with messaging_server() as (_, port), answering(port, twice) as robot:
         client = await NaoqiClient.open("127.0.0.1", robot)
         for text in ("x", "y"):
             assert await client.call("Thing", "say", text, within=10) == f"one {text}"
@@ -101,7 +108,7 @@ def test_garbage_from_a_client_harms_no_other(
     payload: bytes, kind: MessageKind, action: int
 ) -> None:
     async def meet() -> None:
-        async with bench() as (_, port):
+        async with messaging_server() as (_, port):
             client = await NaoqiClient.open("127.0.0.1", port)
             reader, writer = await asyncio.open_connection("127.0.0.1", port)
             for service in (0, 1, 2, 99):
@@ -119,7 +126,7 @@ def test_garbage_from_a_client_harms_no_other(
 
 
 async def test_a_call_that_nobody_serves_is_answered() -> None:
-    async with bench() as (_, port):
+    async with messaging_server() as (_, port):
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         puzzle = QiMessageReader()
         for service, obj, action in [(99, 1, 100), (2, 7, 100), (2, 1, 999), (2, 1, 50)]:
@@ -131,7 +138,7 @@ async def test_a_call_that_nobody_serves_is_answered() -> None:
 
 async def test_flags_of_calls_are_understood() -> None:
     """Arguments as one dynamic value, and a wish for the result's type, as libqi may send."""
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         puzzle = QiMessageReader()
         uid = next(m.uid for m in ours.service.meta.methods.values() if m.name == "echo")
@@ -146,7 +153,7 @@ async def test_flags_of_calls_are_understood() -> None:
 
 
 async def test_a_listeners_own_mistake_is_not_the_lines() -> None:
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         client = await NaoqiClient.open("127.0.0.1", port)
         troubles: list[object] = []
         asyncio.get_running_loop().set_exception_handler(
@@ -200,11 +207,11 @@ async def test_a_call_that_is_cancelled_before_it_begins_leaves_nothing_behind(
 
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        async with bench() as (ours, port), script(play) as robot:
+        async with messaging_server() as (ours, port), script(play) as robot:
             client = await NaoqiClient.open("127.0.0.1", robot)
-            with pytest.raises(QiError) as ended:
+            with pytest.raises(QiError) as raised:
                 await client.call("Thing", "slow", 60.0, within=20)
-            assert not isinstance(ended.value, CallTimeoutError)
+            assert not isinstance(raised.value, CallTimeoutError)
             assert ours.entered == []
             await client.close()
         gc.collect()

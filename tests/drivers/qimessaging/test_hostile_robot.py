@@ -24,7 +24,7 @@ from qimessaging.registering import ServiceListener, describe, register
 from qimessaging.remote import RemoteObject
 from qimessaging.signature import parse
 
-from tests.drivers.qimessaging.desk import answering, bench, until
+from tests.drivers.qimessaging.messaging_rig import answering, messaging_server, until
 
 WHOLE = ("Thing", 2, "pepper", 7, ["tcp://10.0.0.5:9559"], "x", b"id")
 #: `service` and `services` of the directory.
@@ -100,7 +100,7 @@ async def _liar(says: dict[int, Any]) -> AsyncIterator[int]:
             return frame.answer(MessageKind.REPLY, lied, DYNAMIC_PAYLOAD).encoded()
         return frame.encoded()
 
-    async with bench() as (_, port), answering(port, lie) as robot:
+    async with messaging_server() as (_, port), answering(port, lie) as robot:
         yield robot
 
 
@@ -126,7 +126,7 @@ async def test_a_directory_that_lies_is_one_of_our_errors() -> None:
 async def test_a_removal_that_is_none_breaks_nothing() -> None:
     troubles: list[Any] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, found: troubles.append(found))
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         client = await NaoqiClient.open("127.0.0.1", port)
         [hearing] = ours.server._directory.hosted._hearing.values()
         for values in ((), (5,), (5, [1]), ("a", "b", "c")):
@@ -157,7 +157,7 @@ async def test_what_the_other_end_can_do_is_not_kept_without_end() -> None:
 
 
 async def test_calls_that_come_while_a_connection_closes_are_let_be() -> None:
-    async with bench() as (_, port):
+    async with messaging_server() as (_, port):
         loop = asyncio.get_running_loop()
         _, connection = await loop.create_connection(QiConnection, "127.0.0.1", port)
         connection.hang_up("enough")
@@ -174,7 +174,7 @@ async def test_registrations_have_an_end() -> None:
 
 
 async def test_a_signal_set_off_without_values_leaves_the_line_up() -> None:
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         uid = next(each.uid for each in ours.service.meta.signals.values())
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         writer.write(
@@ -230,7 +230,7 @@ async def test_what_came_before_the_end_is_taken(monkeypatch: pytest.MonkeyPatch
 
 
 async def test_an_event_with_other_values_is_left_out() -> None:
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         client = await NaoqiClient.open("127.0.0.1", port)
         heard: list[Any] = []
         await client.listen("Thing", "fired", lambda *values: heard.append(values))
@@ -291,7 +291,7 @@ async def test_those_who_say_nothing_make_room_for_those_who_do() -> None:
 
 
 async def test_what_our_service_is_sent_is_short() -> None:
-    async with bench() as (_, port):
+    async with messaging_server() as (_, port):
         client = await NaoqiClient.open("127.0.0.1", port)
         await client.register("Mine", HostedObject([]))
         own = client._listener.endpoints[0].port

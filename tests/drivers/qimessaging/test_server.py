@@ -8,11 +8,16 @@ from typing import Any
 import pytest
 from qimessaging import QiServer
 
-from tests.drivers.qimessaging.desk import Bench, QiCaller, bench, until
+from tests.drivers.qimessaging.messaging_rig import (
+    MessagingServer,
+    QiCaller,
+    messaging_server,
+    until,
+)
 
 
 async def test_services_methods_and_overloads(qi_caller: QiCaller) -> None:
-    async with bench() as (_, port):
+    async with messaging_server() as (_, port):
         await qi_caller.do("connect", f"tcp://127.0.0.1:{port}")
 
         assert await qi_caller.do("services") == ["ServiceDirectory", "Thing"]
@@ -35,7 +40,7 @@ async def test_any_value_goes_there_and_back(qi_caller: QiCaller) -> None:
         {"a": [1]},
         "x" * (1 << 20),
     ]
-    async with bench() as (_, port):
+    async with messaging_server() as (_, port):
         await qi_caller.do("connect", f"tcp://127.0.0.1:{port}")
 
         for value in values:
@@ -43,7 +48,7 @@ async def test_any_value_goes_there_and_back(qi_caller: QiCaller) -> None:
 
 
 async def test_an_exception_comes_with_its_text(qi_caller: QiCaller) -> None:
-    async with bench() as (_, port):
+    async with messaging_server() as (_, port):
         await qi_caller.do("connect", f"tcp://127.0.0.1:{port}")
 
         with pytest.raises(RuntimeError, match=r"^the joint ZörgYaw does not exist$"):
@@ -53,7 +58,7 @@ async def test_an_exception_comes_with_its_text(qi_caller: QiCaller) -> None:
 
 
 async def test_signals_and_properties(qi_caller: QiCaller) -> None:
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         await qi_caller.do("connect", f"tcp://127.0.0.1:{port}")
         await qi_caller.do("listen", "Thing", "fired")
         await until(lambda: ours.service.hearers("fired") == 1)
@@ -69,7 +74,7 @@ async def test_signals_and_properties(qi_caller: QiCaller) -> None:
 
 
 async def test_objects_that_are_returned_can_be_used(qi_caller: QiCaller) -> None:
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         await qi_caller.do("connect", f"tcp://127.0.0.1:{port}")
 
         answer = await qi_caller.do("call_child", "Thing", "child", "say", ["x"])
@@ -79,7 +84,7 @@ async def test_objects_that_are_returned_can_be_used(qi_caller: QiCaller) -> Non
 
 
 async def test_a_call_can_be_cancelled(qi_caller: QiCaller) -> None:
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         await qi_caller.do("connect", f"tcp://127.0.0.1:{port}")
 
         outcome = await qi_caller.do("cancel", "Thing", "slow", [60], ["entered"])
@@ -88,7 +93,7 @@ async def test_a_call_can_be_cancelled(qi_caller: QiCaller) -> None:
 
 
 async def test_a_clients_service_is_called(qi_caller: QiCaller) -> None:
-    async with bench() as (ours, port):
+    async with messaging_server() as (ours, port):
         await qi_caller.do("connect", f"tcp://127.0.0.1:{port}")
         await qi_caller.do("register", "Doubler")
 
@@ -104,7 +109,7 @@ async def test_login(qi_caller: QiCaller, server_tls: ssl.SSLContext, secure: bo
         asked.append((user, token))
         return token == "right"
 
-    ours = Bench(QiServer(authenticator=allowed))
+    ours = MessagingServer(QiServer(authenticator=allowed))
     url = str(await ours.server.listen("127.0.0.1", tls=server_tls if secure else None))
     assert url.startswith("tcps:" if secure else "tcp:")
     with pytest.raises(RuntimeError):

@@ -28,7 +28,7 @@ VOICE = SynthesisSettings(recordings={"Hello.": "gong.wav", "A long story.": "lo
 
 
 @dataclass
-class PlayedReachy:
+class ReachyRig:
     """A driver and the robot at the other end of its wire."""
 
     driver: ReachyMini
@@ -51,7 +51,7 @@ class PlayedReachy:
         """Begin a verb."""
         return asyncio.ensure_future(self.driver.perform(self.job(verb, **args)))
 
-    async def connected(self) -> None:
+    async def wait_connected(self) -> None:
         """Wait until the driver has found the robot."""
         await until(lambda: self.health is Health.CONNECTED)
 
@@ -74,7 +74,7 @@ class PlayedReachy:
         """What the wizard reads beside it, with the remedy."""
         return " ".join(self.context.healths[-1][1:])
 
-    def asked(self, path: str) -> list[Any]:
+    def request_bodies(self, path: str) -> list[Any]:
         """Bodies of the requests to a path below /api, or of messages of that type."""
         return [body for name, body in self.robot.calls if name in (f"/api/{path}", path)]
 
@@ -82,18 +82,18 @@ class PlayedReachy:
 @contextlib.asynccontextmanager
 async def reachy(
     folder: Path, robot: ReachyMiniSimulator | None = None, **settings: Any
-) -> AsyncIterator[PlayedReachy]:
+) -> AsyncIterator[ReachyRig]:
     """A driver that has found its robot."""
     async with robot or ReachyMiniSimulator(PacedTime(PACE)) as started:
         context = RecordingContext(folder)
         usual = {"pace": PACE, "rate": 20.0, "voice": VOICE}
-        made = ReachyMiniSettings(started.address, **{**usual, **settings})
-        driver = ReachyMini("reachy", made, context)
+        reachy_mini_settings = ReachyMiniSettings(started.address, **{**usual, **settings})
+        driver = ReachyMini("reachy", reachy_mini_settings, context)
         await driver.open()
-        it = PlayedReachy(driver, started, context)
+        reachy_rig = ReachyRig(driver, started, context)
         try:
-            await it.connected()
-            yield it
+            await reachy_rig.wait_connected()
+            yield reachy_rig
         finally:
             await driver.close()
 
@@ -123,7 +123,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-async def it(folder: Path) -> AsyncIterator[PlayedReachy]:
+async def rig(folder: Path) -> AsyncIterator[ReachyRig]:
     """A driver that has found its robot."""
-    async with reachy(folder) as made:
-        yield made
+    async with reachy(folder) as reachy_rig:
+        yield reachy_rig

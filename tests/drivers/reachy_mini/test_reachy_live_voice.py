@@ -11,7 +11,7 @@ from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings
 from woz_drivers.reachy_mini.settings import LOUDSPEAKER
 from woz_drivers.speech.settings import PlayedTalkSettings
 
-from tests.drivers.reachy_mini.conftest import PlayedReachy, reachy
+from tests.drivers.reachy_mini.conftest import ReachyRig, reachy
 from woz_tui.drivers.contract import DeviceLostError, Scope
 from woz_tui.drivers.sound_feeds import VOICE as VOICE_SOUND
 from woz_tui.drivers.sound_feeds import VOICE_STATE, SoundWindow, VoiceState
@@ -27,38 +27,38 @@ def talk_settings(folder: Path) -> PlayedTalkSettings:
     return PlayedTalkSettings(play=("sh", "-c", f"exec cat >> {folder / 'heard'}"))
 
 
-async def talking(it: PlayedReachy) -> asyncio.Task[Mapping[str, Json]]:
+async def talking(rig: ReachyRig) -> asyncio.Task[Mapping[str, Json]]:
     """`talk` is played, and a word was heard."""
-    talk = asyncio.ensure_future(it.driver.perform(PlainJob("talk")))
-    state, heard = it.context.feed(VOICE_STATE), it.context.folder / "heard"
+    talk = asyncio.ensure_future(rig.driver.perform(PlainJob("talk")))
+    state, heard = rig.context.feed(VOICE_STATE), rig.context.folder / "heard"
     await until(lambda: talk.done() or state.latest().value == VoiceState(16_000, on=True))
-    SoundWindow(it.context.feed(VOICE_SOUND), 16_000).add(WORD, it.context.clock.now_us(), "con7")
+    SoundWindow(rig.context.feed(VOICE_SOUND), 16_000).add(WORD, rig.context.clock.now_us(), "con7")
     await until(lambda: talk.done() or (heard.exists() and heard.read_bytes() == WORD))
     return talk
 
 
 async def test_a_live_voice_is_heard_until_it_is_ended(folder: Path) -> None:
-    async with reachy(folder, talk=talk_settings(folder)) as it:
-        talk = await talking(it)
-        await it.driver.perform(PlainJob("end_talk"))
+    async with reachy(folder, talk=talk_settings(folder)) as rig:
+        talk = await talking(rig)
+        await rig.driver.perform(PlainJob("end_talk"))
         sent = await talk
         assert (sent["played"], sent["dropped"]) == (0.02, 0.0)
 
 
 @pytest.mark.parametrize("scope", list(Scope))
 async def test_a_stop_ends_a_live_voice(folder: Path, scope: Scope) -> None:
-    async with reachy(folder, talk=talk_settings(folder)) as it:
-        talk = await talking(it)
-        await it.driver.stop(scope)
+    async with reachy(folder, talk=talk_settings(folder)) as rig:
+        talk = await talking(rig)
+        await rig.driver.stop(scope)
         talk.cancel()
         await asyncio.wait([talk])
-        assert it.context.feed(VOICE_STATE).latest().value == VoiceState(16_000)
+        assert rig.context.feed(VOICE_STATE).latest().value == VoiceState(16_000)
 
 
 async def test_a_daemon_that_goes_ends_a_live_voice(folder: Path) -> None:
-    async with reachy(folder, talk=talk_settings(folder)) as it:
-        talk = await talking(it)
-        await it.robot.close()
+    async with reachy(folder, talk=talk_settings(folder)) as rig:
+        talk = await talking(rig)
+        await rig.robot.close()
         with pytest.raises(DeviceLostError):
             await talk
 

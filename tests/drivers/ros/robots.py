@@ -71,7 +71,7 @@ types:
 """
 
 
-def read(text: str) -> tuple[RosSettings | None, dict[str, str]]:
+def read_robot_settings(text: str) -> tuple[RosSettings | None, dict[str, str]]:
     """Settings of a robot file, and what is wrong with it: sentences by path."""
     report = ProblemReport()
     cursor = document(
@@ -85,7 +85,7 @@ def read(text: str) -> tuple[RosSettings | None, dict[str, str]]:
 
 def settings(text: str = ROBOT, **changed: Any) -> RosSettings:
     """Settings that are right."""
-    made, wrong = read(text)
+    made, wrong = read_robot_settings(text)
     assert made is not None, wrong
     return replace(made, **changed)
 
@@ -98,7 +98,7 @@ def simulator(of: RosSettings, pace: float = 10.0) -> RosbridgeSimulator:
 
 
 @dataclass
-class Played:
+class RosRig:
     """A driver with its robot."""
 
     robot: RosbridgeSimulator
@@ -120,7 +120,7 @@ class Played:
         async with asyncio.timeout(20):
             return await self.begin(verb, **args)
 
-    def sent(self, topic: str) -> list[Any]:
+    def published_on(self, topic: str) -> list[Any]:
         """Messages that were published on a topic."""
         return [
             message.get("msg")
@@ -134,20 +134,20 @@ class Played:
 
 
 @contextlib.asynccontextmanager
-async def played(
+async def connected_ros(
     of: RosSettings | None = None, pace: float = 10.0, query: str = ""
-) -> AsyncIterator[Played]:
+) -> AsyncIterator[RosRig]:
     """A driver that is connected to a simulated robot; `query`: what its address ends with."""
     wanted = of or settings()
     async with simulator(wanted, pace) as robot:
         context = RecordingContext(Path())
         address = f"{robot.address}/{query}"
         driver = Ros("robot", replace(wanted, address=address), context)
-        it = Played(robot, driver, context)
+        rig = RosRig(robot, driver, context)
         await driver.open()
         try:
-            await it.healthy()
-            yield it
+            await rig.healthy()
+            yield rig
         finally:
             robot.thaw()
             await driver.close()

@@ -13,7 +13,7 @@ from woz_drivers.ros.driver import Ros
 from woz_drivers.ros.message_types import MessageTypes, parse_definitions
 from woz_drivers.ros.templates import ValuePath, fill
 
-from tests.drivers.ros.robots import read, settings, simulator
+from tests.drivers.ros.robots import read_robot_settings, settings, simulator
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Probe, Written
 from woz_tui.drivers.plugins import installed
@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[3]
 
 def verb(text: str) -> dict[str, str]:
     """What is wrong with a file of this one verb."""
-    return read(f"verbs:\n  {text}")[1]
+    return read_robot_settings(f"verbs:\n  {text}")[1]
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_a_verb_that_cannot_work_is_found_at_its_place(
 def test_a_sensor_that_cannot_be_read_is_found_at_its_place(
     declared: str, place: str, names: list[str]
 ) -> None:
-    wrong = read(declared)[1]
+    wrong = read_robot_settings(declared)[1]
     assert [*wrong] == [f"sensors.d.{place}"]
     assert all(name in wrong[f"sensors.d.{place}"] for name in names), wrong
 
@@ -123,7 +123,7 @@ def test_a_sensor_that_cannot_be_read_is_found_at_its_place(
     ],
 )
 def test_settings_that_make_no_sense_are_refused(wrong: str) -> None:
-    made, problems = read(wrong)
+    made, problems = read_robot_settings(wrong)
     assert made is None
     assert problems
 
@@ -260,6 +260,6 @@ def test_the_examples_of_the_manual_are_right() -> None:
 def test_an_argument_that_the_robot_is_not_told_is_warned_of() -> None:
     of = settings()
     written = Written("emotion", {"emotion": "happy", "intensity": 0.3}, Path())
-    assert [found.subject for found in Ros.remarks(of, written)] == ["intensity"]
+    assert [finding.subject for finding in Ros.remarks(of, written)] == ["intensity"]
     written = Written("emotion", {"emotion": "happy", "intensity": 1.0}, Path())
     assert [*Ros.remarks(of, written)] == []

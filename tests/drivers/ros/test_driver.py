@@ -19,7 +19,7 @@ from woz_drivers.ros import __main__ as draft_program
 from woz_drivers.ros import doctor, velocity_drive
 from woz_drivers.ros.driver import Ros
 
-from tests.drivers.ros.robots import ROBOT, played, settings, simulator
+from tests.drivers.ros.robots import ROBOT, connected_ros, settings, simulator
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverError,
@@ -40,9 +40,9 @@ BOTH = pytest.mark.parametrize("ros", [1, 2], ids=["ros1", "ros2"])
 
 
 async def test_a_text_is_said_until_the_robot_says_that_it_has_ended() -> None:
-    async with played() as it:
-        task = it.begin("say", text="Hello")
-        await until(lambda: it.sent("/tts") == [{"data": "Hello"}])
+    async with connected_ros() as rig:
+        task = rig.begin("say", text="Hello")
+        await until(lambda: rig.published_on("/tts") == [{"data": "Hello"}])
         assert not task.done()
         assert (await task)["message"] == {"data": "Hello"}
 
@@ -50,63 +50,63 @@ async def test_a_text_is_said_until_the_robot_says_that_it_has_ended() -> None:
 async def test_what_never_begins_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("woz_drivers.ros.driver._BEGINS_S", 0.05)
     silent = ROBOT.replace("subscribe: /tts/speaking", "subscribe: /tts/other")
-    async with played(settings(silent)) as it:
-        it.robot.interface["speech"].clear()
+    async with connected_ros(settings(silent)) as rig:
+        rig.robot.interface["speech"].clear()
         with pytest.raises(DriverError, match="begun"):
-            await it.play("say", text="Hello")
-        await until(lambda: it.sent("/tts") == [{"data": "Hello"}, {"data": ""}])
+            await rig.play("say", text="Hello")
+        await until(lambda: rig.published_on("/tts") == [{"data": "Hello"}, {"data": ""}])
 
 
 async def test_a_time_may_be_counted_from_the_text() -> None:
-    async with played() as it:
+    async with connected_ros() as rig:
         job = PlainJob("emotion", {"emotion": "joy!!", "intensity": 1.0})
-        await it.driver.perform(job)
+        await rig.driver.perform(job)
         assert job.expected == [pytest.approx(0.25)]
 
 
 async def test_looking_stays_within_the_bounds_of_the_file() -> None:
-    async with played() as it:
-        await it.play("gaze", yaw=30.0, pitch=10.0)
-        await it.play("nudge", yaw=50.0)
-        await it.play("nudge", pitch=-90.0)
-        radians = [(sent["z"], sent["y"]) for sent in it.sent("/head")]
+    async with connected_ros() as rig:
+        await rig.play("gaze", yaw=30.0, pitch=10.0)
+        await rig.play("nudge", yaw=50.0)
+        await rig.play("nudge", pitch=-90.0)
+        radians = [(sent["z"], sent["y"]) for sent in rig.published_on("/head")]
         wanted = [(30, -10), (60, -10), (60, 20)]
         for found, (yaw, down) in zip(radians, wanted, strict=True):
             assert found == pytest.approx((math.radians(yaw), math.radians(down)), abs=1e-4)
 
 
 async def test_poses_are_taken_one_after_the_other() -> None:
-    async with played() as it:
+    async with connected_ros() as rig:
         poses: Any = [{"joints": {"pan": 90.0}, "seconds": 0.1}, {"joints": {"tilt": 10.0}}]
-        task = it.begin("poses", poses=poses)
-        await until(lambda: len(it.sent("/joints")) == 2)
-        first, second = it.sent("/joints")
+        task = rig.begin("poses", poses=poses)
+        await until(lambda: len(rig.published_on("/joints")) == 2)
+        first, second = rig.published_on("/joints")
         assert first["joint_names"] == ["pan"]
         assert first["points"][0]["positions"] == [pytest.approx(1.570796)]
         assert first["points"][0]["time_from_start"] == {"secs": 0, "nsecs": 100000000}
         assert second["joint_names"] == ["tilt"]
         task.cancel()
         with pytest.raises(RejectedError, match="pan"):
-            await it.play("pose", joints={"pan": 91.0}, seconds=1.0)
+            await rig.play("pose", joints={"pan": 91.0}, seconds=1.0)
         with pytest.raises(RejectedError, match="neck"):
-            await it.play("pose", joints={"neck": 1.0}, seconds=1.0)
+            await rig.play("pose", joints={"neck": 1.0}, seconds=1.0)
 
 
 @BOTH
 async def test_an_action_ends_with_its_result(ros: int) -> None:
-    async with played(settings(ros=ros)) as it:
-        sent = await it.play("play", move="wave")
+    async with connected_ros(settings(ros=ros)) as rig:
+        sent = await rig.play("play", move="wave")
         assert sent["message"] == {"name": "hello_2"}
         assert sent["result"] == {"success": True}
 
 
 @BOTH
 async def test_an_action_that_ends_badly_says_so(ros: int) -> None:
-    async with played(settings(ros=ros)) as it:
-        it.robot.goal_s = FOR_EVER_S
-        task = it.begin("play", move="wave")
-        await until(lambda: bool(it.robot.goals))
-        for goal in it.robot.goals.values():
+    async with connected_ros(settings(ros=ros)) as rig:
+        rig.robot.goal_s = FOR_EVER_S
+        task = rig.begin("play", move="wave")
+        await until(lambda: bool(rig.robot.goals))
+        for goal in rig.robot.goals.values():
             goal.cancelled.set()
         with pytest.raises(DriverError, match="cancelled"):
             await task
@@ -115,14 +115,14 @@ async def test_an_action_that_ends_badly_says_so(ros: int) -> None:
 @BOTH
 async def test_a_goal_that_nobody_takes_holds_up_nothing(ros: int) -> None:
     text = ROBOT.replace("values: {move", "within: 4.0\n    values: {move")
-    async with played(settings(text, ros=ros)) as it:
-        it.robot.refuse_goals = True
-        task = it.begin("play", move="wave")
-        await it.play("gaze", yaw=1.0)
+    async with connected_ros(settings(text, ros=ros)) as rig:
+        rig.robot.refuse_goals = True
+        task = rig.begin("play", move="wave")
+        await rig.play("gaze", yaw=1.0)
         with pytest.raises(DriverError, match=r"refused|did not end"):
             await task
-        it.robot.refuse_goals = False
-        await it.play("play", move="nod")
+        rig.robot.refuse_goals = False
+        await rig.play("play", move="nod")
 
 
 @BOTH
@@ -131,27 +131,27 @@ async def test_an_action_whose_node_is_dead_fails_soon_with_what_to_do(
 ) -> None:
     monkeypatch.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.2)
     monkeypatch.setattr("woz_drivers.ros.rosbridge.SERVED_S", 0.2)
-    async with played(settings(ros=ros)) as it:
-        it.robot.dead.add("/gesture")
+    async with connected_ros(settings(ros=ros)) as rig:
+        rig.robot.dead.add("/gesture")
         with pytest.raises(DriverError, match="no node of the robot carries out /gesture") as dead:
-            await it.play("play", move="wave")
+            await rig.play("play", move="wave")
         assert dead.value.remedy.startswith("start its node")
-        it.robot.dead.clear()
-        it.robot.goal_s = FOR_EVER_S
-        task = it.begin("play", move="wave")
-        await until(lambda: bool(it.robot.goals))
-        it.robot.dead.add("/gesture")  # it ends in the middle
+        rig.robot.dead.clear()
+        rig.robot.goal_s = FOR_EVER_S
+        task = rig.begin("play", move="wave")
+        await until(lambda: bool(rig.robot.goals))
+        rig.robot.dead.add("/gesture")  # it ends in the middle
         with pytest.raises(DriverError, match="carries out /gesture"):
             await task
 
 
 @BOTH
 async def test_what_nobody_listens_to_is_not_done(ros: int) -> None:
-    async with played(settings(ros=ros)) as it:
-        it.robot.dead |= {"/head", "/tts"}
+    async with connected_ros(settings(ros=ros)) as rig:
+        rig.robot.dead |= {"/head", "/tts"}
         for verb, args in (("gaze", {"yaw": 1.0}), ("say", {"text": "Hello"})):
             with pytest.raises(DriverError, match=f"{verb}: no node of the robot listens to /"):
-                await it.play(verb, **args)
+                await rig.play(verb, **args)
 
 
 async def test_a_robot_says_how_much_it_can_know_of_each_verb() -> None:
@@ -163,56 +163,56 @@ async def test_a_robot_says_how_much_it_can_know_of_each_verb() -> None:
 
 
 async def test_a_base_that_does_not_move_has_not_driven() -> None:
-    async with played() as it:
-        assert await it.play("drive", x=1.0)
-        it.robot.dead.add("/cmd_vel")
+    async with connected_ros() as rig:
+        assert await rig.play("drive", x=1.0)
+        rig.robot.dead.add("/cmd_vel")
         with pytest.raises(DriverError, match="/odom says that the base has not moved"):
-            await it.play("drive", x=1.0)
+            await rig.play("drive", x=1.0)
 
 
 async def test_a_goal_that_is_refused_is_known_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """The server of ROS 2 never says it: its action does not count the goal among its own."""
-    async with played(settings(ros=2), pace=5.0) as it:
-        await it.play("play", move="wave")
-        it.robot.refuse_goals = True
+    async with connected_ros(settings(ros=2), pace=5.0) as rig:
+        await rig.play("play", move="wave")
+        rig.robot.refuse_goals = True
         with monkeypatch.context() as hurried, pytest.raises(DriverError, match="accept"):
             hurried.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.4)
-            await it.play("play", move="wave")
-        it.robot.refuse_goals = False
-        await it.play("play", move="nod")
+            await rig.play("play", move="wave")
+        rig.robot.refuse_goals = False
+        await rig.play("play", move="nod")
 
 
 async def test_a_goal_that_is_accepted_late_is_cancelled(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with played(settings(ros=2), pace=5.0) as it:
-        await it.play("play", move="wave")
+    async with connected_ros(settings(ros=2), pace=5.0) as rig:
+        await rig.play("play", move="wave")
         monkeypatch.setattr("woz_drivers.ros.rosbridge.ACCEPTED_S", 0.4)
-        it.robot.goal_s = FOR_EVER_S
-        it.robot.accepts_goals.clear()
+        rig.robot.goal_s = FOR_EVER_S
+        rig.robot.accepts_goals.clear()
         with pytest.raises(DriverError, match="accept"):
-            await it.play("play", move="wave")
-        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
-        it.robot.accepts_goals.set()
-        await until(lambda: [goal.status for goal in it.robot.ended] == ["done", "canceled"])
+            await rig.play("play", move="wave")
+        assert await rig.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+        rig.robot.accepts_goals.set()
+        await until(lambda: [goal.status for goal in rig.robot.ended] == ["done", "canceled"])
 
 
 async def test_a_cancelled_goal_whose_end_is_never_told_is_given_up(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("woz_drivers.ros.rosbridge._CANCELLED_WITHIN_S", 0.5)
-    async with played(settings(ros=1)) as it:
-        it.robot.goal_s = FOR_EVER_S
-        it.robot.tells_results = False
-        task = it.begin("play", move="wave")
-        await until(lambda: bool(it.robot.goals))
+    async with connected_ros(settings(ros=1)) as rig:
+        rig.robot.goal_s = FOR_EVER_S
+        rig.robot.tells_results = False
+        task = rig.begin("play", move="wave")
+        await until(lambda: bool(rig.robot.goals))
         task.cancel()
-        await it.driver.stop(Scope.ALL)
-        await it.driver.stop(Scope.ALL)
-        await until(lambda: bool(it.context.notices))
-        [(_, text, _)] = it.context.notices
+        await rig.driver.stop(Scope.ALL)
+        await rig.driver.stop(Scope.ALL)
+        await until(lambda: bool(rig.context.notices))
+        [(_, text, _)] = rig.context.notices
         assert "/gesture did not say" in text
-        repeated = len([1 for sent in it.sent("/gesture/cancel") if sent["id"]])
-        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
-        assert len([1 for sent in it.sent("/gesture/cancel") if sent["id"]]) == repeated
+        repeated = len([1 for sent in rig.published_on("/gesture/cancel") if sent["id"]])
+        assert await rig.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+        assert len([1 for sent in rig.published_on("/gesture/cancel") if sent["id"]]) == repeated
 
 
 async def test_the_next_command_waits_until_the_last_one_was_ended() -> None:
@@ -223,19 +223,19 @@ async def test_the_next_command_waits_until_the_last_one_was_ended() -> None:
     stop: {service: /unbow, type: robot_msgs/Bow}
 """
     text = ROBOT.replace("\njoints:", bow + "joints:") + "\n  robot_msgs/Bow_Request: {}\n"
-    async with played(settings(text)) as it:
-        held = it.robot.busy["/bow"] = it.robot.busy["/unbow"] = asyncio.Event()
-        first = it.begin("bow")
-        await until(lambda: ("call_service", "/bow") in _services(it.robot))
+    async with connected_ros(settings(text)) as rig:
+        held = rig.robot.busy["/bow"] = rig.robot.busy["/unbow"] = asyncio.Event()
+        first = rig.begin("bow")
+        await until(lambda: ("call_service", "/bow") in _services(rig.robot))
         first.cancel()
         await asyncio.gather(first, return_exceptions=True)
-        second = it.begin("bow")
-        await until(lambda: ("call_service", "/unbow") in _services(it.robot))
-        await it.play("volume", level=1.0)
-        assert _services(it.robot).count(("call_service", "/bow")) == 1
+        second = rig.begin("bow")
+        await until(lambda: ("call_service", "/unbow") in _services(rig.robot))
+        await rig.play("volume", level=1.0)
+        assert _services(rig.robot).count(("call_service", "/bow")) == 1
         held.set()
         await second
-        bows = [name for _, name in _services(it.robot) if name in ("/bow", "/unbow")]
+        bows = [name for _, name in _services(rig.robot) if name in ("/bow", "/unbow")]
         assert bows == ["/bow", "/unbow", "/bow"]
 
 
@@ -247,35 +247,35 @@ async def test_a_step_begins_where_the_robot_looks_not_where_it_refused_to() -> 
         "  robot_msgs/Look_Response: {success: bool}\n"
     )
     text = ROBOT.replace(asked, by_service).replace("types:\n", f"types:\n  {look}")
-    async with played(settings(text)) as it:
-        await it.play("gaze", yaw=10.0)
-        it.robot.faults.refused["/look"] = "the head is busy"
+    async with connected_ros(settings(text)) as rig:
+        await rig.play("gaze", yaw=10.0)
+        rig.robot.faults.refused["/look"] = "the head is busy"
         with pytest.raises(DriverError, match="busy"):
-            await it.play("gaze", yaw=50.0)
-        it.robot.faults.refused.clear()
-        assert (await it.play("nudge", yaw=5.0))["yaw"] == 15.0
+            await rig.play("gaze", yaw=50.0)
+        rig.robot.faults.refused.clear()
+        assert (await rig.play("nudge", yaw=5.0))["yaw"] == 15.0
 
 
 async def test_a_service_answers_and_may_say_that_it_failed() -> None:
-    async with played() as it:
-        sent = await it.play("volume", level=0.256)
+    async with connected_ros() as rig:
+        sent = await rig.play("volume", level=0.256)
         assert sent["message"] == {"percent": 26}
-        it.robot.faults.refused["/volume"] = "no sound card"
+        rig.robot.faults.refused["/volume"] = "no sound card"
         with pytest.raises(DriverError, match="no sound card"):
-            await it.play("volume", level=1.0)
+            await rig.play("volume", level=1.0)
 
 
 @BOTH
 async def test_a_busy_service_keeps_neither_a_key_nor_the_stop_waiting(ros: int) -> None:
     """The server of ROS 2 reads nothing of a connection on which a service is busy."""
-    async with played(settings(ros=ros)) as it:
-        it.robot.busy["/volume"] = asyncio.Event()
-        task = it.begin("volume", level=1.0)
-        await until(lambda: ("call_service", "/volume") in _services(it.robot))
-        await it.play("say", text="Hello")
-        drive = it.begin("drive", x=5.0)
-        await until(lambda: it.robot.speed[0] > 0)
-        report = await it.driver.stop(Scope.ALL)
+    async with connected_ros(settings(ros=ros)) as rig:
+        rig.robot.busy["/volume"] = asyncio.Event()
+        task = rig.begin("volume", level=1.0)
+        await until(lambda: ("call_service", "/volume") in _services(rig.robot))
+        await rig.play("say", text="Hello")
+        drive = rig.begin("drive", x=5.0)
+        await until(lambda: rig.robot.speed[0] > 0)
+        report = await rig.driver.stop(Scope.ALL)
         assert report == StopReport(("driving", "play", "say"))
         for job in (task, drive):
             job.cancel()
@@ -290,43 +290,45 @@ def _services(robot: RosbridgeSimulator) -> list[tuple[str, Any]]:
 
 
 async def test_a_drive_is_velocities_while_it_lasts_and_zero_at_its_end() -> None:
-    async with played(pace=1.0) as it:
-        sent = await it.play("drive", x=1.0, turn=-90.0)
+    async with connected_ros(pace=1.0) as rig:
+        sent = await rig.play("drive", x=1.0, turn=-90.0)
         assert sent["seconds"] == 2.0
-        told = [(x, turn) for _, x, turn in it.robot.velocities]
+        told = [(x, turn) for _, x, turn in rig.robot.velocities]
         [_, moving, standing] = [[*group] for _, group in itertools.groupby(told)]
         assert moving[0] == (0.5, -0.7854)
         assert 2 <= len(moving) <= 21  # a busy machine may stand still for a while
         assert standing[0] == (0.0, 0.0)
         with pytest.raises(RejectedError):
-            await it.play("drive")
+            await rig.play("drive")
 
 
 async def test_the_simulated_base_drives_sideways_too() -> None:
     text = ROBOT.replace("drive: {topic", "drive: {sideways: true, topic")
-    async with played(settings(text), pace=1.0) as it:
-        await it.play("drive", y=0.5)
-        forward, left, _ = it.robot._place
+    async with connected_ros(settings(text), pace=1.0) as rig:
+        await rig.play("drive", y=0.5)
+        forward, left, _ = rig.robot._place
         assert abs(forward) < 0.01
         assert left > 0.2
 
 
 async def test_a_stamped_velocity_has_its_frame() -> None:
     text = ROBOT.replace("/cmd_vel, ", "/cmd_vel, type: geometry_msgs/TwistStamped, ")
-    async with played(settings(text)) as it:
-        await it.play("drive", x=0.01)
-        velocities = {message["twist"]["linear"]["x"] for message in it.sent("/cmd_vel")}
+    async with connected_ros(settings(text)) as rig:
+        await rig.play("drive", x=0.01)
+        velocities = {message["twist"]["linear"]["x"] for message in rig.published_on("/cmd_vel")}
         assert velocities == {0.0, 0.5}  # how often each is sent depends on the machine
-        assert all(sent["header"] == {"frame_id": "base_link"} for sent in it.sent("/cmd_vel"))
-        assert it.robot.velocities[-1][1:] == (0.0, 0.0)
+        assert all(
+            sent["header"] == {"frame_id": "base_link"} for sent in rig.published_on("/cmd_vel")
+        )
+        assert rig.robot.velocities[-1][1:] == (0.0, 0.0)
 
 
 async def test_the_first_message_on_a_connection_is_a_velocity_of_zero() -> None:
-    async with played() as it:
-        await it.play("gaze", yaw=1.0)
-        published = [m["topic"] for name, m in it.robot.calls if name == "publish"]
+    async with connected_ros() as rig:
+        await rig.play("gaze", yaw=1.0)
+        published = [m["topic"] for name, m in rig.robot.calls if name == "publish"]
         assert published[:1] == ["/cmd_vel"]
-        assert it.robot.velocities[0][1:] == (0.0, 0.0)
+        assert rig.robot.velocities[0][1:] == (0.0, 0.0)
 
 
 async def test_a_base_that_rolls_on_is_told_zero_until_it_stands(
@@ -351,14 +353,14 @@ def _published(robot: RosbridgeSimulator, topic: str) -> int:
 
 
 async def test_a_stop_of_driving_leaves_the_rest() -> None:
-    async with played() as it:
-        say = it.begin("say", text="x" * 500)
-        drive = it.begin("drive", x=5.0)
-        await until(lambda: it.robot.speed[0] > 0 and bool(it.sent("/tts")))
-        assert await it.driver.stop(Scope.DRIVE) == StopReport(("driving",))
-        assert it.robot.speed == (0.0, 0.0)
+    async with connected_ros() as rig:
+        say = rig.begin("say", text="x" * 500)
+        drive = rig.begin("drive", x=5.0)
+        await until(lambda: rig.robot.speed[0] > 0 and bool(rig.published_on("/tts")))
+        assert await rig.driver.stop(Scope.DRIVE) == StopReport(("driving",))
+        assert rig.robot.speed == (0.0, 0.0)
         drive.cancel()
-        assert {"data": ""} not in it.sent("/tts")
+        assert {"data": ""} not in rig.published_on("/tts")
         assert not say.done()
         say.cancel()
         await asyncio.gather(drive, say, return_exceptions=True)
@@ -366,43 +368,43 @@ async def test_a_stop_of_driving_leaves_the_rest() -> None:
 
 async def test_a_stop_of_driving_ends_an_action_that_drives() -> None:
     text = ROBOT.replace("values: {move", "drives: true\n    values: {move")
-    async with played(settings(text)) as it:
-        it.robot.goal_s = FOR_EVER_S
-        assert next(one for one in Ros.verbs(it.driver.settings) if one.name == "play").drives
-        task = it.begin("play", move="wave")
-        await until(lambda: bool(it.robot.goals))
-        assert await it.driver.stop(Scope.DRIVE) == StopReport(("driving", "play"))
-        assert not it.robot.goals
+    async with connected_ros(settings(text)) as rig:
+        rig.robot.goal_s = FOR_EVER_S
+        assert next(one for one in Ros.verbs(rig.driver.settings) if one.name == "play").drives
+        task = rig.begin("play", move="wave")
+        await until(lambda: bool(rig.robot.goals))
+        assert await rig.driver.stop(Scope.DRIVE) == StopReport(("driving", "play"))
+        assert not rig.robot.goals
         await asyncio.gather(task, return_exceptions=True)
 
 
 async def test_a_base_that_rolls_on_has_not_confirmed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.3)
-    async with played() as it:
-        it.robot.interface = {**it.robot.interface, "drive": ""}  # it hears of no velocity
-        it.robot._commanded = (math.inf, 0.3, 0.0)
-        report = await it.driver.stop(Scope.DRIVE)
+    async with connected_ros() as rig:
+        rig.robot.interface = {**rig.robot.interface, "drive": ""}  # it hears of no velocity
+        rig.robot._commanded = (math.inf, 0.3, 0.0)
+        report = await rig.driver.stop(Scope.DRIVE)
         assert report == StopReport(missing=("driving",))
 
 
 async def test_a_drive_publishes_nothing_behind_a_stop() -> None:
     """Also when the cancellation of its command comes late."""
-    async with played() as it:
-        task = it.begin("drive", x=5.0)
-        await until(lambda: it.robot.speed[0] > 0)
-        await it.driver.stop(Scope.ALL)
+    async with connected_ros() as rig:
+        task = rig.begin("drive", x=5.0)
+        await until(lambda: rig.robot.speed[0] > 0)
+        await rig.driver.stop(Scope.ALL)
         with pytest.raises(DriverError, match="stopped"):
             await task
-        assert it.robot.velocities[-1][1:] == (0.0, 0.0)
+        assert rig.robot.velocities[-1][1:] == (0.0, 0.0)
 
 
 async def test_a_drive_that_is_cancelled_ends_with_zero() -> None:
-    async with played() as it:
-        task = it.begin("drive", x=5.0)
-        await until(lambda: it.robot.speed[0] > 0)
+    async with connected_ros() as rig:
+        task = rig.begin("drive", x=5.0)
+        await until(lambda: rig.robot.speed[0] > 0)
         task.cancel()
         await asyncio.gather(task, return_exceptions=True)
-        await until(lambda: it.robot.velocities[-1][1:] == (0.0, 0.0))
+        await until(lambda: rig.robot.velocities[-1][1:] == (0.0, 0.0))
 
 
 # -- stopping --------------------------------------------------------------------------------------
@@ -410,34 +412,36 @@ async def test_a_drive_that_is_cancelled_ends_with_zero() -> None:
 
 @BOTH
 async def test_a_stop_ends_all_of_it(ros: int) -> None:
-    async with played(settings(ros=ros)) as it:
-        it.robot.goal_s = FOR_EVER_S
+    async with connected_ros(settings(ros=ros)) as rig:
+        rig.robot.goal_s = FOR_EVER_S
         jobs = [
-            it.begin("drive", x=5.0),
-            it.begin("say", text="x" * 500),
-            it.begin("play", move="wave"),
+            rig.begin("drive", x=5.0),
+            rig.begin("say", text="x" * 500),
+            rig.begin("play", move="wave"),
         ]
         await until(
-            lambda: it.robot.speed[0] > 0 and bool(it.robot.goals) and bool(it.sent("/tts"))
+            lambda: (
+                rig.robot.speed[0] > 0 and bool(rig.robot.goals) and bool(rig.published_on("/tts"))
+            )
         )
-        report = await it.driver.stop(Scope.ALL)
+        report = await rig.driver.stop(Scope.ALL)
         assert report == StopReport(("driving", "play", "say"))
-        assert it.robot.speed == (0.0, 0.0)
-        assert not it.robot.goals
-        assert it.sent("/tts")[-1] == {"data": ""}
+        assert rig.robot.speed == (0.0, 0.0)
+        assert not rig.robot.goals
+        assert rig.published_on("/tts")[-1] == {"data": ""}
         for job in jobs:
             job.cancel()
         await asyncio.gather(*jobs, return_exceptions=True)
-        await it.play("say", text="Hi")
+        await rig.play("say", text="Hi")
 
 
 @BOTH
 async def test_a_stop_reaches_a_goal_that_somebody_else_sent(ros: int) -> None:
-    async with played(settings(ros=ros)) as it:
-        it.robot.goal_s = FOR_EVER_S
-        other = it.robot.run(it.robot.pursue(_goal()))
-        await until(lambda: bool(it.robot.goals))
-        await it.driver.stop(Scope.ALL)
+    async with connected_ros(settings(ros=ros)) as rig:
+        rig.robot.goal_s = FOR_EVER_S
+        other = rig.robot.run(rig.robot.pursue(_goal()))
+        await until(lambda: bool(rig.robot.goals))
+        await rig.driver.stop(Scope.ALL)
         assert await other == "canceled"
 
 
@@ -448,24 +452,24 @@ def _goal() -> Any:
 async def test_what_cannot_be_stopped_is_named() -> None:
     text = ROBOT + "\n  robot_msgs/Bow_Request: {}\n"
     text = text.replace("\njoints:", "\n  bow: {service: /bow, type: robot_msgs/Bow}\njoints:")
-    async with played(settings(text)) as it:
-        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
-        it.robot.busy["/bow"] = asyncio.Event()
-        task = it.begin("bow")
-        await until(lambda: ("call_service", "/bow") in _services(it.robot))
-        report = await it.driver.stop(Scope.ALL)
+    async with connected_ros(settings(text)) as rig:
+        assert await rig.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+        rig.robot.busy["/bow"] = asyncio.Event()
+        task = rig.begin("bow")
+        await until(lambda: ("call_service", "/bow") in _services(rig.robot))
+        report = await rig.driver.stop(Scope.ALL)
         assert report == StopReport(("driving", "play", "say"), ("bow",))
         task.cancel()
         await asyncio.gather(task, return_exceptions=True)
 
 
 async def test_a_voice_that_goes_on_has_not_confirmed(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with played() as it:
-        task = it.begin("say", text="x" * 500)
-        await until(lambda: bool(it.sent("/tts")))
-        it.robot.interface["speech"].clear()  # it ignores the empty text
+    async with connected_ros() as rig:
+        task = rig.begin("say", text="x" * 500)
+        await until(lambda: bool(rig.published_on("/tts")))
+        rig.robot.interface["speech"].clear()  # it ignores the empty text
         monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.5)
-        report = await it.driver.stop(Scope.ALL)
+        report = await rig.driver.stop(Scope.ALL)
         assert report is not None and "say" in report.missing
         task.cancel()
         await asyncio.gather(task, return_exceptions=True)
@@ -475,11 +479,11 @@ async def test_what_was_not_heard_to_begin_is_not_taken_for_ended(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.5)
-    async with played() as it:
-        it.robot.interface["speech"].clear()  # it begins late
-        task = it.begin("say", text="Hello")
-        await until(lambda: bool(it.sent("/tts")))
-        report = await it.driver.stop(Scope.ALL)
+    async with connected_ros() as rig:
+        rig.robot.interface["speech"].clear()  # it begins late
+        task = rig.begin("say", text="Hello")
+        await until(lambda: bool(rig.published_on("/tts")))
+        report = await rig.driver.stop(Scope.ALL)
         assert report is not None and "say" in report.missing
         task.cancel()
         await asyncio.gather(task, return_exceptions=True)
@@ -489,68 +493,68 @@ async def test_what_was_not_heard_to_begin_is_not_taken_for_ended(
 
 
 async def test_what_was_going_on_ends_first_when_the_robot_is_back() -> None:
-    async with played() as it:
-        it.robot.goal_s = FOR_EVER_S
-        jobs = [it.begin("say", text="x" * 500), it.begin("play", move="wave")]
-        await until(lambda: bool(it.sent("/tts")) and bool(it.robot.goals))
-        it.robot.drop()
+    async with connected_ros() as rig:
+        rig.robot.goal_s = FOR_EVER_S
+        jobs = [rig.begin("say", text="x" * 500), rig.begin("play", move="wave")]
+        await until(lambda: bool(rig.published_on("/tts")) and bool(rig.robot.goals))
+        rig.robot.drop()
         for job in jobs:
             with pytest.raises(DeviceLostError):
                 await job
         await until(
-            lambda: [state for state, *_ in it.context.healths].count(Health.CONNECTED) == 2
+            lambda: [state for state, *_ in rig.context.healths].count(Health.CONNECTED) == 2
         )
-        assert it.sent("/tts")[-1] == {"data": ""}
-        assert not it.robot.goals
-        await it.play("say", text="Again")
-        await until(lambda: it.context.of("distance")[-1].value is not None)
+        assert rig.published_on("/tts")[-1] == {"data": ""}
+        assert not rig.robot.goals
+        await rig.play("say", text="Again")
+        await until(lambda: rig.context.of("distance")[-1].value is not None)
 
 
 async def test_a_stop_while_it_is_gone_names_what_may_go_on() -> None:
-    async with played() as it:
-        task = it.begin("say", text="x" * 500)
-        await until(lambda: bool(it.sent("/tts")))
-        it.robot.faults.refused["/"] = "gone"
-        it.robot.drop()
-        await it.healthy(Health.LOST)
+    async with connected_ros() as rig:
+        task = rig.begin("say", text="x" * 500)
+        await until(lambda: bool(rig.published_on("/tts")))
+        rig.robot.faults.refused["/"] = "gone"
+        rig.robot.drop()
+        await rig.healthy(Health.LOST)
         await asyncio.gather(task, return_exceptions=True)
-        assert await it.driver.stop(Scope.ALL) == StopReport(missing=("driving", "say"))
+        assert await rig.driver.stop(Scope.ALL) == StopReport(missing=("driving", "say"))
         with pytest.raises(DeviceLostError):
-            await it.play("gaze", yaw=1.0)
+            await rig.play("gaze", yaw=1.0)
 
 
 async def test_what_it_said_before_a_loss_does_not_count() -> None:
-    async with played() as it:
-        it.robot.interface["speech"].clear()  # whoever made it speak, its end is not heard
-        it.robot.publish("/tts/speaking", {"data": True})
-        await it.driver.stop(Scope.DRIVE)
-        it.robot.drop()
-        await it.healthy(Health.LOST)
-        await it.healthy()
-        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+    async with connected_ros() as rig:
+        rig.robot.interface["speech"].clear()  # whoever made it speak, its end is not heard
+        rig.robot.publish("/tts/speaking", {"data": True})
+        await rig.driver.stop(Scope.DRIVE)
+        rig.robot.drop()
+        await rig.healthy(Health.LOST)
+        await rig.healthy()
+        assert await rig.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
 
 
 async def test_a_call_that_waits_for_its_connection_is_not_sent_after_a_loss() -> None:
-    async with played() as it:
+    async with connected_ros() as rig:
         # The robot was compared with its file: one connection is kept for calls, and the first
         # call takes it.
-        await until(lambda: ("call_service", "/rosapi/action_servers") in _services(it.robot))
-        await it.play("volume", level=0.0)
-        it.robot.busy["/volume"] = asyncio.Event()
-        first = it.begin("volume", level=0.1)
-        await until(lambda: _percents(it.robot) == [0, 10])
-        it.robot.freeze()
-        second = it.begin("volume", level=1.0)
-        await it.healthy(Health.LOST)
+        await until(lambda: ("call_service", "/rosapi/action_servers") in _services(rig.robot))
+        await rig.play("volume", level=0.0)
+        rig.robot.busy["/volume"] = asyncio.Event()
+        first = rig.begin("volume", level=0.1)
+        await until(lambda: _percents(rig.robot) == [0, 10])
+        rig.robot.freeze()
+        second = rig.begin("volume", level=1.0)
+        await rig.healthy(Health.LOST)
         for job in (first, second):
             with pytest.raises(DeviceLostError):
                 async with asyncio.timeout(20):
                     await job
-        it.robot.busy.clear()
-        it.robot.thaw()
-        await it.healthy()
-        await it.play("volume", level=0.2)
-        assert _percents(it.robot) == [0, 10, 20]
+        rig.robot.busy.clear()
+        rig.robot.thaw()
+        await rig.healthy()
+        await rig.play("volume", level=0.2)
+        assert _percents(rig.robot) == [0, 10, 20]
 
 
 def _percents(robot: RosbridgeSimulator) -> list[int]:
@@ -559,11 +563,11 @@ def _percents(robot: RosbridgeSimulator) -> list[int]:
 
 
 async def test_a_server_that_takes_no_further_connection_is_not_lost() -> None:
-    async with played(query="?token=secret") as it:
-        it.robot.busy["/volume"] = asyncio.Event()
-        it.robot.faults.refused["/"] = "too many"
+    async with connected_ros(query="?token=secret") as rig:
+        rig.robot.busy["/volume"] = asyncio.Event()
+        rig.robot.faults.refused["/"] = "too many"
         # One connection is kept in reserve, and another may be on its way: the third call has none.
-        calls = [it.begin("volume", level=0.1) for _ in range(3)]
+        calls = [rig.begin("volume", level=0.1) for _ in range(3)]
         ended, held = await asyncio.wait(calls, timeout=20, return_when=asyncio.FIRST_COMPLETED)
         refused = [call.exception() for call in ended]
         assert refused
@@ -574,63 +578,63 @@ async def test_a_server_that_takes_no_further_connection_is_not_lost() -> None:
         for call in held:
             call.cancel()
         await asyncio.gather(*held, return_exceptions=True)
-        await it.play("gaze", yaw=1.0)
+        await rig.play("gaze", yaw=1.0)
 
 
 async def test_a_password_in_the_address_is_not_shown() -> None:
-    async with played(query="?token=secret") as it:
-        it.robot.drop()
-        await it.healthy(Health.LOST)
-        await it.healthy()
-        findings = await doctor.examine(Probe("robot", it.driver.settings))
-        assert "secret" not in repr((it.context.healths, it.context.notices, findings))
+    async with connected_ros(query="?token=secret") as rig:
+        rig.robot.drop()
+        await rig.healthy(Health.LOST)
+        await rig.healthy()
+        findings = await doctor.examine(Probe("robot", rig.driver.settings))
+        assert "secret" not in repr((rig.context.healths, rig.context.notices, findings))
 
 
 async def test_a_rosapi_that_hangs_keeps_no_stop_waiting() -> None:
     """With ROS 2 a connection waits for each service that is called on it."""
-    async with played() as it:
+    async with connected_ros() as rig:
         for service in ("get_time", "topics", "topics_and_raw_types", "services"):
-            it.robot.busy[f"/rosapi/{service}"] = asyncio.Event()
-        assert await it.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
-        await it.play("drive", x=0.05)
+            rig.robot.busy[f"/rosapi/{service}"] = asyncio.Event()
+        assert await rig.driver.stop(Scope.ALL) == StopReport(("driving", "play", "say"))
+        await rig.play("drive", x=0.05)
 
 
 async def test_a_frozen_robot_gets_no_more_velocities_and_a_zero_behind_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(velocity_drive, "_SILENT_S", 0.4)
-    async with played(pace=1.0) as it:
-        task = it.begin("drive", x=20.0)
-        await until(lambda: len(it.robot.velocities) > 2)
-        it.robot.freeze()
-        before = len(it.robot.velocities)
+    async with connected_ros(pace=1.0) as rig:
+        task = rig.begin("drive", x=20.0)
+        await until(lambda: len(rig.robot.velocities) > 2)
+        rig.robot.freeze()
+        before = len(rig.robot.velocities)
         with pytest.raises(DriverError, match="answer"):
             await task
-        it.robot.thaw()
-        await until(lambda: it.robot.velocities[-1][1:] == (0.0, 0.0))
-        late = [x for _, x, _ in it.robot.velocities[before:] if x > 0]
+        rig.robot.thaw()
+        await until(lambda: rig.robot.velocities[-1][1:] == (0.0, 0.0))
+        late = [x for _, x, _ in rig.robot.velocities[before:] if x > 0]
         assert len(late) <= 2
 
 
 async def test_a_slow_sensor_is_slow_beside_a_fast_one_on_the_same_topic() -> None:
     slow = "  slow: {subscribe: /sonar, type: sensor_msgs/Range, value: range, throttle: 60 s}\n"
     both = settings(ROBOT.replace("sensors:\n", f"sensors:\n{slow}"))
-    async with played(both) as it:
-        await until(lambda: len(it.context.of("distance")) > 5)
-        assert len(it.context.of("slow")) == 1
+    async with connected_ros(both) as rig:
+        await until(lambda: len(rig.context.of("distance")) > 5)
+        assert len(rig.context.of("slow")) == 1
 
 
 async def test_sensors_that_fall_silent_are_stale(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("woz_drivers.ros.driver._STALE_S", 0.2)
     monkeypatch.setattr("woz_drivers.ros.driver._STALE_READINGS", 0)
-    async with played() as it:
-        await until(lambda: bool(it.context.of("distance")) and bool(it.context.of("ahead")))
-        assert it.context.latest("distance") == it.context.latest("ahead") == 4.5
-        it.robot.interface["sensors"].pop("distance")
-        await until(lambda: ("distance", "stale", "/sonar is silent") in it.context.states)
+    async with connected_ros() as rig:
+        await until(lambda: bool(rig.context.of("distance")) and bool(rig.context.of("ahead")))
+        assert rig.context.latest("distance") == rig.context.latest("ahead") == 4.5
+        rig.robot.interface["sensors"].pop("distance")
+        await until(lambda: ("distance", "stale", "/sonar is silent") in rig.context.states)
 
         def now() -> dict[str, str]:
-            return {sensor: state for sensor, state, _ in it.context.states}
+            return {sensor: state for sensor, state, _ in rig.context.states}
 
         # On a busy machine it may have been silent for a moment, too.
         await until(lambda: (now()["distance"], now()["ahead"]) == ("stale", "ok"))
@@ -642,13 +646,13 @@ async def test_a_topic_that_says_little_by_nature_is_not_stale_meanwhile(
     monkeypatch.setattr("woz_drivers.ros.driver._STALE_S", 0.2)
     monkeypatch.setattr("woz_drivers.ros.driver._STALE_READINGS", 5)
     rare = settings(ROBOT.replace("/sonar,", "/sonar, every: 3600 s,"))
-    async with played(rare) as it:
-        await until(lambda: bool(it.context.of("distance")) and bool(it.context.of("ahead")))
+    async with connected_ros(rare) as rig:
+        await until(lambda: bool(rig.context.of("distance")) and bool(rig.context.of("ahead")))
         for name in ("distance", "ahead"):
-            it.robot.interface["sensors"].pop(name)
-        await until(lambda: any(state[:2] == ("ahead", "stale") for state in it.context.states))
-        assert not any(state[:2] == ("distance", "stale") for state in it.context.states)
-        assert it.context.periods["distance"] == 3600.0
+            rig.robot.interface["sensors"].pop(name)
+        await until(lambda: any(state[:2] == ("ahead", "stale") for state in rig.context.states))
+        assert not any(state[:2] == ("distance", "stale") for state in rig.context.states)
+        assert rig.context.periods["distance"] == 3600.0
 
 
 # -- wrong answers ---------------------------------------------------------------------------------
@@ -669,22 +673,22 @@ async def test_a_topic_that_says_little_by_nature_is_not_stale_meanwhile(
     ],
 )
 async def test_nonsense_does_no_harm(nonsense: str) -> None:
-    async with played() as it:
-        for client in tuple(it.robot._clients):
+    async with connected_ros() as rig:
+        for client in tuple(rig.robot._clients):
             client._outgoing.put_nowait(nonsense)
-        await it.play("say", text="Hello")
-        assert it.context.healths[-1][0] is Health.CONNECTED
-        await it.play("drive", x=0.01)
+        await rig.play("say", text="Hello")
+        assert rig.context.healths[-1][0] is Health.CONNECTED
+        await rig.play("drive", x=0.01)
 
 
 async def test_an_error_that_the_server_tells_is_shown() -> None:
-    async with played() as it:
-        for client in tuple(it.robot._clients):
+    async with connected_ros() as rig:
+        for client in tuple(rig.robot._clients):
             for words in (*("no topic",) * 3, "no type"):
                 status = {"op": "status", "level": "error", "msg": words}
                 client._outgoing.put_nowait(json.dumps(status))
-        await until(lambda: any("no type" in text for _, text, _ in it.context.notices))
-        assert len([1 for _, text, _ in it.context.notices if "no topic" in text]) == 1
+        await until(lambda: any("no type" in text for _, text, _ in rig.context.notices))
+        assert len([1 for _, text, _ in rig.context.notices if "no topic" in text]) == 1
 
 
 async def test_something_else_that_listens_there_is_not_taken_for_the_robot(
@@ -713,12 +717,12 @@ async def test_what_does_not_fit_the_robot_is_told_and_refused(ros: int) -> None
     async with simulator(of) as robot:
         robot.topics["/tts"] = "std_msgs/Int32"
         del robot.topics["/face"]
-        it = RecordingContext(Path())
-        driver = Ros("robot", replace(of, address=robot.address), it)
+        context = RecordingContext(Path())
+        driver = Ros("robot", replace(of, address=robot.address), context)
         await driver.open()
-        await until(lambda: bool(it.notices))
-        assert any("/tts is std_msgs/Int32" in text for _, text, _ in it.notices)
-        assert any("no topic /face" in text for _, text, _ in it.notices)
+        await until(lambda: bool(context.notices))
+        assert any("/tts is std_msgs/Int32" in text for _, text, _ in context.notices)
+        assert any("no topic /face" in text for _, text, _ in context.notices)
         with pytest.raises(DriverError, match="Int32"):
             await driver.perform(PlainJob("say", {"text": "Hello"}))
         await driver.perform(PlainJob("gaze", {"yaw": 1.0, "pitch": None}))
@@ -732,8 +736,8 @@ async def test_the_doctor_lists_what_there_is_and_drafts_a_file(ros: int) -> Non
         there = replace(of, address=robot.address)
         findings = await doctor.examine(Probe("robot", there))
         text = await doctor.draft(there)
-    assert not [found for found in findings if found.level in ("error", "warning")]
-    listed = {found.subject: found.text for found in findings}
+    assert not [finding for finding in findings if finding.level in ("error", "warning")]
+    listed = {finding.subject: finding.text for finding in findings}
     assert "/cmd_vel (geometry_msgs/Twist)" in listed["topics"]
     assert "/volume (robot_msgs/Volume)" in listed["services"]
     assert "/gesture" in listed["actions"]
@@ -753,14 +757,14 @@ async def test_a_draft_without_a_voice_can_be_read() -> None:
 
 async def test_the_doctor_warns_of_a_server_without_a_password() -> None:
     of = replace(settings(), address="robot.invalid")
-    assert [found.level for found in doctor._protected(of)] == ["warning"]
+    assert [finding.level for finding in doctor._protected(of)] == ["warning"]
     for safe in ("wss://robot/ros", "127.0.0.1:9090", "simulated"):
         assert not [*doctor._protected(replace(of, address=safe))]
 
 
 async def test_the_doctor_says_what_is_wrong_with_an_address() -> None:
-    [found] = await doctor.examine(Probe("robot", replace(settings(), address="127.0.0.1:9")))
-    assert found.level == "error"
+    [finding] = await doctor.examine(Probe("robot", replace(settings(), address="127.0.0.1:9")))
+    assert finding.level == "error"
 
 
 async def test_a_file_for_the_other_ros_is_told_so() -> None:
@@ -768,7 +772,7 @@ async def test_a_file_for_the_other_ros_is_told_so() -> None:
     async with simulator(of) as robot:
         there = replace(of, ros=2, address=robot.address)
         findings = await doctor.examine(Probe("robot", there))
-    assert "write ros: 1" in [found.remedy for found in findings]
+    assert "write ros: 1" in [finding.remedy for finding in findings]
 
 
 async def test_the_simulated_robot_of_a_file_is_started_and_ended(tmp_path: Path) -> None:
@@ -812,11 +816,11 @@ async def test_how_long_a_command_takes_is_foretold_as_far_as_the_file_says() ->
         "say": {"text": "Hello"},
         "play": {"move": "wave"},
     }
-    async with played() as it:
+    async with connected_ros() as rig:
         foretold = {
-            verb: (await it.driver.predict(verb, args)).seconds for verb, args in commands.items()
+            verb: (await rig.driver.predict(verb, args)).seconds for verb, args in commands.items()
         }
         known = {"drive": 2.0, "emotion": pytest.approx(0.25), "poses": 3.0}
         assert foretold == {**known, "say": None, "play": None}
         with pytest.raises(RejectedError):
-            await it.driver.predict("drive", {"x": 0.0})
+            await rig.driver.predict("drive", {"x": 0.0})

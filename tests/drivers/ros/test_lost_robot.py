@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from tests.drivers.ros.robots import played
+from tests.drivers.ros.robots import connected_ros
 from woz_tui.drivers.contract import DeviceLostError
 from woz_tui.testing import until
 
@@ -19,10 +19,10 @@ from woz_tui.testing import until
 async def test_what_waits_for_its_end_ends_when_the_robot_is_lost(
     verb: str, args: dict[str, str]
 ) -> None:
-    async with played(pace=1.0) as it:
-        going = it.begin(verb, **args)
-        await until(lambda: bool(it.sent("/tts" if verb == "say" else "/face")))
-        it.robot.drop()
+    async with connected_ros(pace=1.0) as rig:
+        going = rig.begin(verb, **args)
+        await until(lambda: bool(rig.published_on("/tts" if verb == "say" else "/face")))
+        rig.robot.drop()
         with pytest.raises(DeviceLostError):
             async with asyncio.timeout(20):
                 await going

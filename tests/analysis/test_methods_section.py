@@ -1,0 +1,201 @@
+"""Sentences for a method section: right in number and grammar, nothing guessed."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, study
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.methods_section import paragraphs
+from woz_tui.analysis.session_reading import read_report
+from woz_tui.analysis.study_figures import Studies, StudyFacts
+from woz_tui.analysis.text_format import counted, listed, times
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import WelcomeSettings
+
+
+def facts(*sessions: SessionFigures) -> StudyFacts:
+    studies = Studies()
+    for figures in sessions:
+        studies.add(figures)
+    return next(iter(studies.found.values()))
+
+
+def text(*sessions: SessionFigures) -> str:
+    return " ".join(
+        sentence for each in paragraphs(facts(*sessions)) for sentence in each.sentences
+    )
+
+
+def session_figures(session: ExampleSession) -> SessionFigures:
+    return figures_of(in_time(session))
+
+
+def test_a_study_in_sentences(tmp_path: Path) -> None:
+    sessions = [read_report(path, places=[]).figures for path in study(tmp_path)]
+    assert text(*sessions) == (
+        "In all, 2 participants took part in 4 sessions of 1.7 min on average (SD 0.0 min). "
+        "The condition cold had 2 participants and the condition warm had 2 participants. "
+        "The robot was run by woz-tui 0.1.0 with the experiment file guide.yaml. "
+        "The robot was controlled by 2 wizards: W1 led 1 session and W2 led 3 sessions. "
+        "Training of the wizards was not recorded. "
+        "What the wizard could choose from was not recorded. "
+        "In all, 5 actions were asked for, all by key. All of them were carried out. "
+        "No restriction of the wizard's view was recorded. "
+        "Of 5 wizard actions, 0 (0.0 %) were marked as mistakes. "
+        "Of 6 cues that needed an answer, the wizard answered 5 within 10 s (83.3 %). "
+        "The reaction time was 3 s in the median (95 % quantile 4.8 s, longest 5 s). "
+        "The time from the request of a wizard action to its start in the robot, the "
+        "wait behind an earlier act included, was 1.0 ms in the "
+        "median (95 % quantile 1.0 ms, longest 1.0 ms), over 5 wizard actions. "
+        "No line was lost from the logs."
+    )
+
+
+def test_one_of_each_is_singular() -> None:
+    session = ExampleSession().act(1).add(2, m.Mistake(run="a00001", action="Hello"))
+    session.add(3, m.StopPressed(source="key"), m.StopReleased(source="key"))
+    found = text(session_figures(session.end(60)))
+    assert "In all, 1 participant took part in 1 session of 1.0 min." in found
+    assert "by 1 wizard (W2), who led 1 session." in found
+    assert "In all, 1 action was asked for, by key. It was carried out." in found
+    assert "Of 1 wizard action, 1 (100.0 %) was marked as a mistake." in found
+    assert "The emergency stop was pressed once in 1 session." in found
+    assert "No line was lost from the log." in found
+    assert not re.search(r"\b1 \w+s (was|were)\b|\b1 were\b", found)
+
+
+def test_a_robot_that_a_stop_did_not_reach_is_said() -> None:
+    session = ExampleSession().act(1)
+    for at in (3, 5):
+        session.add(at, m.StopPressed(source="key"))
+        missing = ["robot"] if at == 3 else ["base", "robot"]
+        session.add(
+            at, m.StopConfirmed(confirmed=[], missing=missing, unreached=["robot"], elapsed_us=1)
+        )
+    found = text(session_figures(session.end(60)))
+    assert "The emergency stop was pressed twice in 1 session." in found
+    assert "It did not reach robot (twice), which was not connected." in found
+    assert "base" not in found
+
+
+def test_a_lost_console_is_no_emergency_stop() -> None:
+    session = ExampleSession().act(1).add(3, m.StopPressed(source="console-lost", scope="drive"))
+    drive: list[m.AnyMessage] = [
+        m.StopConfirmed(confirmed=[], missing=["robot"], unreached=["robot"], elapsed_us=1)
+    ]
+    found = text(session_figures(session.add(3, *drive).end(60)))
+    assert "emergency stop" not in found
+    assert "did not reach" not in found
+
+
+def test_what_was_not_recorded_is_said() -> None:
+    session = ExampleSession(participant="", condition="", wizard="").end(60)
+    found = text(session_figures(session))
+    assert found.startswith("There was 1 session of 1.0 min. No participant was recorded in 1")
+    assert "The wizard was not recorded." in found
+    assert "wizard action" not in found
+    assert "reaction time" not in found
+
+
+def test_what_the_wizard_had_and_saw() -> None:
+    panels = [
+        PanelView(title="Speech", actions=[ActionView(name=name, label=name) for name in "ab"]),
+        PanelView(title="Driving", actions=[ActionView(name="c", label="c")], locked=True),
+    ]
+    plan = m.SessionPlan(
+        title="Guide", panels=panels, script=[], verbs={}, variables=[], conditions=[],
+        keyboard="us", drivers=[], settings=WelcomeSettings(),
+    )  # fmt: skip
+    session = ExampleSession().add(0, plan)
+    session.add(0, m.PerceptionChanged(hidden=["gaze", "identity"], blurred=["transcript"]))
+    session.add(0, m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]))
+    session.add(1, m.ActionHeld(run="a1", action="a", sort="speech", cued=0, until=1_250_000))
+    found = text(session_figures(session.act(2).act(3, source="script").end(60)))
+    assert "chose from 3 prepared actions on 2 panels (Speech and Driving)." in found
+    assert "One panel (Driving) was locked unless unlocked on purpose." in found
+    assert (
+        "the wizard did not see the gaze or the identity and saw the transcript of speech" in found
+    )
+    assert (
+        "In 1 session the robot answered the end of the visitor's speech no sooner than 0.8 s"
+        " after it, plus a random 0 to 0.4 s." in found
+    )
+    assert "Earlier actions were delayed: 1 action, by 0.25 s in the median." in found
+    assert "In all, 2 actions were asked for, 1 by key and 1 by the script." in found
+
+
+def trained(right: int, wall: str) -> SessionFigures:
+    session = ExampleSession(participant="", wizard="W2", wall=wall)
+    for number in range(4):
+        cue, judged = f"q{number}", "right" if number < right else "missed"
+        cue_given = m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=SECOND)
+        reaction = 900_000 if number < right else -1
+        session.add(number, cue_given, m.CueAnswered(cue=cue, judged=judged, reaction_us=reaction))
+    return session_figures(session.end(60))
+
+
+def test_training_is_no_session_with_a_participant() -> None:
+    early, late = trained(1, "2026-02-01T10:00:00Z"), trained(3, "2026-02-02T10:00:00Z")
+    study_facts = facts(late, session_figures(ExampleSession().act(1).end(60)), early)
+    assert study_facts.sessions == 1
+    sentences = " ".join(paragraphs(study_facts)[1].sentences)
+    assert sentences.endswith(
+        "W2 practised in 2 training sessions and answered 3 of 4 cues (75.0 %) correctly in the"
+        " last one, with a median reaction time of 0.9 s."
+    )
+
+
+def test_data_that_were_left_out() -> None:
+    session = (
+        ExampleSession()
+        .add(1, m.TrialStarted(trial=1))
+        .act(2)
+        .add(3, m.TrialEnded(trial=1, outcome="done"))
+    )
+    session.add(4, m.TrialStarted(trial=2)).act(5).add(6, m.TrialEnded(trial=2, outcome="excluded"))
+    example = (
+        ExampleSession(session="S02")
+        .add(1, m.RerunStarted(original="x", original_session="S01"))
+        .end(9)
+    )
+    found = text(session_figures(session), session_figures(example))
+    assert "Of 2 trials, 1 was excluded and left out." in found
+    assert "One re-run of a session was left out." in found
+    assert "The log of 1 session was cut off before the end." in found
+    assert "In all, 1 action was asked for" in found
+
+
+def test_words() -> None:
+    assert (counted(1, "stop"), counted(0, "stop"), times(1), times(2), times(3)) == (
+        *("1 stop", "0 stops", "once", "twice", "3 times"),
+    )
+    assert [listed(words) for words in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == [
+        *("", "a", "a and b", "a, b and c")
+    ]
+
+
+def test_cues_that_the_end_cut_off_are_not_held_against_the_wizard() -> None:
+    session = ExampleSession().add(1, m.Marker(text="x", source="key")).act(2)
+    session.add(55, m.Marker(text="y", source="key"))
+    found = text(session_figures(session.end(60)))
+    assert (
+        "Of 2 cues that needed an answer, the wizard answered 1 within 10 s (100.0 % of those "
+        "not cut off by a break or by the end of the trial or the log)." in found
+    )
+
+
+def test_that_a_lost_console_stops_the_drive_is_no_emergency_stop() -> None:
+    session = ExampleSession().add(
+        1, m.StopPressed(source="no wizard's console is attached", scope="drive")
+    )
+    assert "emergency stop" not in text(session_figures(session.end(9)))
+
+
+def test_another_robot_than_the_files_own_is_named() -> None:
+    other = replace(session_figures(ExampleSession().act(1).end(60)), robot="nao")
+    assert "In 1 session the file was played with the robot nao." in text(other)
+    assert "the robot nao" not in text(replace(other, robot=""))

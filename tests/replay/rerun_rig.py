@@ -1,0 +1,120 @@
+"""Sessions in virtual time: one is recorded, and its log is run again in another one."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import SessionRig
+from woz_tui.analysis.played_actions import PlayedSession, played_session
+from woz_tui.config.experiment import Call, FilePosition
+from woz_tui.log.log_reader import read
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, fitted, plan_of
+from woz_tui.replay.rerun_player import RerunPlayer
+from woz_tui.session.action_runner import RequestOrigin
+
+KEY = RequestOrigin("key", "h", "con1")
+HAND = RequestOrigin("key", "h", "con9")
+NOWHERE = FilePosition("", 0, 0)
+Scenario = Callable[[SessionRig], Awaitable[None]]
+
+
+def record_session(folder: Path, scenario: Scenario) -> Path:
+    """A session in which `scenario` happens; its log."""
+
+    async def go() -> Path:
+        rig = SessionRig(folder)
+        await rig.session.open()
+        await scenario(rig)
+        await rig.session.close("test")
+        return rig.recorder.path
+
+    return run_virtual(go())
+
+
+@dataclass
+class RerunRig:
+    """A re-run: its stage, its player, and where its log is."""
+
+    rig: SessionRig
+    player: RerunPlayer
+    log: Path
+
+    def of(self, *kinds: type[m.Message]) -> list[m.AnyMessage]:
+        """Its messages of these kinds."""
+        return [line for line in self.rig.lines if isinstance(line, kinds)]
+
+    def sent_commands(self) -> list[m.RerunSent]:
+        return [line for line in self.rig.lines if isinstance(line, m.RerunSent)]
+
+    def calls(self) -> list[tuple[str, dict[str, m.Json]]]:
+        """What reached the driver."""
+        return [call for call in self.rig.driver().calls if call[0] not in ("rest", "close")]
+
+
+def player_of(rig: SessionRig, plan: RerunPlan) -> RerunPlayer:
+    """A player as the robot process makes it."""
+
+    def send(command: m.Command, on_end: Callable[[m.End], None]) -> m.Command:
+        call = Call(command.verb, dict(command.args), command.driver, NOWHERE)
+        return rig.session.runner.send(
+            call, RequestOrigin(REPLAY), "queue", None, on_end, like=command
+        )
+
+    return RerunPlayer(plan, rig.session.hub, send, rig.session.runner.cancel)
+
+
+async def rerun_over(rig: SessionRig, player: RerunPlayer) -> None:
+    """Return when the re-run has ended."""
+    ended = asyncio.Event()
+    rig.session.hub.listen(
+        lambda message: ended.set() if isinstance(message, m.RerunEnded) else None
+    )
+    if player.over is None:
+        await ended.wait()
+
+
+def run_again(folder: Path, log: Path, meanwhile: Scenario | None = None) -> RerunRig:
+    """Run `log` again to its end, with `meanwhile` beside it."""
+
+    async def go() -> RerunRig:
+        rig = SessionRig(folder)
+        plan = fitted(plan_of(log), rig.session.experiment)
+        player = player_of(rig, plan)
+        await rig.session.open()
+        player.begin()
+        if meanwhile is not None:
+            await meanwhile(rig)
+        await rerun_over(rig, player)
+        await asyncio.sleep(8)  # whatever is still under way, and nothing more
+        await rig.session.close("test")
+        return RerunRig(rig, player, rig.recorder.path)
+
+    return run_virtual(go())
+
+
+def played_in(log: Path, name: str = "") -> PlayedSession:
+    """What `woz compare` reads of a log."""
+    lines = read(log, samples=False)
+    found = played_session("made", [line.message for line in lines if line.message is not None])
+    found.name = name or found.name
+    return found
+
+
+def write_log(path: Path, messages: Iterable[tuple[float, m.AnyMessage]]) -> Path:
+    """A log made by hand: each message with its time in seconds."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("wb") as file:
+        for seq, (seconds, message) in enumerate(messages):
+            stamped = msgspec.structs.replace(
+                message, seq=seq, t=round(seconds * 1_000_000), ts="2026-03-01T10:00:00.000000Z"
+            )
+            file.write(codec.encode(stamped))
+    return path

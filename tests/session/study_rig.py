@@ -1,0 +1,151 @@
+"""A session with a study around it, and earlier logs of the same experiment."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import msgspec
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import SessionRig, action, call, experiment, together
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.study import (
+    Design,
+    PerceptionLimits,
+    ResponseShaping,
+    Study,
+)
+from woz_tui.log.disk import LogDisk
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem, WelcomeSettings
+from woz_tui.session.participant_identity import SessionIdentity
+
+ITEMS = (
+    QuestionnaireItem("pleasant", "How pleasant was it?", 1, 5, ("not at all", "very")),
+    QuestionnaireItem("else", "Anything else?", text=True, optional=True),
+)
+STUDY = Study(
+    design=Design(trials=2, blind={"warm": "A", "cold": "B"}),
+    questionnaires=(
+        Questionnaire(
+            "each",
+            "Each trial",
+            when="trial",
+            items=(QuestionnaireItem("hard", "How hard was it?"),),
+        ),
+        Questionnaire("ux", "How was it?", when="condition", items=ITEMS),
+        Questionnaire("last", "At last", items=(QuestionnaireItem("why", "Why?", text=True),)),
+        Questionnaire(
+            "whenever", "Whenever", when="hand", items=(QuestionnaireItem("now", "Now?", 0, 100),)
+        ),
+    ),
+    preflight=("the door is shut", "the camera sees the table"),
+    shaping=ResponseShaping(0.8, 0.4, ("speech",)),
+    perception=PerceptionLimits(("distance",), ("transcript",)),
+)
+GREETING = {"warm": "Hello {participant}!", "cold": "Hello."}
+
+
+def study_experiment(tmp_path: Path, study: Study = STUDY) -> Experiment:
+    """The experiment of the rig with this study, and an action that differs by condition."""
+    made = experiment(tmp_path)
+    speech, *rest = made.panels
+    greet = action("Greet", together(call("say", text="{greeting} I am in the {place}.")))
+    return replace(
+        made,
+        panels=(replace(speech, actions=(*speech.actions, greet)), *rest),
+        by_condition={"greeting": GREETING},
+        study=study,
+    )
+
+
+def renamed(tmp_path: Path) -> Experiment:
+    """The same, in which the condition `warm` is called `friendly`."""
+    design = Design(trials=2, blind={"friendly": "A", "cold": "B"})
+    return replace(
+        study_experiment(tmp_path, replace(STUDY, design=design)),
+        conditions=("friendly", "cold"),
+        by_condition={"greeting": {"friendly": "Hi!", "cold": "Hello."}},
+    )
+
+
+def on_stage(
+    tmp_path: Path,
+    scenario: Callable[[SessionRig], Awaitable[None]],
+    study: Study = STUDY,
+    identity: SessionIdentity | None = None,
+    disk: LogDisk | None = None,
+) -> SessionRig:
+    """Plays the scenario in virtual time, then ends the session."""
+
+    async def go() -> SessionRig:
+        who = identity or SessionIdentity()
+        rig = SessionRig(tmp_path, identity=who, made=study_experiment(tmp_path, study), disk=disk)
+        await rig.session.open()
+        await scenario(rig)
+        await asyncio.sleep(1)
+        await rig.session.close("test")
+        return rig
+
+    return run_virtual(go())
+
+
+def short_messages(rig: SessionRig, *kinds: type[m.Message]) -> list[str]:
+    """Messages of these kinds in short: the kind's tag and what it is about."""
+    return [_short(line) for line in rig.lines if isinstance(line, kinds)]
+
+
+def _short(line: m.Message) -> str:
+    about = [
+        getattr(line, name)
+        for name in ("trial", "condition", "outcome", "questionnaire", "item", "reason")
+        if hasattr(line, name)
+    ]
+    return " ".join([str(line.__struct_config__.tag), *(str(each) for each in about if each != "")])
+
+
+def log(
+    folder: Path, name: str, lines: Iterable[m.AnyMessage], *, title: str | None = None
+) -> Path:
+    """An action file with these lines, numbered, a `session.plan` with `title` among them."""
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{name}.jsonl"
+    plan = [m.SessionPlan(
+        title=title, panels=[], script=[], verbs={}, variables=[], conditions=[], keyboard="us",
+        drivers=[], settings=WelcomeSettings(),
+    )] if title is not None else []  # fmt: skip
+    start = m.SessionStart(
+        session="S01", participant="", experiment="made.yaml", experiment_sha256="0" * 64,
+        condition="", wizard="", software={}, seed=0, clock={},
+    )  # fmt: skip
+    written = [
+        msgspec.structs.replace(line, seq=number, t=number * 1000)
+        for number, line in enumerate([start, *plan, *lines])
+    ]
+    path.write_bytes(b"".join(map(codec.encode, written)))
+    return path
+
+
+def had(
+    participant: str,
+    order: Sequence[str],
+    outcomes: str = "",
+    *,
+    row: int = -1,
+    method: str = "latin-square",
+) -> list[m.AnyMessage]:
+    """What a participant's session leaves: `outcomes` has a letter for each trial, d, a or e."""
+    lines: list[m.AnyMessage] = [
+        m.SessionChanged(participant=participant),
+        m.ConditionsAssigned(participant=participant, order=[*order], method=method, row=row),
+    ]
+    trial = 1
+    for letter in outcomes:
+        outcome = {"d": "done", "a": "aborted", "e": "excluded"}[letter]
+        lines += [m.TrialStarted(trial=trial), m.TrialEnded(trial=trial, outcome=outcome)]
+        trial += outcome != "aborted"
+    return lines

@@ -1,0 +1,283 @@
+"""Scripts that know their lines: what was played, by whatever key, and where one stands still."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import SessionRig, experiment
+from woz_tui.config.experiment import Phase
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
+from woz_tui.session.script_control import ScriptState
+
+KEY, SPACE = RequestOrigin("key", "h", "con1"), RequestOrigin("script", "space", "con1")
+LINES = ("Hello", "Fall", "Welcome", "Map")
+
+
+def on_stage(
+    tmp_path: Path,
+    scenario: Callable[[SessionRig], Awaitable[None]],
+    script: tuple[str, ...] = LINES,
+    phases: tuple[Phase, ...] = (),
+) -> SessionRig:
+    """The rig with this script and these phases, in virtual time."""
+
+    async def go() -> SessionRig:
+        made = replace(experiment(tmp_path), script=script, phases=phases)
+        rig = SessionRig(tmp_path, made=made)
+        await rig.session.open()
+        rig.session.set(participant="P01")
+        await scenario(rig)
+        await rig.session.close("test")
+        return rig
+
+    return run_virtual(go())
+
+
+def stands(rig: SessionRig) -> tuple[int, list[int], str]:
+    script = rig.session.scripts.now
+    return script.position, sorted(script.played), script.halted
+
+
+def acts(rig: SessionRig) -> list[str]:
+    return [line.action for line in rig.lines if isinstance(line, m.ActionRequested)]
+
+
+def test_a_line_played_by_its_letter_is_not_offered_again(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Hello", KEY)
+        assert stands(rig) == (1, [0], "")
+        rig.session.play("Welcome", KEY)
+        assert stands(rig) == (1, [0, 2], "")
+        rig.session.move_script(2)
+        rig.session.move_script(1)
+        await asyncio.sleep(3)
+        rig.session.play("Map", KEY)
+        rig.session.play("Map", KEY)
+        assert stands(rig) == (1, [0, 2, 3], "")
+
+    rig = on_stage(tmp_path, scenario)
+    last = [line for line in rig.lines if isinstance(line, m.ScriptMoved)][-1]
+    assert (last.position, last.played, last.phase) == (1, [0, 2, 3], "")
+
+
+def test_the_script_stands_still_where_a_line_failed(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.move_script(1)
+        session.script_next(SPACE)
+        assert stands(rig)[0] == 2
+        await asyncio.sleep(1)
+        assert stands(rig) == (1, [], "failed")
+        session.move_script(2)
+        assert stands(rig) == (2, [], "")
+        session.script_next(SPACE)
+        await asyncio.sleep(2)
+        assert stands(rig) == (3, [2], "")
+
+    rig = on_stage(tmp_path, scenario)
+    assert acts(rig) == ["Fall", "Welcome"]
+
+
+def test_one_line_waits_at_the_most(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.send("say", {"text": "something long"}, "", KEY)
+        await asyncio.sleep(0.1)
+        session.script_next(SPACE)
+        await asyncio.sleep(0.1)
+        for _ in range(20):
+            with pytest.raises(RequestError, match="'Hello' is still waiting"):
+                session.script_next(SPACE)
+        await asyncio.sleep(1)
+        session.script_next(SPACE)
+
+    rig = on_stage(tmp_path, scenario)
+    assert acts(rig) == ["Hello", "Fall"]
+
+
+def test_a_line_that_is_to_begin_later_keeps_no_other_back(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        program = RequestOrigin("program", "", "con2")
+        session.play("Fall", program, at=session.hub.now() + 2_000_000)
+        session.script_next(SPACE)
+        await asyncio.sleep(1.5)
+        session.send("play", {"move": "nod"}, "", KEY, when_busy="queue")
+        session.send("play", {"move": "nod"}, "", KEY, when_busy="queue")
+        await asyncio.sleep(0.6)
+        with pytest.raises(RequestError, match="'Fall' is still waiting"):
+            session.script_next(SPACE)  # now it waits for the robot
+
+    assert acts(on_stage(tmp_path, scenario)) == ["Fall", "Hello"]
+
+
+def test_what_waits_behind_a_line_that_failed_is_not_played(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.send("play", {"move": "nod"}, "", KEY)
+        await asyncio.sleep(0.1)
+        session.script_next(SPACE)  # it fails once the body is free
+        session.send("say", {"text": "something long"}, "", KEY)
+        await asyncio.sleep(0.45)
+        session.script_next(SPACE)
+        await asyncio.sleep(3)
+        assert stands(rig) == (0, [], "failed")
+
+    rig = on_stage(tmp_path, scenario, ("Fall", "Hello"))
+    assert ("say", {"text": "Hello P01"}) not in rig.driver().calls
+
+
+@pytest.mark.parametrize(("waits", "where"), [(True, 0), (False, 1)])
+def test_a_line_that_was_cut_before_it_began_is_the_next_one(
+    tmp_path: Path, waits: bool, where: int
+) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        if waits:
+            session.send("say", {"text": "something long"}, "", KEY)
+            await asyncio.sleep(0.1)
+        run = session.script_next(SPACE)
+        await asyncio.sleep(0.1)
+        session.cancel(run)
+        await asyncio.sleep(0.1)
+        assert stands(rig)[0] == where
+
+    on_stage(tmp_path, scenario)
+
+
+def test_the_stop_keeps_the_line_that_it_ended(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.script_next(SPACE)
+        await asyncio.sleep(0.1)
+        rig.session.stop("key")
+        await asyncio.sleep(1)
+        assert stands(rig) == (0, [], "stopped")
+        with pytest.raises(RequestError, match="the stop is pressed"):
+            rig.session.script_next(SPACE)
+        rig.session.release("key")
+        rig.session.script_next(SPACE)
+        assert stands(rig) == (1, [0], "")
+
+    on_stage(tmp_path, scenario)
+
+
+def test_each_phase_has_its_own_script(tmp_path: Path) -> None:
+    phases = (
+        Phase("opening", script=("Hello", "Welcome")),
+        Phase("talk"),
+        Phase("end", script=("Map",)),
+    )
+
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.play("Welcome", KEY)
+        session.phase("talk", KEY)
+        assert (session.scripts.name, session.scripts.now.lines) == ("", LINES)
+        session.play("Map", KEY)
+        assert stands(rig) == (0, [3], "")
+        session.phase("opening", KEY)
+        assert stands(rig) == (0, [1], "")
+        session.phase("end", KEY)
+        session.play("Hello", KEY)  # the key of another phase's line
+        session.phase("opening", KEY)
+        assert stands(rig)[1] == [1]
+        assert rig.session.state.scripts[""].played == [0, 3]
+
+    on_stage(tmp_path, scenario, LINES, phases)
+
+
+def test_how_a_line_ended_is_forgotten_when_a_phase_begins(tmp_path: Path) -> None:
+    phases = (Phase("opening", script=("Welcome",)), Phase("day", script=("Hello", "Fall")))
+
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.send("say", {"text": "something long"}, "", KEY)
+        await asyncio.sleep(0.1)
+        run = session.play("Hello", KEY)
+        await asyncio.sleep(0.1)
+        session.cancel(run)  # before it began
+        await asyncio.sleep(5)
+        assert session.state.scripts["day"].halted
+        session.phase("day", KEY)
+        assert stands(rig) == (0, [], "")
+        assert session.state.scripts["day"].halted == ""
+
+    on_stage(tmp_path, scenario, (), phases)
+
+
+def test_how_a_line_ended_is_forgotten_when_another_is_played_again() -> None:
+    script = ScriptState(("Hello", "Welcome"))
+    for each in ("Hello", "Welcome"):
+        script.play(each)
+    script.take_back(1, "refused")
+    assert script.play("Hello") is None
+    assert (script.position, script.halted) == (1, "")
+
+
+def test_a_reload_keeps_what_was_played(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.play("Hello", KEY)
+        session.play("Map", KEY)
+        lines = ("Cold", "Hello", "Welcome", "Fall", "Map")
+        session.adopt(replace(session.experiment, script=lines), ["script"])
+        assert stands(rig) == (2, [1, 4], "")
+
+    on_stage(tmp_path, scenario)
+
+
+ACTS = st.lists(
+    st.one_of(
+        st.tuples(st.just("play"), st.sampled_from("abcd")),
+        st.tuples(st.just("next"), st.just("")),
+        st.tuples(st.just("move"), st.integers(0, 6)),
+        st.tuples(st.just("fail"), st.integers(0, 5)),
+        st.tuples(st.just("reload"), st.lists(st.sampled_from("abcd"), max_size=6)),
+    ),
+    max_size=30,
+)
+
+
+@given(st.lists(st.sampled_from("abc"), max_size=6), ACTS)
+def test_wherever_a_script_is_its_place_is_one_of_its_lines(
+    lines: list[str], acts: list[tuple[str, object]]
+) -> None:
+    """The position is a line or the end; what space plays never was played since it was chosen."""
+    script = ScriptState(tuple(lines))
+    for what, value in acts:
+        count, before = len(script.lines), script.position
+        match what, value:
+            case "play", str(name):
+                line = script.play(name)
+                assert line is None or script.lines[line] == name
+                assert line is not None or all(
+                    place in script.played
+                    for place, each in enumerate(script.lines)
+                    if each == name
+                )
+            case "next", _ if before < count:
+                assert script.play(script.lines[before]) == before
+                assert script.position > before
+                assert script.position not in script.played
+                skipped = range(before + 1, script.position)
+                assert all(place in script.played for place in skipped)
+            case "move", int(to) if to <= count:
+                script.move(to)
+            case "fail", int(line) if line in script.played:
+                script.take_back(line, "failed")
+                assert script.position <= before
+                assert line not in script.played
+            case "reload", list(new):
+                script = script.adopted(tuple(new))
+        assert 0 <= script.position <= len(script.lines)
+        assert script.played <= {*range(len(script.lines))}

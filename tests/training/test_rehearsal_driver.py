@@ -1,0 +1,69 @@
+"""A rehearsed driver offers what the real one does, takes its time, and touches nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.session.rig import NoSettings, ScriptedDriver
+from woz_tui.drivers.contract import Argument, Driver, PassiveDriver, Verb
+from woz_tui.drivers.plugins import installed
+from woz_tui.testing import PlainJob, RecordingContext
+from woz_tui.training.rehearsal_driver import rehearsal_of, rehearsed, seconds_of
+
+SAY = Verb("say", "", (Argument("text", "text", required=True),), limit_s=20.0)
+
+
+def test_it_offers_what_the_class_offers() -> None:
+    made = rehearsal_of(ScriptedDriver)
+    told: Any = made
+    assert made.verbs(NoSettings()) == ScriptedDriver.verbs(NoSettings())
+    assert told.joints(NoSettings()) == ScriptedDriver.joints(NoSettings())
+    assert made.sensors(NoSettings()) == ()
+    assert made.Settings is ScriptedDriver.Settings
+
+
+def test_every_bundled_driver_can_be_rehearsed() -> None:
+    catalogue = installed()
+    found = rehearsed(catalogue)
+    assert set(found) == set(catalogue)
+    assert found.pop("hands") is catalogue["hands"], "what the wizard learns lies in her hands"
+    for made in found.values():
+        driver: type[Driver] = made
+        assert "rehearsed" in driver.summary
+
+
+def test_a_stop_is_confirmed_as_it_will_be() -> None:
+    found = rehearsed(installed())
+    assert {each for each, made in found.items() if issubclass(made, PassiveDriver)} == {
+        each for each, real in installed().items() if issubclass(real, PassiveDriver)
+    }
+    assert not issubclass(found["simulated"], PassiveDriver)
+
+
+async def test_nothing_moves_in_a_rehearsal_so_nobody_can_know(tmp_path: Path) -> None:
+    kind = rehearsed(installed())["simulated"]
+    settings = kind.Settings()
+    assert {verb.name: verb.evidence for verb in kind.verbs(settings)}["pose"] == "measured"
+    job = PlainJob("volume", {"level": 0.5})
+    await kind("robot", settings, RecordingContext(tmp_path)).perform(job)
+    assert job.evidences == ["timed"]
+
+
+@pytest.mark.parametrize(
+    ("verb", "args", "seconds"),
+    [
+        (SAY, {"text": "one two three four five"}, 2.3),
+        (SAY, {"text": "word " * 1000}, 18.0),
+        (Verb("pose", ""), {"joints": {}, "seconds": 1.5}, 1.5),
+        (Verb("pose", ""), {"seconds": -3}, 0.0),
+        (Verb("nod", ""), {}, 0.8),
+        (Verb("gaze", "", stream=True), {"yaw": 3}, 0.0),
+        (Verb("volume", "", brief=True), {}, 0.0),
+        (None, {}, 0.0),
+    ],
+)
+def test_how_long_it_takes(verb: Verb | None, args: dict[str, Any], seconds: float) -> None:
+    assert seconds_of(verb, args) == pytest.approx(seconds)

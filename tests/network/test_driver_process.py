@@ -220,6 +220,21 @@ async def test_one_that_does_not_hear_the_stop_is_ended_and_begins_stopped(
 
 
 @pytest.mark.safety
+async def test_a_stop_ends_the_process_of_one_that_has_been_lost_for_a_while(
+    tmp_path: Path,
+) -> None:
+    async with working(tmp_path) as arm:
+        blocking = asyncio.create_task(arm.driver.perform(PlainJob("block", {"seconds": 1000.0})))
+        assert "does not answer" in (await arm.healthy(Health.LOST))[0]
+        with pytest.raises(DeviceLostError):
+            await blocking
+        assert await arm.driver.stop(Scope.ALL) is None
+        await until(lambda: "did not hear the stop" in arm.context.healths[-1][1], BEGIN_S)
+        await arm.healthy(Health.CONNECTED)
+        assert arm.notes().count("stop all") >= 1
+
+
+@pytest.mark.safety
 async def test_when_the_session_is_killed_its_drivers_stop_and_their_process_ends(
     tmp_path: Path,
 ) -> None:

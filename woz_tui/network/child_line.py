@@ -61,7 +61,7 @@ class ChildLine(StreamLine):
         self._last_words = self._killed_for = ""
         #: What has become of it last, such as `was ended by SIGKILL`.
         self.why = ""
-        #: When it spoke last, on the loop's clock.
+        #: When the process that runs now spoke last, on the loop's clock; 0: it has not begun.
         self.heard = 0.0
 
     @property
@@ -131,6 +131,7 @@ class ChildLine(StreamLine):
             theirs.close()
         assert process.stdout is not None
         self._last_words = self._killed_for = ""
+        self.heard = 0.0
         reading = asyncio.create_task(self._read_output(process.stdout))
         try:
             await self.attach(ours)

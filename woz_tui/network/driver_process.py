@@ -17,7 +17,6 @@ from typing import Any, ClassVar
 import msgspec
 
 from woz_tui.drivers.contract import (
-    DeviceLostError,
     Driver,
     DriverContext,
     DriverError,
@@ -105,7 +104,7 @@ class DriverProcess:
 
     @property
     def heard(self) -> float:
-        """When it spoke last, on the loop's clock."""
+        """When it spoke last, on the loop's clock; 0: it has not begun."""
         return 0.0 if self._line is None else self._line.heard
 
     def kill(self, why: str) -> None:
@@ -161,14 +160,17 @@ class ProcessDriver(RemoteDriver):
         pressed = asyncio.get_running_loop().time()
         try:
             return await super().stop(scope)
-        except DeviceLostError:
-            if scope is Scope.ALL and self._process.heard <= pressed:
+        finally:
+            if scope is Scope.ALL and self._is_silent(pressed):
                 self._spawn(self._kill_if_silent(pressed))
-            raise
+
+    def _is_silent(self, since: float) -> bool:
+        """Whether its process, which had begun its work, has said nothing since then."""
+        return 0 < self._process.heard <= since
 
     async def _kill_if_silent(self, since: float) -> None:
-        await self._closed_within(max(0.0, since + KILL_S - asyncio.get_running_loop().time()))
-        if self._process.heard <= since:
+        left_s = max(0.0, since + KILL_S - asyncio.get_running_loop().time())
+        if not await self._closed_within(left_s) and self._is_silent(since):
             self._process.kill("did not hear the stop and was ended")
 
     def _on_presence(self, there: bool) -> None:

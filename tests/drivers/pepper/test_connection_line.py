@@ -91,9 +91,9 @@ def test_a_question_that_fails_just_before_it_is_looked_at_is_asked_anew() -> No
     assert run_virtual(scene()) > 1
 
 
-@given(heartbeat=st.floats(0.1, 1.5), asked=st.floats(0.0, 0.4), heard=st.floats(0.0, 0.5))
+@given(heartbeat=st.floats(0.1, 1.5), asked=st.floats(0.0, 0.4), heard_after=st.floats(0.0, 0.5))
 def test_a_robot_that_freezes_between_two_answers_is_known_in_time(
-    heartbeat: float, asked: float, published: float
+    heartbeat: float, asked: float, heard_after: float
 ) -> None:
     async def scene() -> float:
         loop = asyncio.get_running_loop()
@@ -101,7 +101,7 @@ def test_a_robot_that_freezes_between_two_answers_is_known_in_time(
         watching = asyncio.create_task(beating.until_dead())
         await asyncio.sleep(asked)
         question = asyncio.create_task(beating.fresh())
-        await asyncio.sleep(published)
+        await asyncio.sleep(heard_after)
         beating.sign_of_life()  # an answer to a call of before
         froze = loop.time()
         await watching

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.e2e import stops
+from tests.e2e import interleavings, stops
 from tests.e2e.lab import Lab
 from tests.e2e.stops import DIALOGS, KEYS, Stopping
 from tests.fakes.terminal import FakeTerminal
@@ -109,3 +109,10 @@ def test_inside_tmux(lab: Lab, escape_ms: int) -> None:
         stopping.back()
     stopping.press("\x03")
     stopping.release()
+
+
+def test_nothing_goes_out_under_a_stop_whoever_presses_it(lab: Lab) -> None:
+    found = interleavings.run(lab, rounds=2 * len(interleavings.KINDS), seed=3)
+    assert found.complaints == []
+    assert found.dispatched > found.stops
+    assert found.missing > 0, "a robot that confirms too late is named"

@@ -159,7 +159,7 @@ def run(lab: Lab, rounds: int, seed: int) -> Found:
     until(functools.partial(answers, path), "a robot process")
     players = [Player(kind, path, seed + number) for number, kind in enumerate(KINDS)]
     found = Found(stops=rounds)
-    with Program(path) as control:
+    with Program(path, stream="actions") as control:
         for player in players:
             player.start()
         for number in range(rounds):
@@ -167,8 +167,8 @@ def run(lab: Lab, rounds: int, seed: int) -> Found:
             control.ask("verb", verb="fault", args=fault, on="right")
             threading.Event().wait(dice.uniform(0, PLAYS_S))
             players[number % len(players)].press()
-            until(functools.partial(released, lab.log, control), f"the release of stop {number}")
-            lab.log.wait("stop.released", number + 1)
+            while not control.ask("release", missing=_missing(control))["ok"]:
+                pass  # one more robot has not confirmed it: the next line says which
         for player in players:
             player.leave()
             found.requests += player.requests
@@ -180,13 +180,10 @@ def run(lab: Lab, rounds: int, seed: int) -> Found:
     return found
 
 
-def released(log: Log, control: Program) -> bool:
-    """Whether the stop is released: by who knows of those that have not confirmed it, so that it is
-    refused until that is in the log.
-    """
-    confirmed = log.lines("stop.confirmed")
-    missing = confirmed[-1].fields["missing"] if confirmed else []
-    return bool(control.ask("release", missing=missing)["ok"])
+def _missing(control: Program) -> list[str]:
+    """Who has not confirmed the stop, as soon as that is told."""
+    missing: list[str] = control.until(kind="stop.confirmed")["missing"]
+    return missing
 
 
 def judge(log: Log, found: Found) -> None:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 from woz_drivers.background import BackgroundTasks
 from woz_drivers.body import doctor
-from woz_drivers.body.servo_feedback import MOVING, MotionWatch, told_of
+from woz_drivers.body.servo_feedback import MOVING, MotionWatch, joint_troubles
 from woz_drivers.body.settings import BodySettings, move_changes
 from woz_drivers.body.tick_loop import BodyLoop, ThreadTicker
 from woz_drivers.confirmed_stop import AGAIN_S
@@ -199,7 +199,7 @@ class Body(RenderedDriver):
         if not missing:
             job.evidence("measured" if joints else "timed")
             return {}
-        text, remedy = told_of(missing)
+        text, remedy = joint_troubles(missing)
         assert self._events is not None
         could_not = watch.feedback.obstacles(self._events.time())
         if len(missing) == len(joints) or any(name not in could_not for name in missing):
@@ -220,7 +220,7 @@ class Body(RenderedDriver):
             finally:
                 self._unwatch(watch)
             job.evidence("measured" if watch.involved() else "timed")
-            goes_on(told_of(missing)[0])
+            goes_on(joint_troubles(missing)[0])
 
         def over(why: str) -> None:
             if why:

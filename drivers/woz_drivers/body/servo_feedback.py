@@ -40,25 +40,31 @@ class ServoFeedback:
 
     def joints(self, now: float) -> Mapping[str, float]:
         """Where those are that answer; none if nothing was heard of them lately."""
-        told = self._told(now)
+        positions = self._fresh_positions(now)
         return {
             name: angle - self._zero[name]
-            for name, angle in (told.joints if told is not None else {}).items()
+            for name, angle in (positions.joints if positions is not None else {}).items()
             if name in self._zero
         }
 
     def obstacles(self, now: float) -> dict[str, tuple[str, str]]:
         """Joints that cannot move, each with why, and what to do about it."""
-        told = self._told(now)
-        if told is None:
+        positions = self._fresh_positions(now)
+        if positions is None:
             latest = self._feed.latest().value
             lost = latest.unable if isinstance(latest, JointPositions) else {}
             nothing = "is not told of", f"see what {self._servos} says of itself"
             return {name: lost.get(name, nothing) for name in self._zero}
-        limp = {name: (TORQUE_OFF, TORQUE_REMEDY) for name in told.joints if name not in told.held}
-        return {name: why for name, why in {**limp, **told.unable}.items() if name in self._zero}
+        limp = {
+            name: (TORQUE_OFF, TORQUE_REMEDY)
+            for name in positions.joints
+            if name not in positions.held
+        }
+        return {
+            name: why for name, why in {**limp, **positions.unable}.items() if name in self._zero
+        }
 
-    def _told(self, now: float) -> JointPositions | None:
+    def _fresh_positions(self, now: float) -> JointPositions | None:
         latest = self._feed.latest().value
         fresh = isinstance(latest, JointPositions) and now - latest.t_us / 1e6 <= FRESH_S
         return latest if fresh else None
@@ -75,7 +81,7 @@ class ServoFeedback:
         known = [name for name in joints if name in obstacles or name in present]
         if not known or any(name not in obstacles for name in known):
             return
-        text, remedy = told_of({name: obstacles[name] for name in known})
+        text, remedy = joint_troubles({name: obstacles[name] for name in known})
         if {obstacles[name][0] for name in known} == {TORQUE_OFF}:
             raise RejectedError(f"the torque of {', '.join(sorted(known))} is off", remedy)
         raise (DriverError if present else DeviceLostError)(text, remedy)
@@ -89,7 +95,7 @@ class ServoFeedback:
         return (), ""
 
 
-def told_of(why: Mapping[str, tuple[str, str]]) -> tuple[str, str]:
+def joint_troubles(why: Mapping[str, tuple[str, str]]) -> tuple[str, str]:
     """What is the matter with joints in a sentence, and what to do about it."""
     sentence = "; ".join(f"{name} {what}" for name, (what, _) in sorted(why.items()))
     return sentence, next((remedy for _, remedy in why.values() if remedy), "")

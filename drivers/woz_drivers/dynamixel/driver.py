@@ -204,7 +204,7 @@ class DynamixelServos(Driver):
         failed = await self._ask(lambda chain, _now: chain.set_torque(names, on))
         done: list[Json] = [name for name in names if name not in failed]
         if not done:
-            raise DriverError(*_told(failed))
+            raise DriverError(*_joint_troubles(failed))
         sent: dict[str, Json] = {"on": on, "joints": done}
         if failed:
             sent["left_out"] = {name: why.what for name, why in failed.items()}
@@ -302,7 +302,7 @@ class DynamixelServos(Driver):
             held = [name for name in names if _may_hold(chain.servos[name])]
             failed = chain.set_torque(held, on=False)
             if failed:
-                text, _ = _told(failed)
+                text, _ = _joint_troubles(failed)
                 self.context.notice("error", f"torque is still on: {text}", "switch the power off")
 
         await self._ask(limp)
@@ -329,7 +329,7 @@ def _held(chain: ServoChain, _now: float) -> dict[str, float]:
     return {servo.name: servo.setpoint for servo in chain.servos.values() if servo.moves}
 
 
-def _told(failed: Mapping[str, DriverError]) -> tuple[str, str]:
+def _joint_troubles(failed: Mapping[str, DriverError]) -> tuple[str, str]:
     """What went wrong with which joints, and what to do."""
     remedies = dict.fromkeys(why.remedy for why in failed.values() if why.remedy)
     return "; ".join(f"{name} {why.what}" for name, why in failed.items()), "; ".join(remedies)

@@ -19,7 +19,7 @@ from tests.analysis.example_sessions import (
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import OUTSIDE, TRIALS, SessionFigures
 from woz_tui.analysis.session_reading import NO_BEGINNING, read_report
-from woz_tui.analysis.session_sources import sessions_in
+from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import messages as m
 
 SETTINGS = m.EngagementAdopted(settings={"start": "run"})

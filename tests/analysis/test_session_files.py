@@ -10,9 +10,9 @@ import pytest
 from tests.analysis.example_sessions import SECOND, STEM, ExampleSession
 from woz_tui.analysis.report_tables import people
 from woz_tui.analysis.session_reading import NoSessionError, ReportExtras, read_report
-from woz_tui.analysis.session_sources import sessions_in
 from woz_tui.export.log_sources import find_sources
 from woz_tui.log.log_files import NO_END
+from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
@@ -37,7 +37,7 @@ def test_what_coders_set_beside_a_log_is_passed_over_in_a_pattern(tmp_path: Path
     codes.write_text("{}\n")
     for named in ([str(tmp_path / "*.jsonl")], [str(log), str(codes)]):
         assert sessions_in(named) == ([log], [])
-    assert [source.log for source in find_sources([codes, log])] == [log]
+    assert [source.log for source in find_sources([codes, log])[0]] == [log]
     found, (problem,) = sessions_in([str(codes)])
     assert not found
     assert "name the log" in problem
@@ -168,7 +168,7 @@ def test_folders_files_and_patterns(tmp_path: Path) -> None:
     assert sessions_in([str(two), str(one), str(two)]) == ([one, two], [])
     assert sessions_in([str(tmp_path / "a" / "*S01*.jsonl")]) == ([one], [])
     samples = tmp_path / "a" / f"{one.stem}.samples.jsonl"
-    assert sessions_in([str(samples)]) == ([samples], [])
+    assert sessions_in([str(samples)]) == ([one], [])
 
 
 def test_what_leads_nowhere_is_named(tmp_path: Path) -> None:

@@ -207,8 +207,8 @@ def test_without_their_dates_two_sessions_of_one_code_are_two(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """As after a crash: the same code, participant and experiment."""
-    for hour in ("10", "11"):
-        example = ExampleSession(wall=f"2026-03-01T{hour}:00:00Z").act(1).act(2).end(60)
+    for hour, moment in (("10", 1.0), ("11", 1.000004)):
+        example = ExampleSession(wall=f"2026-03-01T{hour}:00:00Z").act(moment).act(2).end(60)
         example.written(here / "logs", f"2026-03-01T{hour}-00-00_P07_S01")
     assert (
         run_report(capsys, "export", "logs", "--to", "jsonl", "--redact-text", "--out", "out")[0]

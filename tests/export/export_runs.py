@@ -8,6 +8,7 @@ from pathlib import Path
 from tests.export.logs import Timed, write
 from woz_tui.export.export_run import export
 from woz_tui.export.exporter import ExportOptions, SessionSummary
+from woz_tui.export.log_sources import find_sources
 
 
 def export_logs(
@@ -15,7 +16,7 @@ def export_logs(
 ) -> list[SessionSummary]:
     """Export; what was told of each session."""
     paths = given if isinstance(given, list) else [given]
-    return list(export(paths, to, out, ExportOptions(**options), force=force))  # type: ignore[arg-type]
+    return list(export(find_sources(paths)[0], to, out, ExportOptions(**options), force=force))  # type: ignore[arg-type]
 
 
 def course_to(folder: Path, to: str, course: Iterable[Timed], **options: object) -> Path:

@@ -45,13 +45,14 @@ def write(folder: Path, course: Iterable[Timed], stem: str = STEM, *, ended: boo
     folder.mkdir(parents=True, exist_ok=True)
     log, samples = folder / f"{stem}.jsonl", folder / f"{stem}.samples.jsonl"
     actions, others = bytearray(), bytearray()
+    begin = datetime.strptime(f"{stem[:19]}Z", "%Y-%m-%dT%H-%M-%S%z")
     seq, t = -1, 0
     for seq, (seconds, message) in enumerate(course):
         t = round(seconds * 1_000_000)
         ts = (
             ""
             if codec.is_sample(message)
-            else timestamp(BEGIN + timedelta(seconds=min(seconds, 1e9)))
+            else timestamp(begin + timedelta(seconds=min(seconds, 1e9)))
         )
         line = codec.encode(msgspec.structs.replace(message, seq=seq, t=t, ts=ts))
         (others if codec.is_sample(message) else actions).extend(line)
@@ -65,7 +66,7 @@ def write(folder: Path, course: Iterable[Timed], stem: str = STEM, *, ended: boo
 
 def session_of(folder: Path, course: Iterable[Timed], *, redact: bool = False) -> ExportSession:
     """The session that comes out of such a log."""
-    return read_session(find_sources([write(folder, course)])[0], redact=redact)
+    return read_session(find_sources([write(folder, course)])[0][0], redact=redact)
 
 
 def speak(folder: Path, name: str, seconds: float, level: int = 1000, rate: int = 8000) -> Path:

@@ -169,7 +169,7 @@ def test_samples_are_there_when_asked_for(tmp_path: Path) -> None:
 
 def test_several_sessions_stand_in_the_same_tables_under_names_of_their_own(tmp_path: Path) -> None:
     one = write(tmp_path / "monday", visit())
-    two = write(tmp_path / "tuesday", visit())
+    two = write(tmp_path / "tuesday", [(0, start("P08")), *visit()[1:]])
     export_logs([one, two, one.parent], "csv", tmp_path / "out")
     check_dictionary(tmp_path / "out")
     sessions = read_back(tmp_path / "out" / "sessions.csv")

@@ -66,17 +66,17 @@ def test_a_line_that_is_gone_is_found_by_the_sums(tmp_path: Path) -> None:
     log = write(tmp_path, visit())
     lines = log.read_bytes().splitlines(keepends=True)
     log.write_bytes(b"".join(lines[:5] + lines[6:]))
-    (sentence,) = read_session(find_sources([log])[0]).damage
+    (sentence,) = read_session(find_sources([log])[0][0]).damage
     assert sentence == "lines before the first checkpoint were changed or lost"
 
 
 def test_a_good_checkpoint_says_up_to_where_all_is_well(tmp_path: Path) -> None:
     course: list[Timed] = [(0, start()), (1, m.Checkpoint(sha256=SHA, lines=1))]
     log = write(tmp_path, course)
-    assert read_session(find_sources([log])[0]).damage == [
+    assert read_session(find_sources([log])[0][0]).damage == [
         "lines before the first checkpoint were changed or lost"
     ]
-    assert read_session(find_sources([write(tmp_path, visit())])[0]).damage == []
+    assert read_session(find_sources([write(tmp_path, visit())])[0][0]).damage == []
 
 
 @pytest.mark.parametrize("to", FORMATS)
@@ -150,14 +150,14 @@ def test_segments_are_one_session(tmp_path: Path) -> None:
     segment = m.Segment(log=STEM, session="S01", number=2, previous=log.name, reason="full")
     head = json.dumps({"kind": "segment", "log": segment.log, "session": "S01", "number": 2})
     (tmp_path / f"{STEM}.2.jsonl").write_bytes(head.encode() + b"\n" + b"".join(lines[8:]))
-    sources = find_sources([tmp_path])
+    sources, _ = find_sources([tmp_path])
     assert len(sources) == 1
     session = read_session(sources[0])
     assert (session.damage, session.lines) == ([], len(lines))
 
 
 def test_a_segment_in_another_folder_is_no_session_of_its_own() -> None:
-    sources = find_sources([GOLDEN / "recordings", GOLDEN / "spill"])
+    sources, _ = find_sources([GOLDEN / "recordings", GOLDEN / "spill"])
     assert len(sources) == 1
     session = read_session(sources[0])
     assert (session.code, session.end_reason, session.damage) == ("S01", "wizard", [])

@@ -327,7 +327,7 @@ def test_a_kind_of_tomorrow_is_kept_with_all_it_says(tmp_path: Path) -> None:
     log.write_text('{"seq":0,"t":5,"kind":"robot.dreamt","of":["sheep"],"driver":"head"}\n')
     from woz_tui.export.log_sources import find_sources, read_session  # noqa: PLC0415
 
-    session = read_session(find_sources([log])[0])
+    session = read_session(find_sources([log])[0][0])
     event = only(session, "robot.dreamt")
     assert (event.driver, event.details) == ("head", {"of": ["sheep"]})
     assert any("robot.dreamt" in sentence for sentence in session.damage)

@@ -28,7 +28,7 @@ def test_it_says_what_it_did_and_what_was_wrong(
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (["nowhere.jsonl", "--to", "csv"], "nowhere.jsonl: there is no such log"),
+        (["nowhere.jsonl", "--to", "csv"], "nowhere.jsonl: there is no such file"),
         (["LOG", "--to", "csv", "--media", "LOG"], "--media needs --to eaf"),
         (["LOG", "--to", "eaf", "--media", "no.mp4"], "no.mp4: there is no such file"),
         (
@@ -46,7 +46,7 @@ def test_what_cannot_be_done_is_told(
 ) -> None:
     paths = {
         "LOG": str(write(tmp_path / "one", visit())),
-        "OTHER": str(write(tmp_path / "two", visit())),
+        "OTHER": str(write(tmp_path / "two", visit(), "2026-03-02T10-00-00_P07_S01")),
     }
     given = [paths.get(option, option) for option in options]
     assert main(["export", *given, "--out", str(tmp_path / "out")]) == 1

@@ -128,7 +128,7 @@ def test_codes_that_last_and_moments_of_one_name_are_two_tiers(tmp_path: Path, a
     for t, text in ((at, "smile"), (2, "markers: busy"), (5, "markers:")):
         coding.add(t * 1_000_000, text)
     coding.close()
-    tiers = unique_names(tiers_of(read_session(find_sources([log])[0])))
+    tiers = unique_names(tiers_of(read_session(find_sources([log])[0][0])))
     assert [tier for tier in tiers if tier.name != "notes"] == [
         Tier("K1 markers", points=True, spans=[TierSpan(at * 1_000_000, at * 1_000_000, "smile")]),
         Tier("K1 markers (2)", spans=[TierSpan(2_000_000, 5_000_000, "busy")]),

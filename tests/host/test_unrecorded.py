@@ -194,7 +194,7 @@ async def test_report_exports_and_verify_say_when_nothing_was_recorded(tmp_path:
     for sentences in (
         verify(log, places=places).sentences(),
         read_report(log, places=places).figures.wholeness.sentences,
-        read_session(find_sources([log])[0]).damage,
+        read_session(find_sources([log])[0][0]).damage,
     ):
         assert any(said in sentence for sentence in sentences)
 

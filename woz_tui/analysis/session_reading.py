@@ -14,11 +14,11 @@ from woz_tui.analysis.people_times import PeopleTimes
 from woz_tui.analysis.timeline_lanes import SensorCurves, TimelineDrawing, drawing_of
 from woz_tui.log.file_names import FileName
 from woz_tui.log.log_reader import Damage, LogFiles, LogLine, files_of, messages
+from woz_tui.log.opened_log import open_log
 from woz_tui.log.verify import verify
 from woz_tui.protocol import codec
 from woz_tui.protocol.codec import is_sample
 from woz_tui.protocol.messages import AnyMessage, Checkpoint, EngagementShown, Reading, Segment
-from woz_tui.system.files import open_regular
 from woz_tui.timeline.timeline import Timeline
 
 #: What stands in a log whose first line is lost.
@@ -90,7 +90,7 @@ def _moved(actions: Sequence[Path]) -> Iterator[tuple[Path, Segment]]:
 def _head(path: Path) -> Segment | None:
     """The line with which a segment begins; None if it cannot be read."""
     try:
-        with open_regular(path) as file:
+        with open_log(path) as file:
             message = codec.decode_message(file.readline(codec.MAX_LINE))
     except (OSError, codec.WireError):
         return None

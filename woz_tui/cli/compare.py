@@ -14,6 +14,7 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.rerun import clock
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.log.log_reader import Damage, files_of, read
+from woz_tui.log.sessions import sessions_in
 from woz_tui.system.text_cleaning import clean
 
 #: Lines of each part of the table, unless `--all` is given.
@@ -44,6 +45,8 @@ def _run(arguments: Namespace) -> int:
     if read_in[0] is None or read_in[1] is None:
         return _TROUBLE
     a, b = read_in[0], read_in[1]
+    for problem in sessions_in([str(arguments.a), str(arguments.b)])[1]:
+        print(f"woz: {problem}", file=sys.stderr)
     trouble, foreign = _experiments(a, b)
     if trouble:
         print(f"woz: {trouble}", file=sys.stderr)

@@ -10,7 +10,7 @@ from woz_tui.analysis.text_format import counted
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.export.export_run import FORMATS, export
 from woz_tui.export.exporter import ExportOptions
-from woz_tui.export.log_sources import ExportError
+from woz_tui.export.log_sources import ExportError, find_sources
 
 
 def add(parser: ArgumentParser) -> None:
@@ -72,10 +72,11 @@ def _run(arguments: Namespace) -> int:
         media=arguments.media,
         offset=_microseconds(arguments),
     )
+    sources, problems = find_sources(arguments.file)
+    for problem in problems:
+        print(f"woz export: {problem}", file=sys.stderr)
     sessions = unread = 0
-    for summary in export(
-        arguments.file, arguments.to, arguments.out, options, force=arguments.force
-    ):
+    for summary in export(sources, arguments.to, arguments.out, options, force=arguments.force):
         session = summary.session
         sessions += 1
         unread += not session.lines
@@ -83,7 +84,7 @@ def _run(arguments: Namespace) -> int:
         for sentence in [*(f"damage: {each}" for each in session.damage), *summary.notes]:
             print(f"woz export: {session.name}: {sentence}", file=sys.stderr)
     print(f"{counted(sessions, 'session')} in {arguments.out}")
-    return 1 if unread else 0
+    return 1 if unread or problems else 0
 
 
 def _microseconds(arguments: Namespace) -> int:

@@ -122,11 +122,10 @@ class SessionReader:
     """Reads the sessions that were named; what cannot be read is kept as a sentence."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
-        from woz_tui.analysis.session_sources import sessions_in  # noqa: PLC0415
+        from woz_tui.log.sessions import sessions_in  # noqa: PLC0415
 
         self._arguments = arguments
         self.paths, self.problems = sessions_in(arguments.logs)
-        self._seen: dict[tuple[str, ...], str] = {}
 
     def reports(self, extras: ReportExtras) -> Iterator[SessionReport]:
         """Reads one session after the other; only one is in memory at a time."""
@@ -140,20 +139,7 @@ class SessionReader:
                 reason = os_error_text(error) if isinstance(error, OSError) else str(error)
                 self.problems.append(reason)
                 continue
-            if self._is_new(report):
-                yield report
-
-    def _is_new(self, report: SessionReport) -> bool:
-        """A session counts once, however many copies of its log are named."""
-        figures = report.figures
-        key = (figures.started, figures.session, figures.participant, figures.experiment_sha256)
-        first = self._seen.setdefault(key, figures.path)
-        if figures.started and first != figures.path:
-            self.problems.append(
-                f"{figures.path}: is the same session as {first}, which is counted already"
-            )
-            return False
-        return True
+            yield report
 
     def print_problems(self, command: str) -> int:
         """Print what was wrong; returns the exit code."""

@@ -17,7 +17,6 @@ from woz_tui.export.log_sources import (
     ExportError,
     LogSource,
     UniqueNames,
-    find_sources,
     read_session,
 )
 from woz_tui.export.output_folder import new_folder
@@ -34,9 +33,9 @@ FORMATS: Mapping[str, type[Exporter]] = {
 
 
 def export(
-    given: Sequence[Path], to: str, out: Path, options: ExportOptions, *, force: bool = False
+    sources: Sequence[LogSource], to: str, out: Path, options: ExportOptions, *, force: bool = False
 ) -> Iterator[SessionSummary]:
-    """Export the sessions that `given` names into the new folder `out`, one after the other.
+    """Export the sessions of `sources` into the new folder `out`, one after the other.
 
     Yields what there is to tell of each. `out` is there when the last was taken.
 
@@ -44,7 +43,6 @@ def export(
         ExportError: Nothing can be exported so, or `out` is in the way.
         OSError: A disk is full or gone; `out` is then as it was.
     """
-    sources = find_sources(given)
     _refuse(sources, to, options)
     _keep_sources(sources, out)
     names = UniqueNames()

@@ -14,8 +14,8 @@ from woz_tui.export.event_extraction import EventExtractor
 from woz_tui.export.event_model import ExportSession, letters
 from woz_tui.export.redaction import redacted
 from woz_tui.log.coding_file import CodingError, Codings, coding_path, read_codings
-from woz_tui.log.file_names import CODINGS, FileName
 from woz_tui.log.log_reader import Damage, LogFiles, LogLine, batches, files_of, merge
+from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Reading
 
@@ -78,48 +78,23 @@ def redacted_line(line: LogLine) -> LogLine:
     return LogLine(line.seq, line.t, "", line.kind, fields, raw, message)
 
 
-def find_sources(given: Iterable[Path]) -> list[LogSource]:
-    """The sessions that `given` names, each once: any file of a log, or a folder of logs.
+def find_sources(given: Iterable[Path]) -> tuple[list[LogSource], list[str]]:
+    """The sessions that `given` names, each once, and why other files that it names are not read:
+    see `woz_tui.log.sessions`.
 
     Raises `ExportError` if there is none.
     """
-    sources: dict[tuple[Path, ...], LogSource] = {}
-    named = [*given]
-    for path in named:
-        if path.name.endswith(CODINGS) and len(named) > 1:
-            continue  # a pattern names it along with its log
-        logs = _logs_in(path) if path.is_dir() else [path]
-        if not logs:
-            raise ExportError(f"{path}: there is no log in this folder", "name a log, *.jsonl")
-        for log in logs:
-            files = _files(log)
-            sources.setdefault(files.paths, LogSource(files))
+    logs, problems = sessions_in([*map(str, given)])
+    sources = []
+    for log in logs:
+        try:
+            sources.append(LogSource(files_of(log)))
+        except (FileNotFoundError, ValueError) as error:
+            problems.append(str(error))
     if not sources:
-        raise ExportError("there is nothing to export", "name a log, *.jsonl, or a folder of them")
-    # From a later segment the earlier ones are found, from those the later ones not always.
-    file_sets = [set(paths) for paths in sources]
-    return [
-        source
-        for paths, source in sources.items()
-        if not any(set(paths) < others for others in file_sets)
-    ]
-
-
-def _files(log: Path) -> LogFiles:
-    try:
-        return files_of(log)
-    except (FileNotFoundError, ValueError) as error:
-        raise ExportError(str(error), "name a log, *.jsonl, or a folder of them") from error
-
-
-def _logs_in(folder: Path) -> list[Path]:
-    """One file of each log in `folder`, by name, which is by time."""
-    logs: dict[str, Path] = {}
-    for path in sorted(folder.iterdir()):
-        name = FileName.parse(path.name)
-        if name is not None and path.is_file():
-            logs.setdefault(name.stem, path)
-    return list(logs.values())
+        reason = "\n".join(problems) or "there is nothing to export"
+        raise ExportError(reason, "name a log, *.jsonl, or a folder of them")
+    return sources, problems
 
 
 def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
@@ -162,7 +137,10 @@ def nameless(damage: Damage) -> Damage:
     """The damage without names of files, which hold dates, and without names of unknown kinds."""
     unreadable = ["a file of the log could not be read to its end"] * len(damage.unreadable)
     absent = ["its name is left out"] * len(damage.absent)
-    return replace(damage, places=[], kinds=[], unreadable=unreadable, absent=absent)
+    again = ["a file of the log was saved again by another program"] * len(damage.saved_again)
+    return replace(
+        damage, places=[], kinds=[], unreadable=unreadable, absent=absent, saved_again=again
+    )
 
 
 def _name(session: ExportSession) -> str:

@@ -39,6 +39,7 @@ class Damage:
         unreadable: Files that could not be read to their end, with the reason.
         absent: Files that others of the log name, and that are not there.
         places: The first damaged lines, as `file:byte`, at most 20.
+        saved_again: Files that another program has saved in its own encoding; they are read.
     """
 
     torn: int = 0
@@ -61,6 +62,7 @@ class Damage:
     unreadable: list[str] = field(default_factory=list)
     absent: list[str] = field(default_factory=list)
     places: list[str] = field(default_factory=list)
+    saved_again: list[str] = field(default_factory=list)
 
     @property
     def skipped(self) -> int:
@@ -103,7 +105,7 @@ class Damage:
             runs = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.gaps]
             found.append(f"{self.missing} line(s) missing: {_listed(runs)}")
         found += [f"a file of the log is missing: {path}" for path in self.absent]
-        return found + self.unreadable
+        return found + self.saved_again + self.unreadable
 
     def lacks(self, paths: Iterable[Path]) -> None:
         """These files are not there."""

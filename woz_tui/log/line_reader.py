@@ -11,9 +11,9 @@ from typing import Any, get_args
 import msgspec
 
 from woz_tui.log.damage import Damage
+from woz_tui.log.opened_log import encoding_of, open_log
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import SCHEMA, AnyMessage, Segment
-from woz_tui.system.files import open_regular
 
 #: Bytes that are read at once: small enough to stay in the processor's cache with what they hold,
 #: and for Python's collector not to go through them before they are given on.
@@ -161,8 +161,11 @@ def chunks_of(
     bytes from its beginning.
     """
     try:
-        with open_regular(path) as file:
+        with open_log(path) as file:
             fd = file.fileno()
+            if encoding := encoding_of(path):
+                until = None  # which counts the bytes of the file itself
+                damage.saved_again.append(f"{path.name} was saved again as {encoding}")
 
             def read(size: int, start: int) -> bytes:
                 return os.pread(fd, size if until is None else min(size, until - start), start)

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.log.file_names import FileName, fallback_folders, unique_paths, why_no_log
+from woz_tui.log.opened_log import open_log
 from woz_tui.protocol import codec
-from woz_tui.system.files import open_regular
 
 #: The last line of a file is looked for in so many bytes.
 _TAIL = 1 << 14
@@ -183,7 +183,7 @@ def _size(path: Path) -> int:
 
 def _first_line(path: Path) -> bytes:
     try:
-        with open_regular(path) as file:
+        with open_log(path) as file:
             return file.readline(codec.MAX_LINE)
     except OSError:
         return b""
@@ -191,7 +191,7 @@ def _first_line(path: Path) -> bytes:
 
 def _last_line(path: Path) -> bytes:
     try:
-        with open_regular(path) as file:
+        with open_log(path) as file:
             file.seek(max(0, file.seek(0, os.SEEK_END) - _TAIL))
             return file.read(_TAIL).rstrip(b"\0 \t\r\n").rpartition(b"\n")[2]
     except OSError:

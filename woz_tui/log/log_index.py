@@ -32,6 +32,7 @@ from woz_tui.log.line_order import SequenceChecker, count_falls, is_rising, seq_
 from woz_tui.log.line_reader import KINDS, LineChunk, LogLine, chunks_of
 from woz_tui.log.log_files import LogFiles, files_of, sizes_of
 from woz_tui.log.log_reader import LogItem, batches, items_in
+from woz_tui.log.opened_log import open_log
 from woz_tui.log.sample_blocks import (
     QuickReading,
     SampleBlock,
@@ -53,7 +54,6 @@ from woz_tui.log.samples_index import (
 )
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import EngagementShown, Reading, SessionEnd
-from woz_tui.system.files import open_regular
 
 #: The end of a session is among so many last messages.
 _NEAR_END = 16
@@ -151,7 +151,7 @@ def _indexed(source: BinaryIO, entry: IndexEntry) -> SampleBlock:
 
 def _open(path: Path, opened: ExitStack) -> BinaryIO | None:
     try:
-        return opened.enter_context(open_regular(path))
+        return opened.enter_context(open_log(path))
     except OSError:
         return None  # `chunks_of` says so
 

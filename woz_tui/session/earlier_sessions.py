@@ -12,14 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.config.study import OVER
-from woz_tui.log.file_names import FileName
+from woz_tui.log.file_names import FileName, session_code
 from woz_tui.log.line_order import seq_of
 from woz_tui.log.log_files import files_of
+from woz_tui.log.opened_log import open_log
+from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 from woz_tui.session.condition_proposal import ParticipantHistory
-from woz_tui.system.files import open_regular
 from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.session_state import SessionState
 
@@ -89,21 +90,30 @@ class EarlierSessions:
 
     def _sessions(self, unreadable: list[str]) -> Iterator[list[Path]]:
         """The action files of each session, oldest session first, segments in their order."""
-        found: dict[str, list[tuple[int, Path]]] = {}
+        folders = []
         for folder in self._folders:
             try:
-                paths = [*folder.iterdir()]
+                next(folder.iterdir(), None)
+                folders.append(str(folder))
             except FileNotFoundError:  # no recordings yet
                 continue
             except OSError:
                 unreadable.append(folder.name)
-                continue
-            for path in paths:
+        logs, _ = sessions_in(folders)
+        files: dict[tuple[Path, str], list[tuple[int, Path]]] = {}
+        for folder in dict.fromkeys([*map(Path, folders), *(log.parent for log in logs)]):
+            for path in folder.iterdir():
                 name = FileName.parse(path.name)
-                if name is not None and not name.samples:
-                    found.setdefault(name.stem, []).append((name.number, path))
-        for stem in sorted(found):
-            yield [path for _, path in sorted(found[stem])]
+                if name is None or name.samples:
+                    continue
+                if name.number == 1 and session_code(name.stem) and not path.is_file():
+                    unreadable.append(path.name)
+                else:
+                    files.setdefault((folder, name.stem), []).append((name.number, path))
+        for log in logs:
+            name = FileName.parse(log.name)
+            if name is not None:
+                yield [path for _, path in sorted(files[log.parent, name.stem])]
 
     def _lines(self, path: Path) -> list[m.AnyMessage]:
         facts = path.stat()
@@ -151,7 +161,7 @@ def _bare(plan: m.SessionPlan) -> m.SessionPlan:
 
 
 def _candidates(path: Path) -> Iterator[bytes]:
-    with open_regular(path) as file:
+    with open_log(path) as file:
         while line := file.readline(LONGEST):
             if _LISTED.search(line):
                 if len(line) == LONGEST:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from woz_tui.analysis.figures import TrainingFigures
 from woz_tui.analysis.session_reading import NoSessionError, read_report
-from woz_tui.analysis.session_sources import sessions_in
+from woz_tui.log.sessions import sessions_in
 
 
 @dataclass(frozen=True, slots=True)

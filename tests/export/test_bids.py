@@ -243,12 +243,16 @@ def test_what_came_before_the_first_code_is_nobodys(tmp_path: Path) -> None:
         (2, m.SessionChanged(participant="P08")),
         (3, m.Note(text="first")),
     ]
-    dataset = course_to(tmp_path, "bids", course, samples=True)
+    slip = [(4, m.SessionChanged(participant="P80")), (5, m.SessionChanged(participant="P08"))]
+    log = write(tmp_path / "recordings", [*course, *slip, (20, m.Note(text="last"))])
+    (session_summary,) = export_logs(log, "bids", tmp_path / "out", samples=True)
+    dataset = tmp_path / "out"
     validated(dataset)
-    for label, text in (("unknown01", "early"), ("P08", "first")):
-        (path,) = (dataset / f"sub-{label}").rglob("*_events.tsv")
-        notes = [row["text"] for row in table(path) if row["trial_type"] == "note"]
-        assert notes == [text]
+    (path,) = dataset.rglob("*_events.tsv")
+    notes = [row["text"] for row in table(path) if row["trial_type"] == "note"]
+    assert notes == ["first", "last"]
+    assert [row["participant_id"] for row in table(dataset / "participants.tsv")] == ["sub-P08"]
+    assert any("nobody's code" in note for note in session_summary.notes)
     assert [path.name[:7] for path in dataset.rglob("*_physio.tsv.gz")] == ["sub-P08"]
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gzip
 import json
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePath
@@ -17,6 +18,7 @@ from woz_tui import __version__
 from woz_tui.analysis.event_rows import AnswerRow
 from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, TableDefinition
+from woz_tui.analysis.text_format import counted
 from woz_tui.export.event_model import ExportEvent, ExportSession, letters
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
 from woz_tui.export.log_sources import LogSource
@@ -72,10 +74,18 @@ class BidsExporter(Exporter):
         if not session.figures.of_study:
             what = "a re-run" if session.figures.rerun_of else "a training of a wizard"
             return [f"{what}, in which nobody took part: it is left out"]
-        others = (event.participant for event in session.events)
-        codes = dict.fromkeys([*session.participants, *others]) or [""]
+        codes = session.participants or [""]
         paths = [self._participant(session, code) for code in codes]
         notes = []
+        others = Counter(
+            event.participant for event in session.events if event.participant not in codes
+        )
+        if others:
+            whose = [code or "nobody's code" for code in others]
+            notes.append(
+                f"{counted(others.total(), 'event')} under {', '.join(whose)}, who did not take"
+                " part: left out"
+            )
         if not session.participants:
             notes.append(f"no participant's code: it is in sub-{self._label(session, '')}")
         if self._options.samples and len(session.participants) > 1:

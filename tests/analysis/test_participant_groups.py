@@ -170,7 +170,7 @@ def test_a_question_whose_words_were_changed_is_told() -> None:
     found.add(answered_questionnaire("P01", "warm", 5.0))
     found.add(answered_questionnaire("P02", "warm", 6.0, question="I did not like it"))
     found.add(answered_questionnaire("P03", "cold", 6.0))
-    warm, cold = found.items("guide.yaml")
+    cold, warm = found.items("guide.yaml")
     assert (warm.total.n, cold.total.n) == (2, 1)
     assert warm.wordings == cold.wordings == ("I liked it", "I did not like it")
     [row] = item_totals([warm, cold]).rows

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.report_tables import circumstances
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -13,6 +16,14 @@ from woz_tui.protocol.welcome import DesignView, Questionnaire, StudySettings, W
 
 def session_figures(session: ExampleSession, *, all_trials: bool = False) -> SessionFigures:
     return figures_of(in_time(session), FigureOptions(all_trials=all_trials))
+
+
+def plan(study: StudySettings) -> m.SessionPlan:
+    """The line that says what the experiment file has, of the study alone."""
+    return m.SessionPlan(
+        title="Guide", panels=[], script=[], verbs={}, variables=[], conditions=[],
+        keyboard="us", drivers=[], settings=WelcomeSettings(study=study),
+    )  # fmt: skip
 
 
 def trials() -> ExampleSession:
@@ -214,11 +225,7 @@ def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
         for name, when in (("each", "trial"), ("last", "end"))
     ]
     study = StudySettings(design=DesignView(trials=2), questionnaires=listed)
-    plan = m.SessionPlan(
-        title="Guide", panels=[], script=[], verbs={}, variables=[], conditions=[],
-        keyboard="us", drivers=[], settings=WelcomeSettings(study=study),
-    )  # fmt: skip
-    session = ExampleSession().add(0, plan)
+    session = ExampleSession().add(0, plan(study))
     session.add(1, m.TrialStarted(trial=1)).add(2, m.TrialEnded(trial=1, outcome="done"))
     session.add(3, m.TrialStarted(trial=2)).add(4, m.TrialEnded(trial=2, outcome="done"))
     answered = m.QuestionnaireEnded(questionnaire="each", reason="done", answered=0)
@@ -287,3 +294,31 @@ def test_what_the_wizard_had_and_could_see() -> None:
     assert "at once" in delays[1]
     assert (figures.profiles, figures.order, figures.reloads) == (("child",), ("a", "b"), 1)
     assert figures.rerun_of == "other"
+
+
+@pytest.mark.parametrize(("outcome", "counted"), [("done", True), ("excluded", False)])
+def test_answers_about_a_trial_count_as_it_does(outcome: str, counted: bool) -> None:
+    session = ExampleSession(condition="").add(1, m.TrialStarted(trial=1, condition="warm"))
+    session.add(9, m.TrialEnded(trial=1, outcome=outcome))
+    session.add(10, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[], trial=1))
+    answer = m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0)
+    session.add(11, answer)
+    session.add(12, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)).end(20)
+    (row,) = session_figures(session).answers
+    assert row.counted is counted
+    grouped = GroupedSessions()
+    grouped.add(session_figures(session))
+    assert len(grouped.items(grouped.experiments[0])) == counted
+
+
+def test_answers_about_a_condition_count_with_one_of_its_trials() -> None:
+    settings = StudySettings(questionnaires=[Questionnaire("ux", "UX", when="condition")])
+    for outcomes in (("done", "excluded"), ("excluded", "aborted")):
+        session = ExampleSession(condition="").add(0.1, plan(settings))
+        for trial, outcome in enumerate(outcomes, 1):
+            session.add(trial * 2, m.TrialStarted(trial=trial, condition="warm"))
+            session.add(trial * 2 + 1, m.TrialEnded(trial=trial, outcome=outcome))
+        session.add(10, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[], trial=2))
+        answer = m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0)
+        (row,) = session_figures(session.add(11, answer).end(20)).answers
+        assert row.counted is ("done" in outcomes)

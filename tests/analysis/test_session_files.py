@@ -160,7 +160,8 @@ def test_golden_logs_of_every_version_can_be_reported(version: str, tmp_path: Pa
 
 def test_folders_files_and_patterns(tmp_path: Path) -> None:
     one = short().written(tmp_path / "a", "2026-03-01T10-00-00_P01_S01")
-    two = short().written(tmp_path / "a" / "b", "2026-03-02T10-00-00_P02_S02")
+    other = ExampleSession(session="S02").act(1).end(10)
+    two = other.written(tmp_path / "a" / "b", "2026-03-02T10-00-00_P02_S02")
     (tmp_path / "a" / f"{one.stem}.samples.jsonl").touch()
     (tmp_path / "a" / f"{one.stem}.2.jsonl").touch()
     (tmp_path / "a" / "visitors.jsonl").write_text('{"name": "V01"}\n')

@@ -111,3 +111,23 @@ def test_a_log_that_another_program_saved_is_read(
     assert [sentence for sentence in wholeness if encoding[:5] in sentence]
     assert not [sentence for sentence in wholeness if "changed" in sentence]
     assert {**after, "wholeness": 0} == {**before, "wholeness": 0}
+
+
+def test_codes_that_are_probably_one_persons_are_named_everywhere(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "recordings"
+    for day, code in enumerate(("P07", "p07", "P8", "P008"), 1):
+        wall = f"2026-03-0{day}T10:00:00.000000Z"
+        example = ExampleSession(participant=code, session=f"S{day}", wall=wall).act(1).end(20)
+        example.written(folder, f"2026-03-0{day}T10-00-00_{code}_S{day}")
+    for command in (
+        ["report", str(folder)],
+        ["methods", str(folder)],
+        ["export", str(folder), "--to", "bids", "--out", str(tmp_path / "bids")],
+    ):
+        assert main(command) == 0
+        shown = capsys.readouterr()
+        assert "P008 and P8, P07 and p07" in (shown.out + shown.err).replace("\n", " ")
+    labels = [path.name.casefold() for path in (tmp_path / "bids").glob("sub-*")]
+    assert len(labels) == len(set(labels)) == 4

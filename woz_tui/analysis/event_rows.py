@@ -590,7 +590,7 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
             and about[1:] != ("", None)  # nobody knows whether it was the same visitor
             and ((False, about) in last or number < last.get((True, about), 0))
         )
-        counted = each.trial != 0 and not again and timeline.counts(each.context)  # 0: practice
+        counted = not again and _of_counted_trials(timeline, each)
         place = context_fields(each.context) | {"trial": -1 if each.trial is None else each.trial}
         for answer in each.answers.values():
             item = items.get(answer.item, {})
@@ -609,6 +609,25 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
                 high=_number(item.get("high")),
                 counted=counted,
             )
+
+
+def _of_counted_trials(timeline: Timeline, each: e.QuestionnaireEpisode) -> bool:
+    """Whether a questionnaire is about a trial that counts, or about none. One about a condition is
+    about all its trials, of which one is enough.
+    """
+    if each.trial == 0 or not timeline.counts(each.context):  # 0: practice
+        return False
+    known = {one.name: one.when for one in timeline.state.study.settings.questionnaires}
+    trials = [
+        trial
+        for trial in timeline.of(e.TrialEpisode)
+        if trial.begin <= each.begin and trial.context.participant == each.context.participant
+    ]
+    behind = [trial for trial in trials if trial.started.trial == each.trial][-1:]
+    if behind and known.get(each.name) == "condition":
+        condition = behind[0].started.condition
+        behind = [trial for trial in trials if trial.started.condition == condition]
+    return not behind or any(not timeline.left_out(trial) for trial in behind)
 
 
 def _left(each: e.QuestionnaireEpisode) -> bool:

@@ -176,7 +176,7 @@ class GroupedSessions:
             )
             for (of, questionnaire, name, low, high), item in self._items.items()
             if of == experiment
-            for condition, values in item.values.items()
+            for condition, values in sorted(item.values.items())
         ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Sequence
 
 from woz_tui.analysis.event_rows import AnswerRow, TrialRow
@@ -67,6 +68,18 @@ def excluded_sentence(rows: Iterable[tuple[str, bool]]) -> str:
     reasons = ["time before a participant was set"] if "" in names else []
     reasons += [f"{who} (less than {SLIP_US / 1e6:g} s and nothing played)" for who in names if who]
     return f"Excluded: {', '.join(reasons)}" if reasons else ""
+
+
+def alike_sentence(codes: Iterable[str]) -> str:
+    """Names codes that are probably one person's: they differ in small letters, or in zeros before
+    a number. Empty if there are none.
+    """
+    found: dict[str, dict[str, None]] = {}
+    for code in filter(None, codes):
+        plain = re.sub(r"(?<!\d)0+(?=\d)", "", code.casefold())
+        found.setdefault(plain, {})[code] = None
+    alike = [" and ".join(sorted(each)) for each in found.values() if len(each) > 1]
+    return f"Probably one person: {', '.join(sorted(alike))}" if alike else ""
 
 
 def counted_parts(parts: Iterable[PartFigures]) -> list[PartFigures]:

@@ -541,7 +541,7 @@ def _total(total: Total | None, participants: int = 0, measure: Measure | None =
 
 def item_totals(items: Sequence[ItemTotal]) -> ReportTable:
     """Means of questionnaire scales: a row for each item, a column for each condition."""
-    conditions = list(dict.fromkeys(item.condition for item in items))
+    conditions = sorted({item.condition for item in items})
     rows: dict[tuple[str, ...], dict[str, Total]] = {}
     for item in items:
         words = " / ".join(item.wordings)

@@ -6,6 +6,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from woz_tui.analysis.participants import alike_sentence
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.export.export_run import FORMATS, export
@@ -76,13 +77,17 @@ def _run(arguments: Namespace) -> int:
     for problem in problems:
         print(f"woz export: {problem}", file=sys.stderr)
     sessions = unread = 0
+    codes: list[str] = []
     for summary in export(sources, arguments.to, arguments.out, options, force=arguments.force):
         session = summary.session
         sessions += 1
         unread += not session.lines
+        codes += summary.participants
         print(f"{session.name}: {summary.events} events, {session.duration / 1e6:.1f} s")
         for sentence in [*(f"damage: {each}" for each in session.damage), *summary.notes]:
             print(f"woz export: {session.name}: {sentence}", file=sys.stderr)
+    if alike := alike_sentence(codes):
+        print(f"woz export: {alike}", file=sys.stderr)
     print(f"{counted(sessions, 'session')} in {arguments.out}")
     return 1 if unread or problems else 0
 

@@ -23,6 +23,7 @@ def run(arguments: Namespace) -> int:
 
 def _run(arguments: Namespace) -> int:
     from woz_tui.analysis.methods_section import BY_HAND, paragraphs  # noqa: PLC0415
+    from woz_tui.analysis.participants import alike_sentence  # noqa: PLC0415
     from woz_tui.analysis.session_reading import NO_EXTRAS  # noqa: PLC0415
     from woz_tui.analysis.study_figures import Studies  # noqa: PLC0415
 
@@ -38,6 +39,8 @@ def _run(arguments: Namespace) -> int:
         elif len(studies.found) > 1:
             print(f"{facts.experiment or 'experiment not recorded'}:")
         _print([(each.head, each.sentences) for each in paragraphs(facts)], arguments.markdown)
+        if alike := alike_sentence(facts.participants):
+            print(f"woz methods: {alike}", file=sys.stderr)
     if studies.found:
         print("woz methods: no log contains the following; write it by hand:", file=sys.stderr)
         for item in BY_HAND:

@@ -15,7 +15,7 @@ from woz_tui.analysis.experiment_names import file_of
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import PartFigures, Reactions, SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions, who_took_part
-from woz_tui.analysis.participants import excluded_sentence
+from woz_tui.analysis.participants import alike_sentence, excluded_sentence
 from woz_tui.analysis.session_reading import SessionReport
 from woz_tui.analysis.text_format import clock, counted
 from woz_tui.cli.report_layout import Block, ReportPage, TextSigns, fitted, text_table
@@ -209,6 +209,8 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
         left = excluded_sentence((row.participant, row.counted) for row in rows)
         if left:
             page.trouble(left)
+        if alike := alike_sentence(row.participant for row in rows):
+            page.trouble(alike)
         page.print(page.block(tables.condition_totals(grouped.totals(experiment))))
         items = grouped.items(experiment)
         page.print(page.block(tables.item_totals(items)))

@@ -118,7 +118,8 @@ class BidsExporter(Exporter):
             preferred = letters(code, "") if code else ""
             number = 1
             label = preferred or "unknown01"
-            while label in self._labels.values():
+            taken = {other.casefold() for other in self._labels.values()}  # as on disks
+            while label.casefold() in taken:
                 number += 1
                 label = f"{preferred}x{number}" if preferred else f"unknown{number:02d}"
             self._labels[key] = label

@@ -117,3 +117,20 @@ def test_experiments_of_other_titles_are_told_apart_though_their_files_have_one_
     assert names.of("Talk", "C:\\lab\\talk.yaml") == TALK
     assert names.of("", "") == ""
     assert names.of("Lost", "") == "Lost"
+
+
+@pytest.mark.parametrize(
+    ("hashes", "versions"),
+    [
+        (["", ""], 2),  # logs that only tell the file and its robot files together
+        (["aa", "aa"], 1),  # another robot file
+        (["aa", "bb"], 2),
+        (["", "aa"], 1),  # which cannot be compared
+    ],
+)
+def test_a_file_that_nobody_touched_has_one_version(hashes: list[str], versions: int) -> None:
+    grouped_sessions = GroupedSessions()
+    for session, file_sha256 in zip(both(), hashes, strict=True):
+        start = msgspec.structs.replace(session.messages[0], file_sha256=file_sha256)
+        grouped_sessions.add(figures_of([start, *session.messages[1:]]))
+    assert grouped_sessions.versions(TALK) == versions

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import msgspec
 
-from tests.protocol.study_examples import BEGINNING, COURSE
+from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -33,9 +33,10 @@ MESSAGES: tuple[m.AnyMessage, ...] = (
         participant="P07",
         condition="warm",
         wizard="W2",
-        software={"name": "woz-tui", "version": "0.1.0"},
+        software={"name": "woz-tui", "version": "0.1.0", "commit": "39700bb7" * 5},
         experiment="museum.yaml",
         experiment_sha256=SHA,
+        file_sha256=FILE_SHA,
         seed=1207,
         clock={
             "source": "monotonic",
@@ -259,6 +260,7 @@ MESSAGES: tuple[m.AnyMessage, ...] = (
     ),
     m.ExperimentReloaded(
         experiment_sha256=SHA,
+        file_sha256=FILE_SHA,
         changes=["Speech: 'Bye' is new", "conditions are warm, cold, none"],
         telling=["conditions are warm, cold, none"],
     ),

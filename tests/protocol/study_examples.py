@@ -7,6 +7,7 @@ from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import WelcomeSettings
 
 SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
+FILE_SHA = "6eb54c6d4926a7f0cd56a7d6b1b4d60e1b8e8d2c4a4cbb2c9a8b8cb0a2f4f7f1"
 
 #: What a log says of itself, right after its first line.
 BEGINNING: tuple[m.AnyMessage, ...] = (
@@ -14,6 +15,7 @@ BEGINNING: tuple[m.AnyMessage, ...] = (
         experiment_sha256=SHA,
         files={"museum.yaml": "title: Museum guide\nrobot: simulated\n"},
         left_out=["moves/dance.json"],
+        files_sha256={"museum.yaml": FILE_SHA, "moves/dance.json": SHA},
     ),
     m.SessionPlan(
         title="Museum guide",

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -46,6 +47,26 @@ def test_the_files_are_kept_as_they_were_read_the_experiment_first(tmp_path: Pat
     assert kept.files["robots/one.yaml"] == ROBOT
     assert kept.experiment_sha256 == read.sha256
     assert kept.left_out == []
+
+
+def test_the_hash_of_each_file_is_what_sha256sum_says(tmp_path: Path) -> None:
+    read = experiment(tmp_path)
+    files = ["guide.yaml", "robots/one.yaml"]
+    done = subprocess.run(
+        ["sha256sum", *files], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    told = {name: sha256 for sha256, name in map(str.split, done.stdout.splitlines())}
+    assert experiment_files(read).files_sha256 == told
+    hub = Hub(RealClock(), lambda message, line: None)
+    lines: list[m.AnyMessage] = []
+    hub.listen(lines.append)
+    publish_start(hub, SessionIdentity(), read, RealClock(), [])
+    start = next(line for line in lines if isinstance(line, m.SessionStart))
+    assert start.file_sha256 == told["guide.yaml"]
+    (tmp_path / "robots" / "one.yaml").write_text(f"{ROBOT}# by hand\n", encoding="utf-8")
+    again = load(tmp_path / "guide.yaml", installed())
+    assert again.file_sha256 == told["guide.yaml"], "which nobody touched"
+    assert again.sha256 != read.sha256
 
 
 def test_what_is_too_large_is_named_instead(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ episodes are clipped to trials. Time outside of trials is a part of its own.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -95,10 +95,11 @@ def figures_of(
         condition=", ".join(conditions),
         conditions=conditions,
         wizard=start.wizard,
-        software=" ".join(filter(None, map(start.software.get, ("name", "version")))),
+        software=_software(start.software),
         schema=start.schema,
         experiment=start.experiment,
         experiment_sha256=start.experiment_sha256,
+        file_sha256=start.file_sha256,
         robot=start.robot,
         title=plan.title if plan else "",
         started=_started(start),
@@ -139,6 +140,13 @@ def figures_of(
         redacted=start.redacted,
         wholeness=LogIntegrity(ended=ended is not None),
     )
+
+
+def _software(told: Mapping[str, str]) -> str:
+    """Name, version and the first digits of the commit, as far as the log tells."""
+    commit = told.get("commit", "")[:7]
+    words = [told.get("name"), told.get("version"), f"({commit})" if commit else ""]
+    return " ".join(filter(None, words))
 
 
 def _started(start: m.SessionStart) -> str:

@@ -347,6 +347,7 @@ class SessionFigures:
     schema: int
     experiment: str
     experiment_sha256: str
+    file_sha256: str
     robot: str
     title: str
     started: str

@@ -87,7 +87,8 @@ class GroupedSessions:
         default_factory=dict
     )
     _names: ExperimentNames = field(default_factory=ExperimentNames)
-    _hashes: dict[str, set[str]] = field(default_factory=dict)
+    #: Of the experiment's file, and of logs that only tell it and its robot files together.
+    _hashes: dict[str, tuple[set[str], set[str]]] = field(default_factory=dict)
     _sessions: Counter[str] = field(default_factory=Counter)
 
     def add(self, figures: SessionFigures) -> None:
@@ -105,7 +106,11 @@ class GroupedSessions:
             self.reruns.append(figures.session or figures.stem)
             return
         self._sessions[experiment] += 1
-        self._hashes.setdefault(experiment, set()).add(figures.experiment_sha256)
+        own, joined = self._hashes.setdefault(experiment, (set(), set()))
+        if figures.file_sha256:
+            own.add(figures.file_sha256)
+        else:
+            joined.add(figures.experiment_sha256)
         for part in figures.parts:
             self.rows.append(
                 ConditionRow(
@@ -149,8 +154,10 @@ class GroupedSessions:
         return list(self._names.files[experiment])
 
     def versions(self, experiment: str) -> int:
-        """The number of versions of an experiment's file."""
-        return len(self._hashes.get(experiment, ()))
+        """The number of versions of an experiment's file, as far as the logs tell: a hash of the
+        file and one of it with its robot files cannot be compared.
+        """
+        return max(map(len, self._hashes.get(experiment, ((),))))
 
     def of(self, experiment: str) -> list[ConditionRow]:
         """The rows of an experiment by participant, condition and session; time outside of trials

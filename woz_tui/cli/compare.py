@@ -93,6 +93,7 @@ def _experiments(a: PlayedSession, b: PlayedSession) -> tuple[str, bool]:
         return "the first line of a log is missing: its experiment is unknown", False
     if a.start.experiment_sha256 == b.start.experiment_sha256:
         return "", False
+    own = (a.start.file_sha256, b.start.file_sha256)
     names = ExperimentNames()
     name_a, name_b = (
         clean(names.of(title, start.experiment))
@@ -100,7 +101,8 @@ def _experiments(a: PlayedSession, b: PlayedSession) -> tuple[str, bool]:
     )
     if name_a != name_b:
         return f"these are sessions of different experiments: {name_a} and {name_b}", True
-    return f"{name_a} was changed between the two sessions", False
+    what = f"the robot of {name_a}" if all(own) and own[0] == own[1] else name_a
+    return f"{what} was changed between the two sessions", False
 
 
 # -- the page -------------------------------------------------------------------------------------

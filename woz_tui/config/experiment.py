@@ -361,6 +361,7 @@ class Experiment:
 
     title: str
     path: Path
+    #: SHA-256 of all `files`, one behind the other.
     sha256: str
     drivers: tuple[DriverSpec, ...]
     panels: tuple[Panel, ...]
@@ -402,7 +403,14 @@ class Experiment:
     files: tuple[Path, ...] = ()
     #: The text of each of `files`.
     texts: tuple[str, ...] = ()
+    #: SHA-256 of the bytes of each of `files`, hexadecimal.
+    files_sha256: tuple[str, ...] = ()
     warnings: tuple[Problem, ...] = ()
+
+    @property
+    def file_sha256(self) -> str:
+        """SHA-256 of the experiment file's bytes; empty for an experiment without a file."""
+        return next(iter(self.files_sha256), "")
 
     @property
     def actions(self) -> list[Action]:

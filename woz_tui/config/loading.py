@@ -216,6 +216,7 @@ class _ExperimentDecoder:
             study=read_study(file, table, around),
             files=tuple(source.path.absolute() for source in self._sources),
             texts=tuple(source.text for source in self._sources),
+            files_sha256=tuple(hashlib.sha256(source.data).hexdigest() for source in self._sources),
         )
         with self._report.lenient(another is not None):
             check_shown(table.get("sensors"), _published(playing), section is not None)

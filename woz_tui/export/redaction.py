@@ -24,7 +24,7 @@ _DEEPEST = 30
 KEPT = frozenset(
     {
         *("kind", "format", "session", "participant", "condition", "wizard"),
-        *("experiment_sha256", "sha256", "original_sha256", "original_session"),
+        *("experiment_sha256", "file_sha256", "sha256", "original_sha256", "original_session"),
         *("run", "action", "panel", "source", "key", "console", "role", "profile", "phase"),
         *("command", "original_command", "verb", "driver", "when_busy", "code", "by", "lane"),
         *("scope", "confirmed", "missing", "unreached", "sensor", "unit", "bad", "state", "level"),
@@ -45,7 +45,7 @@ KEPT_IN: Mapping[str, frozenset[str]] = {
 }
 #: Texts within objects that stay: field -> names inside of it.
 KEPT_INSIDE: Mapping[str, frozenset[str]] = {
-    "software": frozenset({"name", "version"}),
+    "software": frozenset({"name", "version", "commit", "python", "machine", "libraries"}),
     "clock": frozenset({"source", "unit"}),
     "items": frozenset({"name"}),
     "panels": frozenset({"title", "name", "key", "verbs", "without"}),

@@ -145,6 +145,8 @@ class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
     machine and, where that differs, as seen from the log's. `robot`: the robot that plays the
     experiment instead of the one that its file names: a name, or a file as seen from its folder.
     `redacted`: this is a copy (`woz export --to jsonl --redact-text`) without texts and dates.
+    `file_sha256` is what `sha256sum` says of the experiment file; `experiment_sha256` covers it and
+    its robot files, one behind the other.
     """
 
     format: str = msgspec.field(default_factory=lambda: FORMAT)
@@ -161,6 +163,7 @@ class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
     spill: list[str] = []
     robot: str = ""
     redacted: bool = False
+    file_sha256: str = ""
 
 
 class SessionChanged(Message, frozen=True, kw_only=True, tag="session.changed"):
@@ -645,6 +648,7 @@ class ExperimentReloaded(Message, frozen=True, kw_only=True, tag="experiment.rel
     experiment_sha256: str
     changes: list[str]
     telling: list[str] = []
+    file_sha256: str = ""
 
 
 class ConsoleAttached(Message, frozen=True, kw_only=True, tag="console.attached"):

@@ -20,12 +20,14 @@ from woz_tui.protocol.welcome import WelcomeSettings
 class ExperimentFiles(Message, frozen=True, kw_only=True, tag="experiment.files"):
     """The experiment as it was read: name of each file, relative to the experiment's folder, and
     its text, the experiment itself first. At the beginning and after each reload. `left_out` names
-    files that are too large to be kept here.
+    files that are too large to be kept here. `files_sha256` is what `sha256sum` says of each, those
+    left out included; of the texts here alone, `~` stands for the home folder.
     """
 
     experiment_sha256: str
     files: dict[str, str]
     left_out: list[str] = []
+    files_sha256: dict[str, str] = {}
 
 
 class SessionPlan(Message, frozen=True, kw_only=True, tag="session.plan"):

@@ -8,14 +8,15 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from woz_tui import __version__
 from woz_tui.bus.hub import Hub
 from woz_tui.config.bundled_files import is_path
 from woz_tui.config.experiment import Experiment
+from woz_tui.drivers import plugins
 from woz_tui.log.file_names import from_folder, home_folder
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.system.clock import Clock, boot_id, timestamp
+from woz_tui.system.provenance import software
 
 #: Fields of a file that say which key plays an action: in our own format, and in WoZ4U's.
 _KEY_FIELDS = ("key", "key_comb")
@@ -39,9 +40,13 @@ def publish_reload(
     hub: Hub, experiment: Experiment, changes: Sequence[str], telling: Sequence[str]
 ) -> None:
     """Publish that the session goes on with a changed file, and the file."""
-    sha256 = experiment.sha256
     hub.publish(
-        m.ExperimentReloaded(experiment_sha256=sha256, changes=[*changes], telling=[*telling])
+        m.ExperimentReloaded(
+            experiment_sha256=experiment.sha256,
+            file_sha256=experiment.file_sha256,
+            changes=[*changes],
+            telling=[*telling],
+        )
     )
     hub.publish(experiment_files(experiment))
     _publish_key_notices(hub, experiment)
@@ -91,7 +96,7 @@ def session_start(
         participant=identity.participant,
         condition=identity.condition,
         wizard=identity.wizard,
-        software={"name": "woz-tui", "version": __version__},
+        software=software(plugins.GROUP),
         experiment=experiment.path.name,
         experiment_sha256=experiment.sha256,
         seed=identity.seed,
@@ -103,6 +108,7 @@ def session_start(
         },
         spill=spill,
         robot=robot_name(experiment),
+        file_sha256=experiment.file_sha256,
     )
 
 
@@ -122,7 +128,13 @@ def experiment_files(experiment: Experiment) -> m.ExperimentFiles:
             room -= need
         else:
             left_out.append(name)
-    return m.ExperimentFiles(experiment_sha256=experiment.sha256, files=files, left_out=left_out)
+    names = (from_folder(path, experiment.path.parent) for path in experiment.files)
+    return m.ExperimentFiles(
+        experiment_sha256=experiment.sha256,
+        files=files,
+        left_out=left_out,
+        files_sha256=dict(zip(names, experiment.files_sha256, strict=False)),
+    )
 
 
 def text_without_home(text: str) -> str:

@@ -125,7 +125,8 @@ def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:
         )
     yield "Wizard", isolated(figures.wizard or NONE)
     yield "Experiment", isolated(" · ".join(filter(None, (figures.title, figures.experiment))))
-    yield "Experiment file", tag("code", isolated(figures.experiment_sha256[:12] or NONE))
+    file_hash = figures.file_sha256 or figures.experiment_sha256
+    yield "Experiment file", tag("code", isolated(file_hash[:12] or NONE))
     yield (
         "Begin",
         isolated(figures.started[:19].replace("T", " ") + " UTC" if figures.started else NONE),

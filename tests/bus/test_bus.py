@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tests.bus.rig import VERBS, Rig, Scripted
-from tests.fakes.virtual_time import run_virtual, stand_still
+from tests.fakes.virtual_time import LoopClock, run_virtual, stand_still
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.drivers.contract import Argument, DeviceLostError, DriverError, Job, StopReport, Verb
@@ -38,6 +38,34 @@ def test_a_command_is_recorded_then_dispatched_then_done() -> None:
     assert isinstance(done, m.Done)
     assert done.sent == {"seconds": 1.5}
     assert done.duration_us == pytest.approx(1_500_000, abs=10)
+
+
+class SteppingClock(LoopClock):
+    """A microsecond passes whenever somebody looks, as it does on a slow machine."""
+
+    looks = 0
+
+    def now_us(self) -> int:
+        self.looks += 1
+        return super().now_us() + self.looks
+
+
+def test_a_command_was_dispatched_when_its_latency_says() -> None:
+    async def go() -> Rig:
+        rig = Rig(clock=SteppingClock(asyncio.get_running_loop()))
+        rig.send("say", seconds=1)
+        rig.send("say", seconds=1)
+        await asyncio.sleep(10)
+        return rig
+
+    lines = run_virtual(go()).lines
+    asked = {line.command: line.t for line in lines if isinstance(line, Command)}
+    began = {line.command: line for line in lines if isinstance(line, m.Dispatched)}
+    ended = {line.command: line.latency_us for line in lines if isinstance(line, m.Done)}
+    for command, line in began.items():
+        assert line.t == asked[command] + line.latency_us
+        assert line.latency_us == ended[command]
+    assert len(began) == len(ended) == 2
 
 
 def test_what_an_argument_hides_is_neither_recorded_nor_carried_out() -> None:

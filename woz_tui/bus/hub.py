@@ -119,15 +119,17 @@ class Hub:
         """A time of the clock as microseconds since the session began."""
         return clock_us - self._zero_us
 
-    def publish(self, message: M) -> M:
-        """Stamp `message`, have it recorded, hand it round; returns it as stamped."""
+    def publish(self, message: M, t: int | None = None) -> M:
+        """Stamp `message`, have it recorded, hand it round; returns it as stamped. `t`: the moment
+        that was just taken for it with `now`, for a message that counts from there.
+        """
         sample = codec.is_sample(message)
         if self._requester and isinstance(message, NAMES_CONSOLE):
             message = msgspec.structs.replace(message, console=self._requester)
         stamped = msgspec.structs.replace(
             message,
             seq=self._seq,
-            t=self.now(),
+            t=self.now() if t is None else t,
             ts="" if sample else timestamp(self._clock.wall()),
         )
         self._seq += 1

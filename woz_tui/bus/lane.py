@@ -303,14 +303,15 @@ class Lane:
         self._current = pending
         if pending.verb.arrives:
             self.end_motions("replaced by a newer one", pending.command.command)
+        started_us = self._hub.now()
         self._hub.publish(
             Dispatched(
                 command=pending.command.command,
                 driver=self.driver_name,
-                latency_us=self._hub.now() - pending.requested_us,
-            )
+                latency_us=started_us - pending.requested_us,
+            ),
+            started_us,
         )
-        started_us = self._hub.now()
         job = LaneJob(pending, args, lambda seconds: self._extend(pending, seconds))
         call = DriverCall(self.driver_name, f"perform {job.verb}")
         task = loop.create_task(guarded(lambda: self._driver.perform(job), call))

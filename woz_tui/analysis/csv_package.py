@@ -10,8 +10,10 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
@@ -35,18 +37,59 @@ DICTIONARY = "datapackage.json"
 _cell = lru_cache(maxsize=4096, typed=True)(cell)
 
 
+@dataclass(frozen=True, slots=True)
+class CsvFormat:
+    """What stands between cells and in numbers; `mark`: before the first byte, by which a
+    spreadsheet knows UTF-8.
+    """
+
+    delimiter: str = ","
+    decimal: str = "."
+    mark: str = ""
+
+    def cell(self, value: Cell, *, text: bool) -> str:
+        """A value as it stands in a table; `text` False: a `str` may be a number."""
+        written = _cell(value, text=text)
+        if self.decimal == "." or (isinstance(value, str) and text):
+            return written
+        return written.replace(".", self.decimal)
+
+
+PLAIN = CsvFormat()
+_POINT, _COMMA = CsvFormat(mark="\ufeff"), CsvFormat(";", ",", "\ufeff")
+#: The language of a spreadsheet -> what it opens by a double click.
+SPREADSHEETS: Mapping[str, CsvFormat] = {
+    **dict.fromkeys(("de", "es", "fr", "it", "nl", "sv"), _COMMA),
+    **dict.fromkeys(("en", "ja"), _POINT),
+}
+#: Texts that Excel takes for numbers, dates or truth values, and changes when it opens them.
+_CHANGED = re.compile(
+    r"0\d+|\d{16,}|\d+[eE]\d+|true|false"
+    r"|(?:jan|feb|mar|mrz|apr|may|mai|jun|jul|aug|sep|oct|okt|nov|dec|dez)[a-z]{0,6}\d{1,4}"
+    r"|\d{1,4}(?:jan|feb|mar|mrz|apr|may|mai|jun|jul|aug|sep|oct|okt|nov|dec|dez)",
+    re.IGNORECASE,
+)
+
+
 class TableFiles:
     """Writes the tables of one session after the other; `finish` completes the files.
 
     Args:
         opened: Opens a new text file by its name, line ends as they are given.
         more: Tables besides `FIGURES`, whose rows are written with `write`.
+        csv_format: How cells and numbers are written.
     """
 
     def __init__(
-        self, opened: Callable[[str], TextIO], more: Sequence[TableDefinition[Any]] = ()
+        self,
+        opened: Callable[[str], TextIO],
+        more: Sequence[TableDefinition[Any]] = (),
+        csv_format: CsvFormat = PLAIN,
     ) -> None:
         self._opened = opened
+        self._format = csv_format
+        #: Codes that a spreadsheet changes, as far as they were told.
+        self._changed: set[str] = set()
         self._tables = (*more, *FIGURES)
         self._files = ExitStack()
         self._wide: list[dict[str, Cell]] = []
@@ -56,17 +99,27 @@ class TableFiles:
 
     def _begun(self, table: TableDefinition[Any]) -> Writer:
         file = self._files.enter_context(self._opened(f"{table.name}.csv"))
-        writer = csv.writer(file, lineterminator="\r\n")
+        file.write(self._format.mark)
+        writer = csv.writer(file, delimiter=self._format.delimiter, lineterminator="\r\n")
         writer.writerow([cell(column.name) for column in table.columns])
         return writer
 
-    def add(self, figures: SessionFigures) -> None:
-        """Write all figures of one session."""
+    def add(self, figures: SessionFigures) -> list[str]:
+        """Write all figures of one session; returns, in sentences, what a spreadsheet would change
+        in them.
+        """
         for table in FIGURES:
             self.write(table, figures, table.rows(figures))
         self._wide += rounds_wide(figures)
         if figures.wholeness.sentences:
             self._damage[figures.stem] = figures.wholeness.sentences
+        codes = {figures.session, figures.wizard, *figures.participants, *figures.conditions}
+        changed = {code for code in codes if _CHANGED.fullmatch(code)} - self._changed
+        self._changed |= changed
+        if not changed:
+            return []
+        names = ", ".join(sorted(changed))
+        return [f"a spreadsheet changes {names} when it opens a table: import the columns as text"]
 
     def write(
         self, table: TableDefinition[Any], figures: SessionFigures, rows: Iterable[object]
@@ -74,7 +127,7 @@ class TableFiles:
         """Write rows of one session to a table."""
         columns = [(column.cell, column.type == "string") for column in table.columns]
         self._writers[table.name].writerows(
-            [_cell(of(figures, row), text=text) for of, text in columns] for row in rows
+            [self._format.cell(of(figures, row), text=text) for of, text in columns] for row in rows
         )
 
     def finish(self) -> None:
@@ -83,8 +136,9 @@ class TableFiles:
         wide = answers_wide(dict.fromkeys(items))
         writer = self._begun(wide)
         for row in self._wide:
-            writer.writerow([cell(column.cell(_NONE, row)) for column in wide.columns])
-        package = _package((*self._tables, wide), self._damage)
+            values = (column.cell(_NONE, row) for column in wide.columns)
+            writer.writerow([self._format.cell(value, text=True) for value in values])
+        package = _package((*self._tables, wide), self._damage, self._format)
         with self._opened(DICTIONARY) as file:
             file.write(json.dumps(package, indent=2, ensure_ascii=False) + "\n")
         self.close()
@@ -99,7 +153,7 @@ _NONE: Any = None
 
 
 @contextmanager
-def table_files(folder: Path) -> Iterator[TableFiles]:
+def table_files(folder: Path, csv_format: CsvFormat = PLAIN) -> Iterator[TableFiles]:
     """Opens the tables in a folder that may exist already; files of these names are replaced.
 
     Raises:
@@ -113,7 +167,7 @@ def table_files(folder: Path) -> Iterator[TableFiles]:
         os.fchmod(taken, 0o600)  # also where it was there
         return os.fdopen(taken, "w", encoding="utf-8", newline="")
 
-    files = TableFiles(opened)
+    files = TableFiles(opened, csv_format=csv_format)
     try:
         yield files
         files.finish()
@@ -122,7 +176,9 @@ def table_files(folder: Path) -> Iterator[TableFiles]:
 
 
 def _package(
-    tables: Iterable[TableDefinition[Any]], damage: Mapping[str, Sequence[str]]
+    tables: Iterable[TableDefinition[Any]],
+    damage: Mapping[str, Sequence[str]],
+    csv_format: CsvFormat,
 ) -> dict[str, Any]:
     """A Frictionless data package, https://specs.frictionlessdata.io/tabular-data-package/."""
     return {
@@ -130,12 +186,12 @@ def _package(
         "profile": "tabular-data-package",
         "title": "Sessions of wizard-of-Oz experiments",
         "description": f"Written by woz-tui {__version__}. {GUARDED}",
-        "resources": [_resource(table) for table in tables],
+        "resources": [_resource(table, csv_format) for table in tables],
         **({"damage": damage} if damage else {}),
     }
 
 
-def _resource(table: TableDefinition[Any]) -> dict[str, Any]:
+def _resource(table: TableDefinition[Any], csv_format: CsvFormat) -> dict[str, Any]:
     schema: dict[str, Any] = {
         "fields": [
             {
@@ -143,6 +199,11 @@ def _resource(table: TableDefinition[Any]) -> dict[str, Any]:
                 "type": column.type,
                 "description": column.meaning,
                 **({"unit": column.unit} if column.unit else {}),
+                **(
+                    {"decimalChar": csv_format.decimal}
+                    if column.type == "number" and csv_format.decimal != "."
+                    else {}
+                ),
             }
             for column in table.columns
         ],
@@ -157,7 +218,12 @@ def _resource(table: TableDefinition[Any]) -> dict[str, Any]:
         "profile": "tabular-data-resource",
         "format": "csv",
         "mediatype": "text/csv",
-        "encoding": "utf-8",
-        "dialect": {"delimiter": ",", "quoteChar": '"', "doubleQuote": True, "header": True},
+        "encoding": "utf-8-sig" if csv_format.mark else "utf-8",
+        "dialect": {
+            "delimiter": csv_format.delimiter,
+            "quoteChar": '"',
+            "doubleQuote": True,
+            "header": True,
+        },
         "schema": schema,
     }

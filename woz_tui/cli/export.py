@@ -6,6 +6,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from woz_tui.analysis.csv_package import SPREADSHEETS
 from woz_tui.analysis.participants import alike_sentence
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.error_sentences import with_error_sentences
@@ -42,6 +43,14 @@ def add(parser: ArgumentParser) -> None:
         action="store_true",
         help="leave out the sound of the visitor's voice (eaf, textgrid)",
     )
+    parser.add_argument(
+        "--spreadsheet",
+        choices=sorted(SPREADSHEETS),
+        default="",
+        metavar="LANGUAGE",
+        help="tables as a spreadsheet in this language opens them by a double click (csv):"
+        f" {', '.join(sorted(SPREADSHEETS))}",
+    )
     media = parser.add_argument_group("a video of the session, for --to eaf")
     media.add_argument("--media", type=Path, metavar="FILE", help="a video or sound")
     media.add_argument(
@@ -66,11 +75,14 @@ def _run(arguments: Namespace) -> int:
         raise ExportError(
             f"--to {arguments.to} cannot include --samples", "use --to csv or bids for them"
         )
+    if arguments.spreadsheet and arguments.to != "csv":
+        raise ExportError("--spreadsheet needs --to csv", "leave it out")
     options = ExportOptions(
         redact=arguments.redact_text,
         samples=arguments.samples,
         sound=not (arguments.no_sound or arguments.redact_text),
         media=arguments.media,
+        spreadsheet=arguments.spreadsheet,
         offset=_microseconds(arguments),
     )
     sources, problems = find_sources(arguments.file)

@@ -29,6 +29,13 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--csv", type=Path, metavar="FOLDER", help="write the figures as tidy CSV files"
     )
+    parser.add_argument(
+        "--spreadsheet",
+        choices=("de", "en", "es", "fr", "it", "ja", "nl", "sv"),
+        default="",
+        metavar="LANGUAGE",
+        help="with --csv: as a spreadsheet in this language opens them by a double click",
+    )
     parser.add_argument("--html", type=Path, metavar="FILE", help="write one self-contained page")
     parser.add_argument("--json", action="store_true", help="one JSON object, for programs")
     parser.add_argument(
@@ -77,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _report(arguments: argparse.Namespace) -> int:
     from woz_tui.analysis import figures_json  # noqa: PLC0415
-    from woz_tui.analysis.csv_package import table_files  # noqa: PLC0415
+    from woz_tui.analysis.csv_package import PLAIN, SPREADSHEETS, table_files  # noqa: PLC0415
     from woz_tui.analysis.participant_groups import GroupedSessions  # noqa: PLC0415
 
     reading = SessionReader(arguments)
@@ -90,8 +97,10 @@ def _report(arguments: argparse.Namespace) -> int:
             for report in reading.reports(_extras(arguments, len(reading.paths))):
                 grouped.add(report.figures)
                 if arguments.csv:  # opened late: of no session, older ones are not emptied
-                    files = files or opened.enter_context(table_files(arguments.csv))
-                    files.add(report.figures)
+                    csv_format = SPREADSHEETS.get(arguments.spreadsheet, PLAIN)
+                    files = files or opened.enter_context(table_files(arguments.csv, csv_format))
+                    for sentence in files.add(report.figures):
+                        print(f"woz report: {sentence}", file=sys.stderr)
                 if arguments.json:
                     sessions.append(figures_json.plain(report.figures))
                 if arguments.html or len(reading.paths) == 1:

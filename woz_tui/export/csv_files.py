@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import msgspec
 
-from woz_tui.analysis.csv_package import DICTIONARY, GUARDED, TableFiles
+from woz_tui.analysis.csv_package import DICTIONARY, GUARDED, PLAIN, SPREADSHEETS, TableFiles
 from woz_tui.analysis.tables import EVENTS, SAMPLES
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
@@ -30,8 +30,9 @@ _ABOUT = f"""## Files
 - `samples.csv`: values of the sensors (only with `--samples`)
 - `{DICTIONARY}`: what each column means, its type and unit
 
-The column `log` ties them together. CSV as in RFC 4180: UTF-8, commas, a dot in decimals, CR LF at
-the end of a row. An empty cell: there is no such value. {GUARDED}"""
+The column `log` ties them together. CSV as in RFC 4180: UTF-8, commas, a dot in decimals (with
+`--spreadsheet`: what that language has, see `{DICTIONARY}`), CR LF at the end of a row. An empty
+cell: there is no such value. {GUARDED}"""
 
 
 class CsvExporter(Exporter):
@@ -44,17 +45,18 @@ class CsvExporter(Exporter):
     def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         super().__init__(folder, options)
         samples = [SAMPLES] if options.samples else []
-        self._tables = TableFiles(folder.text, [EVENTS, *samples])
+        csv_format = SPREADSHEETS.get(options.spreadsheet, PLAIN)
+        self._tables = TableFiles(folder.text, [EVENTS, *samples], csv_format)
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """Writes one session."""
-        self._tables.add(session.figures)
+        notes = self._tables.add(session.figures)
         self._tables.write(EVENTS, session.figures, session.events)
         if not self._options.samples:
-            return []
+            return notes
         damage = Damage()
         self._tables.write(SAMPLES, session.figures, self._samples(source, damage))
-        return (nameless(damage) if self._options.redact else damage).sentences()
+        return [*notes, *(nameless(damage) if self._options.redact else damage).sentences()]
 
     def _samples(self, source: LogSource, damage: Damage) -> Iterable[Reading]:
         for reading in source.samples(damage):

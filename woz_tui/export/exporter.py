@@ -36,6 +36,7 @@ class ExportOptions:
         samples: The values of the sensors too.
         sound: Write what was recorded of the visitor, as one file for each session.
         media: A video or sound of the session to open it with.
+        spreadsheet: The language of the spreadsheet that is to open tables; empty: none.
         offset: The session's beginning in `media`, microseconds; negative: it began before.
     """
 
@@ -43,6 +44,7 @@ class ExportOptions:
     samples: bool = False
     sound: bool = True
     media: Path | None = None
+    spreadsheet: str = ""
     offset: int = 0
 
 

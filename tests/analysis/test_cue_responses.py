@@ -8,6 +8,8 @@ from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, 
 from tests.protocol.examples import messages as examples
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.report_tables import cues as cues_table
+from woz_tui.analysis.report_tables import figures_table
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 
@@ -246,3 +248,24 @@ def test_trained_cues_are_judged_by_the_training() -> None:
 
 def test_without_training_there_is_none() -> None:
     assert session_figures(ExampleSession().act(1).end(2)).training is None
+
+
+def test_nobody_reacts_within_150_milliseconds() -> None:
+    for moment, expected in ((3.081, ("answered_early", None)), (3.15, ("answered", 0.15))):
+        figures = session_figures(ExampleSession().speech(1, 3).act(moment).end(20))
+        assert [fate[1:] for fate in fates(figures)] == [expected]
+    marked = ExampleSession().add(3, m.Marker(text="go", source="key")).act(3.1).end(20)
+    assert fates(session_figures(marked)) == [("marker", "answered_early", None)]
+
+
+def test_fewer_than_five_reactions_have_no_main_figure() -> None:
+    for cues in (4, 5):
+        session = ExampleSession()
+        for place in range(cues):
+            session.speech(20 * place + 1, 20 * place + 3).act(20 * place + 4)
+        figures = session_figures(session.end(200))
+        shown = {str(row[0]) for row in figures_table(figures).rows}
+        assert ("Reaction, median" in shown) is (cues == 5)
+        assert cues_table(figures).rows[0][-3] == "1.00 s", (
+            "the table of cues says how long each took"
+        )

@@ -27,6 +27,8 @@ ECHO_US = 1_000_000
 #: waiting for the end of it, is the answer: whoever listens hears the end of a sentence coming, and
 #: a microphone reports it late, after a second of silence.
 EARLY_US = 1_000_000
+#: Nobody reacts within this time (microseconds): whoever acts so soon had begun before the cue.
+SOONEST_US = 150_000
 #: States of the engagement model in which the visitor waits for an answer.
 WAITING = ("RobotThinks",)
 #: Acts that may come before the line of the cue they answer.
@@ -168,7 +170,11 @@ class _Cues:
 
     def _answer(self, cue: _Open, act: WizardAct) -> None:
         reaction = act.begin - cue.t
-        if reaction > self._window:
+        if reaction < SOONEST_US:
+            if not cue.echo:
+                self._early = cue
+            self._close(cue, "answered_early", action=act.label, run=id_of(act))
+        elif reaction > self._window:
             self._close(cue, "missed")
         else:
             self._close(cue, "answered", reaction_us=reaction, action=act.label, run=id_of(act))

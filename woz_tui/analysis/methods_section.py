@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.report_tables import FEWEST
 from woz_tui.analysis.study_figures import StudyFacts, WizardTraining
 from woz_tui.analysis.text_format import (
     Some,
@@ -329,7 +330,7 @@ def _reacted(facts: StudyFacts) -> Iterator[str]:
         f" {facts.results['answered']} within {_seconds(facts.window_us)} s"
         f"{share}."
     )
-    if facts.reactions.n:
+    if facts.reactions.n >= FEWEST:
         yield f"The reaction time was {_spread(facts.reactions, _seconds, 's')}."
 
 

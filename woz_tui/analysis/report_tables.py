@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, TrialRow, value_text
 from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, PartFigures, SessionFigures
-from woz_tui.analysis.measures import BY_NAME, Measure, title_of
+from woz_tui.analysis.measures import BY_NAME, Measure, reactions, title_of
 from woz_tui.analysis.participant_groups import (
     ConditionRow,
     ConditionTotal,
@@ -56,6 +56,9 @@ PAGE_COLUMNS = (
     *("duration", "trials", "wizard_actions", "reaction_median_s", "cues_missed"),
     *("press_median_ms", "engaged_share", "mistakes", "stops"),
 )
+#: Of fewer reactions than this no main figure says how long they took: their table does.
+FEWEST = 5
+_OF_REACTIONS = ("reaction_median_s", "reaction_p95_s")
 #: All of which a table has a title.
 DEFINED = tuple(
     dict.fromkeys((*_OF_SESSION, *TERMINAL_COLUMNS, "cues_answered_early", "cues_superseded"))
@@ -112,7 +115,9 @@ def measure_text(measure: Measure, value: float | None) -> str:
 
 
 def figure_text(part: PartFigures, name: str) -> str:
-    """A main figure of a part, by its name."""
+    """A main figure of a part, by its name; none of reaction times that are too few."""
+    if name in _OF_REACTIONS and reactions(part).times.n < FEWEST:
+        return NONE
     return measure_text(BY_NAME[name], BY_NAME[name].of(part))
 
 
@@ -150,7 +155,9 @@ def figures_table(figures: SessionFigures) -> ReportTable:
     for measure in map(BY_NAME.__getitem__, _OF_SESSION):
         values = [measure.of(part) for part in (figures.whole, *parts)]
         if any(values) or (measure.unit == "ms" and set(values) != {None}):
-            cells = [measure_text(measure, value) for value in values]
+            cells = [figure_text(part, measure.name) for part in (figures.whole, *parts)]
+            if set(cells) == {NONE}:
+                continue
             rows.append([title_of(measure.name), *cells])
     return ReportTable("Figures", ["", "All", *heads], rows, definitions=_DEFINITIONS)
 

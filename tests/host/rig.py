@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import json
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
-from tests.session.rig import ScriptedDriver, experiment
+from tests.session.rig import PATIENCE_S as WAIT_S
+from tests.session.rig import SessionRig, experiment
 from woz_tui.config.experiment import Experiment, SessionSettings
 from woz_tui.drivers.contract import Driver
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.host.session_server import SessionServer
 from woz_tui.log.disk import LogDisk
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.session import Session
 from woz_tui.session.typed_actions import Reader
 from woz_tui.system.clock import RealClock
 from woz_tui.system.session_sockets import bind
-
-WAIT_S = 40.0
 
 
 class Peer:
@@ -73,17 +68,32 @@ class Peer:
         self.writer.close()
 
 
-class ServedSession:
-    """The host, its session and where to connect."""
+class ServedSession(SessionRig):
+    """A session, the host that serves it, and where to connect."""
 
-    def __init__(self, host: SessionServer, path: Path, lines: list[m.AnyMessage]) -> None:
-        self.host = host
-        self.session = host.session
+    def __init__(
+        self,
+        folder: Path,
+        path: Path,
+        load: Callable[[], Experiment] | None,
+        read: Reader | None,
+        **session: Any,
+    ) -> None:
+        super().__init__(folder, rests=False, **session)
         self.path = path
-        self.lines = lines
-        self._seen = asyncio.Event()
+        handlers = RequestHandlers(self.session, load or (lambda: self.experiment), read)
+        self.host = SessionServer(self.session, path, handlers, pulse_s=0.05)
         self._peers: list[Peer] = []
-        self.session.hub.listen(lambda message: self._seen.set())
+
+    async def __aenter__(self) -> Self:
+        await super().__aenter__()
+        self.host.listen(bind(self.path))
+        return self
+
+    async def __aexit__(self, *failed: object) -> None:
+        await super().__aexit__(*failed)
+        await self.host.close()
+        self.leave()
 
     async def connect(self) -> Peer:
         # Kept: from Python 3.13 on a connection that nobody holds any more closes by itself.
@@ -98,25 +108,11 @@ class ServedSession:
 
     async def published(self, wanted: Callable[[m.AnyMessage], bool]) -> m.AnyMessage:
         """Wait until a message that fits has been published."""
-
-        async def look() -> m.AnyMessage:
-            while True:
-                for line in self.lines:
-                    if wanted(line):
-                        return line
-                self._seen.clear()
-                await self._seen.wait()
-
-        return await asyncio.wait_for(look(), WAIT_S)
-
-    def driver(self) -> ScriptedDriver:
-        driver = self.session.drivers["robot"]
-        assert isinstance(driver, ScriptedDriver)
-        return driver
+        await self.until(lambda: any(map(wanted, self.lines)))
+        return next(filter(wanted, self.lines))
 
 
-@contextlib.asynccontextmanager
-async def served_session(
+def served_session(
     tmp_path: Path,
     settings: SessionSettings | None = None,
     load: Callable[[], Experiment] | None = None,
@@ -127,33 +123,11 @@ async def served_session(
     clock: RealClock | None = None,
     read: Reader | None = None,
     disk: LogDisk | None = None,
-) -> AsyncIterator[ServedSession]:
+) -> ServedSession:
     """A host that serves until the block ends."""
-    clock = clock or RealClock()
-    recorder = Recorder(tmp_path / "recordings", "made", clock, spill=tmp_path / "more", disk=disk)
     made = made or experiment(tmp_path)
     if load is None and read is None:  # nobody beats here, unless a test is about that
         settings = settings or replace(made.session, dead_man=60.0)
     made = replace(made, session=settings) if settings else made
-    session = Session(
-        made,
-        catalogue or {"puppet": ScriptedDriver},
-        SessionIdentity(participant="P07", condition="warm"),
-        recorder,
-        clock,
-    )
-    lines: list[m.AnyMessage] = []
-    session.hub.listen(lines.append)
-    path = path or tmp_path / "s"
-    host = SessionServer(
-        session, path, RequestHandlers(session, load or (lambda: made), read), pulse_s=0.05
-    )
-    await session.open()
-    host.listen(bind(path))
-    place = ServedSession(host, path, lines)
-    try:
-        yield place
-    finally:
-        await session.close("test", rest=False)
-        await host.close()
-        place.leave()
+    session = {"made": made, "catalogue": catalogue, "clock": clock or RealClock(), "disk": disk}
+    return ServedSession(tmp_path, path or tmp_path / "s", load, read, **session)

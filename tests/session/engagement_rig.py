@@ -8,19 +8,24 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tests.fakes.virtual_time import LoopClock, run_virtual
-from tests.session.rig import HERE, NoSettings, ScriptedDriver, action, call, experiment, together
+from tests.session.rig import (
+    HERE,
+    NoSettings,
+    ScriptedDriver,
+    SessionRig,
+    action,
+    call,
+    experiment,
+    together,
+)
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Engagement, Experiment, Panel
 from woz_tui.drivers.contract import Argument, Driver, DriverError, Job, Verb
 from woz_tui.drivers.fields import Range
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.session import Session
-from woz_tui.system.clock import RealClock
 
 WIZARD = RequestOrigin("key", "k", "con1")
 SENSORS = ("presence", "gaze", "distance", "identity", "loudness", "direction")
@@ -101,32 +106,18 @@ def effect(state: str, *steps: Any) -> dict[str, Action]:
     return {state: replace(action(f"on {state}", *steps, panel=""), key="")}
 
 
-class EngagementRig:
-    """A session, everything it published, and a visitor in front of the robot."""
+class EngagementRig(SessionRig):
+    """A session with the engagement model, and a visitor in front of the robot."""
 
     def __init__(
         self,
-        tmp_path: Path,
+        folder: Path,
         experiment: Experiment,
         kind: type[Driver] = GuideDriver,
         identity: SessionIdentity | None = None,
     ) -> None:
-        self.lines: list[m.AnyMessage] = []
-        clock = LoopClock(asyncio.get_running_loop())
-        # The disk's time is real: in virtual time it would seem to stall.
-        self.recorder = Recorder(
-            tmp_path / "recordings", "made", RealClock(), spill=tmp_path / "more"
-        )
-        catalogue: dict[str, type[Driver]] = {spec.type: kind for spec in experiment.drivers}
-        self.session = Session(
-            experiment,
-            catalogue,
-            identity or SessionIdentity(participant="P07", condition="warm"),
-            self.recorder,
-            clock,
-        )
-        self.lines += self.session.recent.lines
-        self.session.hub.listen(self.lines.append)
+        catalogue = dict.fromkeys((spec.type for spec in experiment.drivers), kind)
+        super().__init__(folder, identity=identity, catalogue=catalogue, made=experiment)
 
     @property
     def robot(self) -> GuideDriver:
@@ -177,9 +168,6 @@ class EngagementRig:
 
     # -- what came of it ---------------------------------------------------------------------------
 
-    def of(self, kind: type[Any]) -> list[Any]:
-        return [line for line in self.lines if isinstance(line, kind)]
-
     @property
     def path(self) -> list[str]:
         """The states, from the first change on."""
@@ -202,8 +190,7 @@ class EngagementRig:
 
     @property
     def engagement_shown(self) -> m.EngagementShown:
-        engagement_shown: m.EngagementShown = self.of(m.EngagementShown)[-1]
-        return engagement_shown
+        return self.of(m.EngagementShown)[-1]
 
 
 def in_room(
@@ -215,13 +202,4 @@ def in_room(
     linger: float = 3.0,
 ) -> EngagementRig:
     """Play `scenario` in virtual time; the session is closed at the end."""
-
-    async def go() -> EngagementRig:
-        rig = EngagementRig(tmp_path, experiment or guided(tmp_path), kind)
-        await rig.session.open()
-        await scenario(rig)
-        await asyncio.sleep(linger)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    return EngagementRig(tmp_path, experiment or guided(tmp_path), kind).run(scenario, linger)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+import functools
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self, TypeVar
 
-from tests.fakes.virtual_time import LoopClock
+from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.config.experiment import (
     Action,
     Call,
@@ -38,9 +39,13 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
-from woz_tui.system.clock import RealClock
+from woz_tui.system.clock import Clock, RealClock
 
 HERE = FilePosition("made.yaml", 1, 1)
+#: Longer than anything here takes.
+PATIENCE_S = 40.0
+
+Kind = TypeVar("Kind", bound=m.Message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,38 +153,106 @@ def experiment(tmp_path: Path, drivers: tuple[str, ...] = ("robot",)) -> Experim
 
 
 class SessionRig:
-    """A session and everything it published."""
+    """A session in this process and everything it published: `async with`, or `run`.
+
+    Args:
+        folder: Where its log goes, into `recordings`.
+        drivers: Whom the experiment made by hand has, if no other is given.
+        identity: Who takes part.
+        catalogue: Driver classes by type.
+        made: The experiment.
+        clock: Time; by default that of the running loop, and real time for the disk.
+        stem: What the names of its files begin with.
+        rests: Whether drivers rest at the end.
+        disk: The calls to the operating system.
+    """
 
     def __init__(
         self,
-        tmp_path: Path,
+        folder: Path,
         drivers: tuple[str, ...] = ("robot",),
         identity: SessionIdentity | None = None,
         catalogue: Mapping[str, type[Driver]] | None = None,
         made: Experiment | None = None,
         *,
+        clock: Clock | None = None,
+        stem: str = "made",
+        rests: bool = True,
         disk: LogDisk | None = None,
     ) -> None:
         self.lines: list[m.AnyMessage] = []
-        puppets: dict[str, type[Driver]] = {"puppet": ScriptedDriver}
-        clock = LoopClock(asyncio.get_running_loop())
         # The disk's time is real: in virtual time it would seem to stall.
         self.recorder = Recorder(
-            tmp_path / "recordings", "made", RealClock(), spill=tmp_path / "more", disk=disk
+            folder / "recordings", stem, clock or RealClock(), spill=folder / "more", disk=disk
         )
-        self.session = Session(
-            made or experiment(tmp_path, drivers),
-            catalogue or puppets,
-            identity or SessionIdentity(participant="P07", condition="warm"),
+        self.experiment = made or experiment(folder, drivers)
+        self._catalogue = catalogue or {"puppet": ScriptedDriver}
+        self._identity = identity or SessionIdentity(participant="P07", condition="warm")
+        self._clock = clock
+        self._rests = rests
+        self._news = asyncio.Event()
+
+    @functools.cached_property
+    def session(self) -> Session:
+        """The session, made in the loop that runs when it is first asked for."""
+        session = Session(
+            self.experiment,
+            self._catalogue,
+            self._identity,
             self.recorder,
-            clock,
+            self._clock or LoopClock(asyncio.get_running_loop()),
         )
-        self.session.hub.listen(self.lines.append)
+        self.lines += session.recent.lines
+        session.hub.listen(self._take)
+        return session
+
+    def _take(self, message: m.AnyMessage) -> None:
+        self.lines.append(message)
+        self._news.set()
+
+    async def __aenter__(self) -> Self:
+        await self.session.open()
+        return self
+
+    async def __aexit__(self, *failed: object) -> None:
+        await self.session.close("test", self._rests)
+
+    def run(self, scenario: Callable[[Self], Awaitable[None]], linger: float = 0.0) -> Self:
+        """Play `scenario` in virtual time and close the session so many seconds later."""
+
+        async def whole() -> None:
+            async with self:
+                await scenario(self)
+                await asyncio.sleep(linger)
+
+        run_virtual(whole())
+        return self
+
+    async def until(self, holds: Callable[[], bool]) -> None:
+        """Return when `holds()`, which is asked after every message."""
+        async with asyncio.timeout(PATIENCE_S):
+            while not holds():
+                self._news.clear()
+                await self._news.wait()
 
     def driver(self, name: str = "robot") -> ScriptedDriver:
         driver = self.session.drivers[name]
         assert isinstance(driver, ScriptedDriver)
         return driver
 
+    # -- what came of it ---------------------------------------------------------------------------
+
+    def of(self, *kinds: type[Kind]) -> list[Kind]:
+        """Messages of these kinds, in order."""
+        return [line for line in self.lines if isinstance(line, kinds)]
+
     def kinds(self, *kinds: type[m.Message]) -> list[str]:
-        return [type(line).__name__ for line in self.lines if isinstance(line, kinds)]
+        return [type(line).__name__ for line in self.of(*kinds)]
+
+    def values(self, sensor: str) -> list[float]:
+        """What a sensor said, without the times when it knew nothing."""
+        return [
+            line.value
+            for line in self.of(m.Reading)
+            if line.sensor == sensor and line.value is not None
+        ]

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Awaitable, Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import msgspec
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import (
@@ -81,22 +79,14 @@ def on_stage(
     disk: LogDisk | None = None,
 ) -> SessionRig:
     """Plays the scenario in virtual time, then ends the session."""
-
-    async def go() -> SessionRig:
-        who = identity or SessionIdentity()
-        rig = SessionRig(tmp_path, identity=who, made=study_experiment(tmp_path, study), disk=disk)
-        await rig.session.open()
-        await scenario(rig)
-        await asyncio.sleep(1)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    made = study_experiment(tmp_path, study)
+    rig = SessionRig(tmp_path, identity=identity or SessionIdentity(), made=made, disk=disk)
+    return rig.run(scenario, 1)
 
 
 def short_messages(rig: SessionRig, *kinds: type[m.Message]) -> list[str]:
     """Messages of these kinds in short: the kind's tag and what it is about."""
-    return [_short(line) for line in rig.lines if isinstance(line, kinds)]
+    return [_short(line) for line in rig.of(*kinds)]
 
 
 def _short(line: m.Message) -> str:

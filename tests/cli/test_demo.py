@@ -11,16 +11,14 @@ from pathlib import Path
 import pytest
 from woz_drivers.microphone import voice_detection
 
-from tests.drivers.published_messages import until
+from tests.session.rig import SessionRig
 from woz_tui.cli import demo
 from woz_tui.cli import run as run_command
 from woz_tui.config.bundled_files import bundled_file, robot_files
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 
@@ -121,22 +119,10 @@ async def test_the_machines_microphone_is_heard_and_its_lack_is_a_sentence(
     file = bundled_file(demo.DEMOS[demo.WITH_REAL][0])
     assert file is not None
     experiment = load(file, installed(), robot=demo.REAL[False, True])
-    recorder = Recorder(tmp_path / "recordings", "demo", RealClock(), spill=tmp_path / "more")
-    session = Session(
-        experiment,
-        installed(),
-        SessionIdentity(participant="G01", condition="alone"),
-        recorder,
-        RealClock(),
-    )
-    heard: list[m.AnyMessage] = []
-    session.hub.listen(heard.append)
-    await session.open()
-    try:
-        await until(lambda: any(isinstance(one, kind) for one in heard))
-    finally:
-        await session.close("test")
-    found = next(one for one in heard if isinstance(one, kind))
+    who = SessionIdentity(participant="G01", condition="alone")
+    async with SessionRig(tmp_path, (), who, installed(), experiment, clock=RealClock()) as rig:
+        await rig.until(lambda: rig.of(kind))
+    found = rig.of(kind)[0]
     if isinstance(found, m.DriverLost):
         assert says in found.detail
         assert found.remedy

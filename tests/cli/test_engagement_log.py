@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import itertools
 import json
 import random
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.fakes.virtual_time import LoopClock, run_virtual
+from tests.session.rig import SessionRig
 from tools import EXPERIMENTS
 from tools.demo_session import catalogue
 from woz_tui import cli
@@ -22,13 +23,11 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.log.log_reader import Damage
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.session import Session
-from woz_tui.system.clock import RealClock
 
 GUIDE = EXPERIMENTS / "guide.yaml"
 SECONDS = 240.0
@@ -81,27 +80,26 @@ async def _meddle(session: Session, seed: int) -> None:
             continue
 
 
-async def _recorded(folder: Path, seed: int | None) -> Path:
-    loop = asyncio.get_running_loop()
-    drivers = catalogue()
-    # The disk's time is real: in virtual time it would seem to stall, and the log would move on.
-    recorder = Recorder(folder, "2026-03-01T10-00-00_G01_S01", RealClock(), spill=folder / "more")
-    identity = SessionIdentity(participant="G01", condition="alone", wizard="W1", seed=1)
-    session = Session(load(GUIDE, drivers), drivers, identity, recorder, LoopClock(loop))
-    await session.open()
-    meddling = None if seed is None else loop.create_task(_meddle(session, seed))
-    await asyncio.sleep(SECONDS)
-    if meddling is not None:
-        meddling.cancel()
-    await session.close("enough", rest=False)
-    return recorder.path
+def record_guide(folder: Path, seed: int | None = None) -> Path:
+    """The log of the guide alone with its visitors, or with a wizard who meddles."""
+
+    async def scenario(rig: SessionRig) -> None:
+        if seed is None:
+            await asyncio.sleep(SECONDS)
+        else:
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(_meddle(rig.session, seed), SECONDS)
+
+    drivers, stem = catalogue(), "2026-03-01T10-00-00_G01_S01"
+    who = SessionIdentity(participant="G01", condition="alone", wizard="W1", seed=1)
+    rig = SessionRig(folder, (), who, drivers, load(GUIDE, drivers), stem=stem)
+    return rig.run(scenario).recorder.path
 
 
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The guide alone with its visitors for four minutes; the experiment lies beside the logs."""
-    folder = tmp_path_factory.mktemp("museum")
-    return run_virtual(_recorded(folder / "recordings", None))
+    return record_guide(tmp_path_factory.mktemp("museum"))
 
 
 def settings() -> EngagementSettings:
@@ -121,7 +119,7 @@ def test_with_the_same_settings_the_path_is_the_same(log: Path) -> None:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_whatever_the_wizard_does_the_path_is_the_same(tmp_path: Path, seed: int) -> None:
     """E7: overrides, forced states, the stop, filters set while running, the file edited, too."""
-    path = run_virtual(_recorded(tmp_path, seed))
+    path = record_guide(tmp_path, seed)
     log_rerun = rerun(path, None, Damage())
     assert log_rerun.again is not None
     assert len(log_rerun.again.settings_at) > 2

@@ -228,7 +228,7 @@ class SessionRig:
         run_virtual(whole())
         return self
 
-    async def until(self, holds: Callable[[], bool]) -> None:
+    async def until(self, holds: Callable[[], object]) -> None:
         """Return when `holds()`, which is asked after every message."""
         async with asyncio.timeout(PATIENCE_S):
             while not holds():

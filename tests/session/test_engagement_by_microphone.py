@@ -17,16 +17,13 @@ from tests.drivers.published_messages import until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square
 from tests.session.engagement_rig import WIZARD, GuideDriver
+from tests.session.rig import SessionRig
 from woz_tui.cli.engagement_log import rerun
-from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext, Job
 from woz_tui.log import log_reader
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 STEM = "2026-03-01T10-00-00_P07_S01"
@@ -75,25 +72,15 @@ class MicrophoneHostDriver(GuideDriver):
 CATALOGUE: dict[str, type[Driver]] = {"guide": MicrophoneHostDriver, "microphone": Microphone}
 
 
-class RealTimeRig:
-    """A session in real time (a program and a disk take part), and its log."""
+class MicrophoneRig(SessionRig):
+    """A session in real time: a program and a disk take part."""
 
     def __init__(self, tmp_path: Path) -> None:
         self.pipe = PipedCommand(tmp_path / "pipe")
         path = tmp_path / "heard.yaml"
         path.write_text(FILE.format(pipe=self.pipe.path), encoding="utf-8")
-        self.experiment: Experiment = load(path, CATALOGUE)
-        clock = RealClock()
-        recorder = Recorder(tmp_path / "recordings", STEM, clock)
-        identity = SessionIdentity(participant="P07", condition="", wizard="W1", seed=1)
-        self.session = Session(self.experiment, CATALOGUE, identity, recorder, clock)
-        self.log = recorder.path
-        self.lines: list[m.AnyMessage] = []
-        self.session.hub.listen(self.lines.append)
-
-    @property
-    def path(self) -> list[str]:
-        return [line.now for line in self.lines if isinstance(line, m.EngagementChanged)]
+        made = load(path, CATALOGUE)
+        super().__init__(tmp_path, catalogue=CATALOGUE, made=made, clock=RealClock(), stem=STEM)
 
     async def press(self, action: str, then: str) -> None:
         """The wizard's key, and the state that it leads to."""
@@ -101,13 +88,12 @@ class RealTimeRig:
         await self.comes(then)
 
     async def comes(self, state: str) -> None:
-        await until(lambda: self.path[-1:] == [state])
+        await self.until(
+            lambda: [line.now for line in self.of(m.EngagementChanged)][-1:] == [state]
+        )
 
-    async def has(self, kind: type[m.Message]) -> None:
-        await until(lambda: any(isinstance(line, kind) for line in self.lines))
 
-
-async def play(rig: RealTimeRig) -> None:
+async def play(rig: MicrophoneRig) -> None:
     """Seen by the wizard, heard by the microphone, answered by the wizard."""
     await until(rig.pipe.connected)
     rig.pipe.send(square(0.2, 0.01))
@@ -118,7 +104,7 @@ async def play(rig: RealTimeRig) -> None:
     await rig.comes("UserSpeaks")
     rig.pipe.send(square(0.2, 0.01))
     await rig.comes("RobotThinks")
-    await rig.has(m.SpeechText)
+    await rig.until(lambda: rig.of(m.SpeechText))
     await rig.press("Answer", "RobotReplies")
     host = rig.session.drivers["robot"]
     assert isinstance(host, MicrophoneHostDriver)
@@ -133,13 +119,11 @@ async def test_a_conversation_by_keys_and_ears(
     and leaves a file and a text in the log.
     """
     monkeypatch.setattr(speech_segments, "_FILE_S", 40.0)  # a busy machine is slow to write
-    rig = RealTimeRig(tmp_path)
-    await rig.session.open()
-    try:
+    rig = MicrophoneRig(tmp_path)
+    async with rig:
         await play(rig)
-    finally:
-        await rig.session.close("enough", rest=False)
-    written = [line.message for line in log_reader.read(rig.log)]
+    log = rig.recorder.path
+    written = [line.message for line in log_reader.read(log)]
 
     def of(kind: type[Any]) -> list[Any]:
         return [line for line in written if isinstance(line, kind)]
@@ -154,7 +138,7 @@ async def test_a_conversation_by_keys_and_ears(
 
     (ended,), (text,) = of(m.SpeechEnded), of(m.SpeechText)
     assert ended.file == f"{STEM}.media/ears-0001.wav"
-    with wave.open(str(rig.log.parent / ended.file)) as file:
+    with wave.open(str(log.parent / ended.file)) as file:
         seconds = file.getnframes() / file.getframerate()
     assert seconds == (ended.ended - ended.began) / 1e6 == 0.7, "0.2 s before, and 0.1 s after"
     assert (text.text, text.segment) == ("Where are the whales", ended.segment)
@@ -169,7 +153,7 @@ async def test_a_conversation_by_keys_and_ears(
     assert said.args == {"text": "Behind you, V7."}
 
     assert rig.experiment.engagement is not None
-    again = rerun(rig.log, rig.experiment.engagement.settings, log_reader.Damage())
+    again = rerun(log, rig.experiment.engagement.settings, log_reader.Damage())
     assert len(again.computed) == len(changes)
     for computed, recorded in zip(again.computed, again.recorded, strict=True):
         assert replace(computed, t=recorded.t) == recorded, "the log tells it all once more"

@@ -13,15 +13,12 @@ from woz_drivers.microphone.settings import MicrophoneSettings
 from tests.drivers.published_messages import until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square
-from tests.session.rig import HERE
+from tests.session.rig import HERE, SessionRig
 from woz_tui.config.experiment import DriverSpec, Experiment
 from woz_tui.drivers.contract import SPEECH
 from woz_tui.log import log_reader
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.preflight import preflight
-from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 
@@ -49,32 +46,27 @@ async def test_the_log_names_the_file_beside_it(
 ) -> None:
     monkeypatch.setattr(speech_segments, "_FILE_S", 40.0)  # a busy machine is slow to write
     pipe = PipedCommand(tmp_path / "pipe")
-    clock = RealClock()
-    recorder = Recorder(tmp_path / "recordings", "2026-03-01T10-00-00_P07_S01", clock)
-    session = Session(
-        experiment(tmp_path, pipe.command),
-        {"microphone": Microphone},
-        SessionIdentity(participant="P07", condition="", wizard="W1", seed=1),
-        recorder,
-        clock,
+    rig = SessionRig(
+        tmp_path,
+        catalogue={"microphone": Microphone},
+        made=experiment(tmp_path, pipe.command),
+        clock=RealClock(),
+        stem="2026-03-01T10-00-00_P07_S01",
     )
-    heard: list[m.AnyMessage] = []
-    session.hub.listen(heard.append)
-    await session.open()
-    await until(pipe.connected)
-    pipe.send(square(0.2, 0.01) + square(0.2, 0.5) + square(0.2, 0.01))
-    await until(lambda: any(isinstance(one, m.SpeechText) for one in heard))
-    assert SPEECH not in {finding.subject for finding in await preflight(session)}
-    await session.close("enough", rest=False)
-
-    written = [line.message for line in log_reader.read(recorder.path)]
+    async with rig:
+        await until(pipe.connected)
+        pipe.send(square(0.2, 0.01) + square(0.2, 0.5) + square(0.2, 0.01))
+        await rig.until(lambda: rig.of(m.SpeechText))
+        assert SPEECH not in {finding.subject for finding in await preflight(rig.session)}
+    log = rig.recorder.path
+    written = [line.message for line in log_reader.read(log)]
     (started,) = [one for one in written if isinstance(one, m.SpeechStarted)]
     (speech_ended,) = [one for one in written if isinstance(one, m.SpeechEnded)]
     (text,) = [one for one in written if isinstance(one, m.SpeechText)]
     assert (started.driver, speech_ended.driver, text.driver) == ("ears", "ears", "ears")
     assert speech_ended.file == "2026-03-01T10-00-00_P07_S01.media/ears-0001.wav"
     assert text.text == "heard-0001.wav"
-    with wave.open(str(recorder.path.parent / speech_ended.file)) as file:
+    with wave.open(str(log.parent / speech_ended.file)) as file:
         assert (
             file.getnframes() / file.getframerate()
             == (speech_ended.ended - speech_ended.began) / 1e6

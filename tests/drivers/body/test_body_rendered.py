@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from tests.drivers.body.test_body_session import EXPERIMENTS, KEY, BodySession, on_stage
+from tests.drivers.body.test_body_session import KEY, BodySession, on_stage
+from tools import EXPERIMENTS
 from woz_tui.cli import main
 from woz_tui.protocol import messages as m
 

@@ -7,88 +7,46 @@ import itertools
 import wave
 from collections.abc import Awaitable, Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from woz_drivers.simulated import SimulatedRobot
-from woz_drivers.simulated.driver import RobotTime
 
 from tests.drivers.body.rig import SteppedBody, within
-from tests.fakes.virtual_time import LoopClock, run_virtual
-from tools import show_tune
+from tests.session.rig import SessionRig
+from tools import EXPERIMENTS, show_tune
+from tools.demo_session import catalogue
 from woz_tui.config.loading import load
-from woz_tui.drivers.contract import Ask, Driver, DriverContext
-from woz_tui.log.recorder import Recorder
+from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
-from woz_tui.session.session import Session
-from woz_tui.system.clock import RealClock
 
-EXPERIMENTS = Path(__file__).parents[3] / "experiments"
 KEY = RequestOrigin("key", "h", "con1")
 PROGRAM = RequestOrigin("program", "", "bridge1")
 
 
-class LoopPace(RobotTime):
-    """The loop's time."""
+class BodySession(SessionRig):
+    """A session on an example."""
 
-    def now(self) -> float:
-        return asyncio.get_running_loop().time()
-
-
-class LoopRobot(SimulatedRobot):
-    """Speaks in the loop's time."""
-
-    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
-        super().__init__(name, settings, context, pace=LoopPace())
-
-
-class BodySession:
-    """A session on an example, and everything it published."""
-
-    def __init__(self, tmp_path: Path, name: str) -> None:
-        catalogue: dict[str, type[Driver]] = {"body": SteppedBody, "simulated": LoopRobot}
-        clock = LoopClock(asyncio.get_running_loop())
-        self.lines: list[m.AnyMessage] = []
-        experiment = load(EXPERIMENTS / f"{name}.yaml", catalogue)
-        self.session = Session(
-            experiment,
-            catalogue,
-            SessionIdentity(participant="P01", condition=next(iter(experiment.conditions), "")),
-            Recorder(tmp_path, "made", RealClock(), spill=tmp_path / "more"),
-            clock,
-        )
-        self.session.hub.listen(self.lines.append)
+    def __init__(self, folder: Path, name: str) -> None:
+        drivers = catalogue()
+        made = load(EXPERIMENTS / f"{name}.yaml", drivers)
+        who = SessionIdentity(participant="P01", condition=next(iter(made.conditions), ""))
+        super().__init__(folder, identity=who, catalogue=drivers, made=made)
 
     def body(self, name: str = "body") -> SteppedBody:
         driver = self.session.drivers[name]
         assert isinstance(driver, SteppedBody)
         return driver
 
-    def kinds(self, *kinds: type[m.Message]) -> list[str]:
-        return [type(line).__name__ for line in self.lines if isinstance(line, kinds)]
-
-    def values(self, sensor: str) -> list[float]:
-        return [
-            line.value
-            for line in self.lines
-            if isinstance(line, m.Reading) and line.sensor == sensor and line.value is not None
-        ]
-
 
 def on_stage(
     tmp_path: Path, scenario: Callable[[BodySession], Awaitable[None]], name: str = "eyepi"
 ) -> BodySession:
-    async def go() -> BodySession:
-        rig = BodySession(tmp_path, name)
-        await rig.session.open()
+    async def half_a_second_later(rig: BodySession) -> None:
         await asyncio.sleep(0.5)
         await scenario(rig)
-        await rig.session.close("test")
-        return rig
 
-    return run_virtual(go())
+    return BodySession(tmp_path, name).run(half_a_second_later)
 
 
 @pytest.mark.toolkit("L2", "L7", "M1")
@@ -104,7 +62,7 @@ def test_it_plays_gazes_stops_and_stirs_again(tmp_path: Path) -> None:
         await asyncio.sleep(1)
         rig.session.stop("key")
         await asyncio.sleep(0.6)
-        stopped = [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
+        stopped = rig.of(m.StopConfirmed)
         assert "body" in stopped[-1].confirmed and not stopped[-1].missing
         held = rig.values("joint.pitch")[-1], rig.values("joint.top")[-1]
         await asyncio.sleep(2)
@@ -132,7 +90,7 @@ def test_programs_cannot_interrupt_the_demo_and_the_wizard_can(tmp_path: Path) -
         await asyncio.sleep(5)
         rig.session.send("gaze", {"yaw": 20}, "", PROGRAM)
         await asyncio.sleep(0.1)
-        refused = [line for line in rig.lines if isinstance(line, m.Refused)]
+        refused = rig.of(m.Refused)
         assert "demo" in refused[-1].reason
         rig.session.play("Normal", KEY)
         await asyncio.sleep(2)

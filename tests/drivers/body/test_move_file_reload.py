@@ -7,19 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from tests.drivers.body.rig import SteppedBody
-from tests.drivers.body.test_body_session import KEY, LoopRobot
-from tests.fakes.virtual_time import LoopClock, run_virtual
+from tests.drivers.body.test_body_session import KEY
+from tests.session.rig import SessionRig
+from tools.demo_session import catalogue
 from woz_tui.config.experiment import ExperimentError
 from woz_tui.config.loading import load
-from woz_tui.drivers.contract import Driver
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.session import Session
-from woz_tui.system.clock import RealClock
 
-CATALOGUE: dict[str, type[Driver]] = {"body": SteppedBody, "simulated": LoopRobot}
+CATALOGUE = catalogue()
 ROBOT = """
 drivers:
   body:
@@ -48,37 +44,21 @@ def test_new_and_edited_moves_are_told_and_played(tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(ROBOT)
     file.write_text(EXPERIMENT.replace("MOVE", "wave"))
 
-    async def scenario() -> None:
-        clock = LoopClock(asyncio.get_running_loop())
-        session = Session(
-            load(file, CATALOGUE),
-            CATALOGUE,
-            SessionIdentity(),
-            Recorder(tmp_path, "made", RealClock(), spill=tmp_path / "more"),
-            clock,
-        )
-        lines: list[m.AnyMessage] = []
-        session.hub.listen(lines.append)
-
+    async def scenario(rig: SessionRig) -> None:
         async def farthest() -> float:
-            lines.clear()
-            session.play("Wave", KEY)
+            rig.lines.clear()
+            rig.session.play("Wave", KEY)
             await asyncio.sleep(2)
-            assert any(isinstance(line, m.ActionDone) for line in lines)
-            return max(
-                line.value or 0.0
-                for line in lines
-                if isinstance(line, m.Reading) and line.sensor == "setpoint.pan"
-            )
+            assert rig.of(m.ActionDone)
+            return max(rig.values("setpoint.pan"))
 
         def reread(*, dry_run: bool) -> list[str]:
             experiment = load(file, CATALOGUE)
-            changes = session.reread(experiment, dry_run=dry_run)
+            changes = rig.session.reread(experiment, dry_run=dry_run)
             if not dry_run:
-                session.adopt(experiment, changes)
+                rig.session.adopt(experiment, changes)
             return changes
 
-        await session.open()
         await asyncio.sleep(0.5)
         assert 15 < await farthest() < 25
         assert reread(dry_run=True) == []
@@ -93,9 +73,9 @@ def test_new_and_edited_moves_are_told_and_played(tmp_path: Path) -> None:
         file.write_text(EXPERIMENT.replace("MOVE", "greet"))
         assert reread(dry_run=False) == []
         assert await farthest() < 1, "the new one goes the other way"
-        await session.close("test")
 
-    run_virtual(scenario())
+    made = load(file, CATALOGUE)
+    SessionRig(tmp_path, (), SessionIdentity(), CATALOGUE, made).run(scenario)
 
 
 def test_a_mistake_in_a_move_file_is_the_only_one_told(tmp_path: Path) -> None:

@@ -26,17 +26,15 @@ from tests.drivers.published_messages import until
 from tests.fakes import face_program, face_recogniser_program
 from tests.fakes.face_program import face
 from tests.fakes.face_recogniser_program import FALLS_OVER
+from tests.session.rig import SessionRig
 from woz_tui.cli import main
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import DriverError, Probe, RejectedError
 from woz_tui.drivers.face_store import FaceStore, default_path
 from woz_tui.drivers.plugins import installed
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Notice, Reading
 from woz_tui.session.action_runner import RequestOrigin
-from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 pytestmark = pytest.mark.safety
@@ -345,19 +343,11 @@ async def test_no_template_is_in_any_byte_of_a_session_or_of_what_is_made_of_it(
     (folder / "film").write_bytes(shot(ANNA))
     (folder / "study.yaml").write_text(_STUDY)
     experiment = load(folder / "study.yaml", installed())
-    recorder = Recorder(folder / "recordings", "study", RealClock(), spill=tmp_path / "more")
-    session = Session(
-        experiment, installed(), SessionIdentity(participant="P07"), recorder, RealClock()
-    )
-    heard: list[m.AnyMessage] = []
-    session.hub.listen(heard.append)
-    await session.open()
-    try:
-        await until(lambda: any(_is_identity(one, "") for one in heard))
-        session.play("Consents", RequestOrigin("key", "c", "con1"))
-        await until(lambda: any(_is_identity(one, "V3") for one in heard))
-    finally:
-        await session.close("test")
+    rig = SessionRig(folder, catalogue=installed(), made=experiment, clock=RealClock())
+    async with rig:
+        await rig.until(lambda: any(_is_identity(one, "") for one in rig.lines))
+        rig.session.play("Consents", RequestOrigin("key", "c", "con1"))
+        await rig.until(lambda: any(_is_identity(one, "V3") for one in rig.lines))
     recordings = str(folder / "recordings")
     for form in ("csv", "bids", "eaf", "textgrid"):
         options = ["--samples"] if form in ("csv", "bids") else []

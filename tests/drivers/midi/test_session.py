@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
@@ -13,17 +10,14 @@ from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.midi.test_panel_maps import BODY
-from tests.drivers.published_messages import PATIENCE_S
 from tests.fakes.midi_panel import MidiPanelFake
+from tests.session.rig import SessionRig
 from woz_tui.config.experiment import Call, ParallelCalls
 from woz_tui.config.keys.console_keys import builtin_key
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
 from woz_tui.drivers.argument_check import checked
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 #: What panels ask of the session, and the console's key for the same.
@@ -35,121 +29,80 @@ KEYS = {
 }
 
 
-class PanelSession:
-    """A running session with everything it published."""
+class PanelSession(SessionRig):
+    """A session with a body that does not breathe, and this panel."""
 
-    def __init__(self, session: Session, panel: MidiPanelFake) -> None:
-        self.session = session
-        self.panel = panel
-        self.lines: list[m.AnyMessage] = []
-        self._news = asyncio.Event()
-        session.hub.listen(self._take)
+    def __init__(self, folder: Path, panel: str) -> None:
+        self.panel = MidiPanelFake(folder / "midiC1D0")
+        body = f"{BODY}    personality: {{breathing: 0}}\n"
+        device = f"    type: midi\n    device: {self.panel.port}\n"
+        (folder / "robot.yaml").write_text(f"drivers:{body}  panel:\n{device}{panel}")
+        (folder / "it.yaml").write_text(
+            "title: it\nrobot: robot.yaml\nscript: [Hello, Hello]\npanels:\n  - title: P\n"
+            "    actions:\n      - {key: h, label: Hello, emotion: happy}\n"
+        )
+        catalogue = plugins.installed()
+        made = load(folder / "it.yaml", catalogue)
+        super().__init__(folder, catalogue=catalogue, made=made, clock=RealClock(), rests=False)
 
-    def _take(self, message: m.AnyMessage) -> None:
-        self.lines.append(message)
-        self._news.set()
+    async def connected(self, times: int = 1) -> None:
+        """Return when the panel has been found so often."""
+        await self.until(
+            lambda: [line.driver for line in self.of(m.DriverConnected)].count("panel") == times
+        )
 
-    async def until(self, holds: Callable[[], bool]) -> None:
-        """Return when `holds()`; it is asked after every message, and a body publishes often."""
-        async with asyncio.timeout(PATIENCE_S):
-            while not holds():
-                self._news.clear()
-                await self._news.wait()
-
-    def setpoint(self, joint: str) -> float | None:
-        values = [
-            line.value
-            for line in self.lines
-            if isinstance(line, m.Reading) and line.sensor.endswith(f"setpoint.{joint}")
-        ]
-        return values[-1] if values else None
+    async def __aexit__(self, *failed: object) -> None:
+        await super().__aexit__(*failed)
+        self.panel.unplug()
 
     def at(self, **joints: float) -> bool:
         """Whether the body wants these angles, within a degree: it breathes no further here."""
         return all(
-            (value := self.setpoint(joint)) is not None and abs(value - angle) <= 1
+            any(abs(value - angle) <= 1 for value in self.values(f"setpoint.{joint}")[-1:])
             for joint, angle in joints.items()
         )
-
-    def commands(self) -> list[m.Command]:
-        return [line for line in self.lines if isinstance(line, m.Command)]
-
-
-@asynccontextmanager
-async def panel_session(folder: Path, panel: str) -> AsyncIterator[PanelSession]:
-    """A session with a body that does not breathe, and this panel."""
-    fake = MidiPanelFake(folder / "midiC1D0")
-    body = f"{BODY}    personality: {{breathing: 0}}\n"
-    device = f"    type: midi\n    device: {fake.port}\n"
-    (folder / "robot.yaml").write_text(f"drivers:{body}  panel:\n{device}{panel}")
-    (folder / "it.yaml").write_text(
-        "title: it\nrobot: robot.yaml\nscript: [Hello, Hello]\npanels:\n  - title: P\n"
-        "    actions:\n      - {key: h, label: Hello, emotion: happy}\n"
-    )
-    catalogue = plugins.installed()
-    clock = RealClock()
-    recorder = Recorder(folder / "recordings", "it", clock, on_state=lambda state: None)
-    session = Session(
-        load(folder / "it.yaml", catalogue), catalogue, SessionIdentity(), recorder, clock
-    )
-    rig = PanelSession(session, fake)
-    try:
-        await session.open()
-        await rig.until(lambda: rig.at(pitch=0))
-        await rig.until(
-            lambda: any(
-                isinstance(line, m.DriverConnected) and line.driver == "panel" for line in rig.lines
-            )
-        )
-        yield rig
-    finally:
-        await session.close("test", rest=False)
-        fake.unplug()
 
 
 @pytest.mark.toolkit("K1", "K3", "G7")
 async def test_four_hands_full_of_knobs_and_a_pulled_cable(tmp_path: Path) -> None:
-    async with panel_session(tmp_path, "    map: thesis\n") as rig:
+    async with PanelSession(tmp_path, "    map: thesis\n") as rig:
+        await rig.until(lambda: rig.at(pitch=0))
+        await rig.connected()
         rig.panel.turn(16, 127)
-        await rig.until(lambda: any(isinstance(line, m.Notice) for line in rig.lines))
-        assert rig.commands() == [], "the first touch moves nothing"
+        await rig.until(lambda: rig.of(m.Notice))
+        assert rig.of(m.Command) == [], "the first touch moves nothing"
         # Each from one end to the other, so that it passes the robot's value on the way.
         for number in (16, 0, 1, 17):
             rig.panel.turn(number, *range(0, 128, 3), *range(127, 95, -1))
         await rig.until(lambda: rig.at(pitch=45.7, middle=67.9, top=67.9))
-        assert {command.source for command in rig.commands()} == {"midi"}
+        assert {command.source for command in rig.of(m.Command)} == {"midi"}
         recalled = rig.session.recent.lines
         assert not any(isinstance(line, m.Command | m.Ack) for line in recalled), "only logged"
         assert rig.session.runner.played == {}, "no knob is the last mistake"
-        assert {command.key for command in rig.commands()} == {
+        assert {command.key for command in rig.of(m.Command)} == {
             *("knob-1", "knob-2", "slider-1", "slider-2")
         }
-        last = {command.key: command.args["value"] for command in rig.commands()}
+        last = {command.key: command.args["value"] for command in rig.of(m.Command)}
         assert set(last.values()) == {round(0.5 + 32 / 126, 4)}
-        before = len(rig.commands())
+        before = len(rig.of(m.Command))
         rig.panel.unplug()
-        await rig.until(lambda: any(isinstance(line, m.DriverLost) for line in rig.lines))
+        await rig.until(lambda: rig.of(m.DriverLost))
         assert rig.at(pitch=45.7, middle=67.9, top=67.9)
         rig.panel.plug()
-        await rig.until(
-            lambda: (
-                [line.driver for line in rig.lines if isinstance(line, m.DriverConnected)].count(
-                    "panel"
-                )
-                == 2
-            )
-        )
+        await rig.connected(2)
         rig.panel.turn(16, 0)
         await rig.until(lambda: _value(rig, "knob-1") == 0)
-        assert len(rig.commands()) == before
-        assert not any(isinstance(line, m.Failed | m.Refused) for line in rig.lines)
+        assert len(rig.of(m.Command)) == before
+        assert not rig.of(m.Failed, m.Refused)
 
 
 @pytest.mark.toolkit("K2")
 async def test_buttons_lights_actions_and_both_stops(tmp_path: Path) -> None:
-    async with panel_session(
+    async with PanelSession(
         tmp_path, "    map: thesis\n    controls: {button-1: {action: Hello}}\n"
     ) as rig:
+        await rig.until(lambda: rig.at(pitch=0))
+        await rig.connected()
         rig.panel.press(32)
         await rig.until(lambda: _lit_buttons(rig) == ["button-8"])
         rig.panel.press(36)
@@ -159,14 +112,14 @@ async def test_buttons_lights_actions_and_both_stops(tmp_path: Path) -> None:
         rig.panel.press(42)
         await rig.until(lambda: "stop" in _lit_buttons(rig))
         rig.panel.press(34)
-        await rig.until(lambda: any(isinstance(line, m.Refused) for line in rig.lines))
+        await rig.until(lambda: rig.of(m.Refused))
         rig.panel.press(46)
         await rig.until(lambda: "stop" not in _lit_buttons(rig))
         rig.panel.press(41)
         await rig.until(lambda: any(getattr(line, "key", "") == "play" for line in rig.lines))
         rig.panel.press(45)
-        await rig.until(lambda: any(isinstance(line, m.Marker) for line in rig.lines))
-        asked = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
+        await rig.until(lambda: rig.of(m.Marker))
+        asked = rig.of(m.ActionRequested)
         assert [(line.source, line.key) for line in asked] == [
             ("midi", "button-1"),
             ("midi", "play"),
@@ -174,13 +127,13 @@ async def test_buttons_lights_actions_and_both_stops(tmp_path: Path) -> None:
 
 
 def _value(rig: PanelSession, control: str) -> int | None:
-    moved = [line for line in rig.lines if isinstance(line, m.ControlsMoved)]
+    moved = rig.of(m.ControlsMoved)
     values = [line.values[control] for line in moved if control in line.values]
     return values[-1] if values else None
 
 
 def _lit_buttons(rig: PanelSession) -> list[str]:
-    moved = [line for line in rig.lines if isinstance(line, m.ControlsMoved)]
+    moved = rig.of(m.ControlsMoved)
     return list(moved[-1].lit) if moved else []
 
 

@@ -80,7 +80,7 @@ async def test_a_block_is_foretold_played_and_told_point_by_point(planner: Plann
     assert speech == ["b1:s:start", "b1:s:m", "b1:s:end"]
     assert progress.index("b1:s:m") < progress.index("b1:n:stroke") < progress.index("b1:n:end")
     assert not planner.warnings()
-    requests = [line for line in planner.host.lines if isinstance(line, m.Command)]
+    requests = planner.host.of(m.Command)
     assert {line.source for line in requests} == {"program"}
 
 

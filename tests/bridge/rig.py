@@ -93,7 +93,7 @@ class Planner:
 
     def commands(self, *verbs: str) -> list[m.Command]:
         """What was asked of the robot."""
-        lines = [line for line in self.host.lines if isinstance(line, m.Command)]
+        lines = self.host.of(m.Command)
         return [line for line in lines if not verbs or line.verb in verbs]
 
 

@@ -61,11 +61,11 @@ async def test_a_stroke_is_where_it_was_asked_for_and_foretold(tmp_path: Path) -
         await planner.sequence_ended("twice")
         assert planner.general("twice") == [ACK, START, STROKE, STROKE, END]
         commands = planner.commands("play")
-        begun = [line for line in planner.host.lines if isinstance(line, m.Dispatched)]
-        marks = [line for line in planner.host.lines if isinstance(line, m.CommandMark)]
+        begun = planner.host.of(m.Dispatched)
+        marks = planner.host.of(m.CommandMark)
         first = next(line for line in begun if line.command == commands[0].command)
         struck = next(line for line in marks if line.command == commands[0].command)
-        planned = [line for line in planner.host.lines if isinstance(line, m.ActionScheduled)]
+        planned = planner.host.of(m.ActionScheduled)
         # Never earlier than planned, but for a tick of the body; a busy machine may be late.
         assert planned[0].at - planned[0].t <= (2.0 - stroke) * 1e6
         assert first.t >= planned[0].at
@@ -424,5 +424,5 @@ async def test_who_asks_is_seen(tmp_path: Path) -> None:
     async with bridged(tmp_path) as planner:
         planner.send("ram.animation.hmmm.emotion", {"id": "e", "arousal": 0.5})
         await planner.until(lambda: bool(planner.commands("affect")))
-        joined = [line for line in planner.host.lines if isinstance(line, m.ConsoleAttached)]
+        joined = planner.host.of(m.ConsoleAttached)
         assert [line.name for line in joined] == ["bridge"]

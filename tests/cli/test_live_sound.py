@@ -15,8 +15,9 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import WAIT_S, ServedSession, served_session
+from tests.host.rig import ServedSession, served_session
 from tests.host.test_live_sound import RATE, WORD, loudspeaker, microphone, now
+from tests.session.rig import WAIT_S
 from woz_tui.drivers.sound_feeds import LISTENED, SoundListened, SoundReader, SoundWindow
 from woz_tui.host import sound_service
 from woz_tui.protocol import codec

@@ -43,7 +43,7 @@ async def test_saying_returns_when_it_has_been_said(host: ServedSession) -> None
         done = await woz.say("Hello {participant}")
         assert done.sent == {"text": "Hello P07"}
         assert host.driver().calls == [("say", {"text": "Hello P07"})]
-    [attached] = [line for line in host.lines if isinstance(line, m.ConsoleAttached)]
+    [attached] = host.of(m.ConsoleAttached)
     assert (attached.role, attached.name) == ("program", "stimulus")
 
 
@@ -248,7 +248,7 @@ async def test_it_begins_at_its_moment_or_is_refused(host: ServedSession) -> Non
     async with connect(host.path) as woz:
         at = woz.now() + 3.0
         await woz.say("Now", at=at)
-        [dispatched] = [line for line in host.lines if isinstance(line, m.Dispatched)]
+        [dispatched] = host.of(m.Dispatched)
         assert dispatched.t >= at * 1e6
         with pytest.raises(WozRefusedError, match="too late"):
             await woz.press("Hello", at=at)

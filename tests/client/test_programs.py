@@ -73,8 +73,8 @@ async def test_the_greeter_greets_whoever_engages(tmp_path: Path) -> None:
         [said, *more] = [args for verb, args in host.driver().calls if verb == "say"]
         assert len(more) < times
         assert "whale" in str(said["text"])
-        [command, *_] = [line for line in host.lines if isinstance(line, m.Command)]
-        [program] = [line for line in host.lines if isinstance(line, m.ConsoleAttached)]
+        [command, *_] = host.of(m.Command)
+        [program] = host.of(m.ConsoleAttached)
         assert (command.source, command.console) == ("program", program.console)
 
 
@@ -106,7 +106,7 @@ async def test_the_stimuli_are_marked_and_commented_in_their_time(tmp_path: Path
         text = await output(program)
         words = ("whale", "boat", "lighthouse")
         assert [line for line in text.splitlines() if line in words] == [*words]
-        marks = [line for line in host.lines if isinstance(line, m.Marker)]
+        marks = host.of(m.Marker)
         assert [mark.text for mark in marks] == [f"onset {word}" for word in words]
         begun = [line.t for line in host.lines if isinstance(line, m.Dispatched)]
         for mark, t in zip(marks, begun, strict=True):

@@ -74,7 +74,7 @@ async def test_what_is_no_tool_cannot_be_called_by_name(
     """The session's own verbs are the wizard's."""
     with pytest.raises(WozRefusedError, match="no tool"):
         await ToolCaller(woz).call(name, args)
-    assert not [line for line in host.lines if isinstance(line, m.Command)]
+    assert not host.of(m.Command)
 
 
 #: What a program may send as JSON.

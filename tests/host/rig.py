@@ -9,8 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
 
-from tests.session.rig import PATIENCE_S as WAIT_S
-from tests.session.rig import SessionRig, experiment
+from tests.session.rig import WAIT_S, SessionRig, experiment
 from woz_tui.config.experiment import Experiment, SessionSettings
 from woz_tui.drivers.contract import Driver
 from woz_tui.host.request_handlers import RequestHandlers

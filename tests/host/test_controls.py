@@ -83,7 +83,7 @@ async def test_hands_of_a_part_play_what_its_wizard_plays(tmp_path: Path) -> Non
         await place.published(lambda line: isinstance(line, m.ActionDone))
         await move(hands, {"right-stick-x": 1})
         await place.published(lambda line: isinstance(line, m.Command) and line.verb == "gaze")
-        assert not [line for line in place.lines if isinstance(line, m.Refused)]
+        assert not place.of(m.Refused)
 
 
 async def test_what_a_hand_plays_is_logged_with_its_control(tmp_path: Path) -> None:
@@ -91,7 +91,7 @@ async def test_what_a_hand_plays_is_logged_with_its_control(tmp_path: Path) -> N
         await move(hands, {"south": 1})
         await place.published(lambda line: isinstance(line, m.ActionDone))
         await move(hands, {"east": 1})
-        asked = [line for line in place.lines if isinstance(line, m.ActionRequested)]
+        asked = place.of(m.ActionRequested)
         assert [(line.action, line.source, line.key, line.console) for line in asked] == [
             *(("Hello", "gamepad", "south", "pad"), ("Pedal", "gamepad", "east", "pad"))
         ]
@@ -108,7 +108,7 @@ async def test_the_stop_is_pressed_and_released_by_buttons(tmp_path: Path) -> No
         await move(hands, {"select": 1})
         await place.published(lambda line: isinstance(line, m.StopConfirmed))
         assert place.session.bus.latched
-        assert len([line for line in place.lines if isinstance(line, m.StopPressed)]) == 1
+        assert len(place.of(m.StopPressed)) == 1
         await move(hands, {"south": 1})
         refused = await place.published(lambda line: isinstance(line, m.ActionRefused))
         assert isinstance(refused, m.ActionRefused)
@@ -186,13 +186,13 @@ async def test_a_bad_line_is_answered_with_a_sentence_and_moves_nothing(
     tmp_path: Path, bad: str
 ) -> None:
     async with session(tmp_path) as (place, hands):
-        before = len([line for line in place.lines if isinstance(line, m.ActionRequested)])
+        before = len(place.of(m.ActionRequested))
         reply = await hands.ask("controls", **BAD[bad])
         assert not reply["ok"]
         assert len(reply["reason"]) > 10
         hands.writer.write(b'{"kind":"controls","ref":7,"panel":"pad","values":{"south":NaN}}\n')
         assert not (await hands.kind("reply"))["ok"]
-        asked = [line for line in place.lines if isinstance(line, m.ActionRequested)]
+        asked = place.of(m.ActionRequested)
         assert len(asked) == before
         assert (await move(hands, {"south": 1}))["ok"]
         await place.published(lambda line: isinstance(line, m.ActionDone))

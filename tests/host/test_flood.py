@@ -11,8 +11,8 @@ from typing import get_args
 
 import pytest
 
-from tests.host.rig import WAIT_S, Peer, ServedSession, served_session
-from tests.session.rig import experiment
+from tests.host.rig import Peer, ServedSession, served_session
+from tests.session.rig import WAIT_S, experiment
 from tools import ROOT
 from woz_tui.config.experiment import Experiment
 from woz_tui.host import client_connection, request_handlers
@@ -88,7 +88,7 @@ async def test_a_flood_of_one_disturbs_no_other(tmp_path: Path) -> None:
         program.writer.write(FLOOD)
         assert (await wizard.ask("marker", text="still here"))["ok"]
         marker = await host.published(lambda line: isinstance(line, m.Marker))
-        asked = [line for line in host.lines if isinstance(line, m.ActionRequested)]
+        asked = host.of(m.ActionRequested)
         assert len([line for line in asked if line.seq < marker.seq]) < 3000
         for _ in range(3000):
             await program.kind("reply")
@@ -142,7 +142,7 @@ async def test_a_stop_overtakes_what_its_connection_asked_before(tmp_path: Path)
         stop = await host.published(lambda line: isinstance(line, m.StopPressed))
         replies = [(await peer.kind("reply")).get("ref", 0) for _ in range(2001)]
         assert replies.index(7) == 1000  # answers come in the order of the requests
-        markers_before = [line for line in host.lines if isinstance(line, m.Marker)]
+        markers_before = host.of(m.Marker)
         assert len(markers_before) == 2000
         assert not [line for line in markers_before if line.seq < stop.seq]
 
@@ -195,7 +195,7 @@ async def test_one_turn_has_few_requests_however_many_ask(tmp_path: Path) -> Non
         marked = 0
         while marked < 1000:
             await asyncio.sleep(0)
-            now = len([line for line in host.lines if isinstance(line, m.Marker)])
+            now = len(host.of(m.Marker))
             assert now - marked <= client_connection.REQUESTS_A_TURN
             marked = now
 
@@ -209,7 +209,7 @@ async def test_who_asks_one_thing_waits_for_no_flood(tmp_path: Path) -> None:
             peer.writer.write(b'{"kind":"marker","text":"flood"}\n' * 2000)
         one.writer.write(b'{"kind":"marker","text":"one"}\n')
         await host.published(lambda line: isinstance(line, m.Marker) and line.text == "one")
-        assert len([line for line in host.lines if isinstance(line, m.Marker)]) < 10_000
+        assert len(host.of(m.Marker)) < 10_000
 
 
 class CountedFile:
@@ -270,8 +270,8 @@ async def test_of_a_client_that_left_only_what_the_log_is_for_is_done(tmp_path: 
         peer.writer.write(one * 1000 + b'{"kind":"note","text":"the last"}\n')
         peer.leave()
         await host.published(lambda line: isinstance(line, m.Note))
-        assert len([line for line in host.lines if isinstance(line, m.Marker)]) == 1000
-        assert len([line for line in host.lines if isinstance(line, m.ActionRequested)]) < 1000
+        assert len(host.of(m.Marker)) == 1000
+        assert len(host.of(m.ActionRequested)) < 1000
 
 
 async def test_a_stop_counts_whose_sender_left_before_it_was_read(tmp_path: Path) -> None:

@@ -164,7 +164,7 @@ def test_repeats_begin_nothing_anew_when_the_robot_is_there(tmp_path: Path) -> N
 
     wizard = played(tmp_path, scenario)
     assert [how for how, *_ in wizard.ends()] == ["Done"]
-    assert len([line for line in wizard.stage.lines if isinstance(line, m.ActionRequested)]) == 1
+    assert len(wizard.stage.of(m.ActionRequested)) == 1
 
 
 def test_let_go_and_pressed_again_it_drives_again(tmp_path: Path) -> None:
@@ -227,7 +227,7 @@ def test_what_no_key_holds_does_not_drive_and_says_why(ask: AnyRequest, tmp_path
         wizard.ask(ask)
 
     wizard = played(tmp_path, scenario)
-    [refused] = [line for line in wizard.stage.lines if isinstance(line, m.Refused)]
+    [refused] = wizard.stage.of(m.Refused)
     assert refused.code == "unwatched"
     assert "tmux" in refused.reason
     assert "driving: pressed" in refused.remedy
@@ -257,5 +257,5 @@ def test_what_else_a_held_key_does_goes_on(tmp_path: Path) -> None:
         wizard.press("Hello", "h")
 
     wizard = played(tmp_path, scenario)
-    said = [line for line in wizard.stage.lines if isinstance(line, m.Done)]
+    said = wizard.stage.of(m.Done)
     assert [line.sent for line in said] == [{"text": "Hello P07"}]

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import WAIT_S, Peer, ServedSession, served_session
-from tests.session.rig import experiment
+from tests.host.rig import Peer, ServedSession, served_session
+from tests.session.rig import WAIT_S, experiment
 from woz_tui.bus import bus
 from woz_tui.config.loading import load
 from woz_tui.config.study import Design, PerceptionLimits, Study
@@ -188,7 +188,7 @@ async def test_the_log_says_who_listens_from_when_to_when_and_has_no_sound(
     await peer.hello("watcher")
     line = await ask_and_speak(host, peer, window)
     await ask_and_speak(host, peer, window, after=line["end"])
-    joined = [each for each in host.lines if isinstance(each, m.ListenerJoined)]
+    joined = host.of(m.ListenerJoined)
     assert [(each.console, each.driver) for each in joined] == [("con1", "robot")]
     peer.leave()
     left = await host.published(lambda line: isinstance(line, m.ListenerLeft))

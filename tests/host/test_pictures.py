@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.host.rig import WAIT_S, Peer, ServedSession, served_session
+from tests.host.rig import Peer, ServedSession, served_session
+from tests.session.rig import WAIT_S
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 
 RED, BLUE = (200, 10, 10), (10, 10, 200)

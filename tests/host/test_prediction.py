@@ -48,7 +48,7 @@ def robot(folder: Path, made: Experiment | None = None) -> Any:
 
 
 def driver_messages(host: ServedSession) -> list[m.AnyMessage]:
-    return [line for line in host.lines if isinstance(line, m.Command | m.ActionRequested)]
+    return host.of(m.Command, m.ActionRequested)
 
 
 async def test_a_verbs_duration_words_and_stroke(tmp_path: Path) -> None:

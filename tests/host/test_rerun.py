@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
-from tests.host.rig import WAIT_S, Peer, ServedSession, served_session
+from tests.host.rig import Peer, ServedSession, served_session
 from tests.replay.rerun_rig import write_log
 from tests.replay.test_rerun_plan import END, LOG, START, command, dispatched, done_message
+from tests.session.rig import WAIT_S
 from woz_tui.config.experiment import SessionSettings
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
@@ -68,12 +69,12 @@ async def test_with_a_console_it_begins_when_a_wizard_is_there(tmp_path: Path) -
         watcher = await host.connect()
         await watcher.hello("watcher")
         await watcher.ask("marker", text="nobody plays yet")
-        assert not [line for line in host.lines if isinstance(line, m.RerunStarted)]
+        assert not host.of(m.RerunStarted)
         wizard = await host.connect()
         await wizard.hello("wizard")
         over = await rerun_ended(host)
         assert (over.reason, over.sent_again) == ("done", 1)
-        notices = [line for line in host.lines if isinstance(line, m.Notice)]
+        notices = host.of(m.Notice)
         assert "begins in" in notices[-2].text
         assert "1 sent, 0 skipped; lateness p50" in notices[-1].text
         assert notices[-1].remedy == "end the session"
@@ -108,9 +109,9 @@ async def test_drives_go_while_a_wizard_watches_and_end_with_them(tmp_path: Path
         over = await rerun_ended(host)
         assert over.reason == "done"
         assert isinstance(stopped, m.Stopped)
-        refused = [line for line in host.lines if isinstance(line, m.Refused)]
+        refused = host.of(m.Refused)
         assert {line.code for line in refused} == {"unwatched"}
-        moves = [line for line in host.lines if isinstance(line, m.Done)]
+        moves = host.of(m.Done)
         assert len(moves) == 2  # what does not drive has gone on
 
 
@@ -119,7 +120,7 @@ async def test_headless_nothing_drives_and_the_session_ends_with_it(tmp_path: Pa
         begin_rerun(host, log_of(tmp_path, "drive", "play"), headless=True)
         reason = await asyncio.wait_for(host.host.serve(), WAIT_S)
         assert reason == "the re-run is over"
-        (refused,) = [line for line in host.lines if isinstance(line, m.Refused)]
+        (refused,) = host.of(m.Refused)
         assert refused.code == "unwatched"
         (notice,) = [
             line
@@ -141,7 +142,7 @@ async def test_headless_it_is_stopped_when_whoever_watched_is_gone(tmp_path: Pat
         assert host.session.bus.latched
         reason = await asyncio.wait_for(host.host.serve(), WAIT_S)
         assert reason == "the re-run: stopped"
-        assert [line for line in host.lines if isinstance(line, m.StopConfirmed)]
+        assert host.of(m.StopConfirmed)
 
 
 @pytest.mark.parametrize(("role", "leaves"), [("watcher", "program"), ("wizard", "wizard")])
@@ -175,7 +176,7 @@ async def test_what_waited_for_its_lane_then_waits_again(tmp_path: Path) -> None
     async with served_session(tmp_path) as host:
         begin_rerun(host, log_of(tmp_path, "play", "play", every=0.01), headless=True)
         await rerun_ended(host)
-        ends = [line for line in host.lines if isinstance(line, m.End)]
+        ends = host.of(m.End)
         assert [type(end) for end in ends] == [m.Done, m.Done]
 
 
@@ -188,7 +189,7 @@ async def test_a_stop_before_it_begins_ends_it_too(tmp_path: Path) -> None:
         await wizard.hello("wizard")
         await wizard.ask("release")
         await wizard.ask("marker", text="and nothing comes")
-        assert not [line for line in host.lines if isinstance(line, m.Command)]
+        assert not host.of(m.Command)
 
 
 async def test_the_sessions_end_ends_it(tmp_path: Path) -> None:

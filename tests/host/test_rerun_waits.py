@@ -55,7 +55,7 @@ async def test_a_driver_that_does_not_come_is_named_and_nothing_is_sent(tmp_path
         why = "it did not open: OSError: no such device"
         assert over.reason == f"not begun: broken is not connected ({why})"
         assert over.sent_again == 0
-        assert not [line for line in host.lines if isinstance(line, m.RerunStarted | m.Command)]
+        assert not host.of(m.RerunStarted, m.Command)
         notices = [line.text for line in host.lines if isinstance(line, m.Notice)]
         assert notices == ["the re-run waits for broken", f"the re-run has {over.reason}"]
         assert await host.host.serve() == f"the re-run: {over.reason}"
@@ -64,7 +64,7 @@ async def test_a_driver_that_does_not_come_is_named_and_nothing_is_sent(tmp_path
 async def test_it_begins_when_the_driver_comes_and_is_not_given_up_then(tmp_path: Path) -> None:
     async with served_session(tmp_path, made=experiment(tmp_path, ("robot", "broken"))) as host:
         begin_rerun(host, log_of(tmp_path, "broken", 3), wait_s=0.5)
-        assert not [line for line in host.lines if isinstance(line, m.RerunStarted)]
+        assert not host.of(m.RerunStarted)
         host.session.hub.publish(m.DriverConnected(driver="broken", detail="plugged in"))
         over = await rerun_ended(host)  # more than a second later
         assert (over.reason, over.sent_again) == ("done", 3)

@@ -136,7 +136,7 @@ async def test_so_many_wait_and_no_more(tmp_path: Path) -> None:
             kind, fields = REQUESTS[number % 2]
             assert (await peer.ask(kind, **fields, at=at))["ok"]
         assert not (await peer.ask("action", action="Hello", at=at))["ok"]
-        ended = len([line for line in host.lines if isinstance(line, m.ActionEnd)])
+        ended = len(host.of(m.ActionEnd))
         assert ended == 1
         await empty(peer, "")
         for _ in range(MOST_SCHEDULED):

@@ -55,7 +55,7 @@ async def test_it_is_said_again_when_panels_change(tmp_path: Path) -> None:
         peer = await host.connect()
         await peer.hello()
         assert (await peer.ask("profile", profile="child"))["ok"]
-        plans = [line for line in host.lines if isinstance(line, m.SessionPlan)]
+        plans = host.of(m.SessionPlan)
         assert [plan.settings.profile for plan in plans] == ["", "child"]
         assert [line["profile"] for line in peer.seen if line["kind"] == "panels"] == ["child"]
 

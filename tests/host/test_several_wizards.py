@@ -368,5 +368,5 @@ async def test_nobody_plays_what_is_anothers_and_every_press_is_answered(
                 assert reply["ok"] == (owner == part), (panel, part, [*there], reply)
                 assert reply["run"]
         ended = {line.run for line in host.lines if isinstance(line, m.ActionEnd)}
-        refused = [line for line in host.lines if isinstance(line, m.ActionRefused)]
+        refused = host.of(m.ActionRefused)
         assert {line.run for line in refused} <= ended

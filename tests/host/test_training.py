@@ -98,7 +98,7 @@ async def test_a_session_that_ends_before_it_begins_gives_no_cue(
         # Each begins behind its like that would give the cue, however late the loop may be.
         await asyncio.sleep(training_session.WARNING_S)
         await asyncio.sleep(APPROACH.pause_us / 1e6)
-        assert not [line for line in host.lines if isinstance(line, m.Reading | m.CueGiven)]
+        assert not host.of(m.Reading, m.CueGiven)
 
 
 async def test_nobody_takes_part_and_every_utterance_can_be_said(tmp_path: Path) -> None:

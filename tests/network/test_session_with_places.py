@@ -51,7 +51,7 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
     rig = SessionRig(tmp_path, catalogue=installed(), made=experiment)
 
     def confirmed() -> list[m.StopConfirmed]:
-        return [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
+        return rig.of(m.StopConfirmed)
 
     await rig.session.open()
     await cable.lay()

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.ports import free_port
-from tests.host.rig import WAIT_S, Peer, ServedSession, served_session
+from tests.host.rig import Peer, ServedSession, served_session
+from tests.session.rig import WAIT_S
 from woz_tui.config.experiment import AccessRole, SessionSettings
 from woz_tui.network.certificates import AccessFile, Authority
 from woz_tui.network.listen_address import ListenAddress

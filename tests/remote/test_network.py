@@ -17,8 +17,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.host.rig import WAIT_S, Peer
+from tests.host.rig import Peer
 from tests.remote.network import BootClock, Machines, S, connected_peer, machines
+from tests.session.rig import WAIT_S
 from woz_tui.cli.remote_start import remote_session
 from woz_tui.config.experiment import AccessRole
 from woz_tui.console.message_feed import Loss, LostPart

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import SessionRig
 from woz_tui.analysis.played_actions import PlayedSession, played_session
 from woz_tui.config.experiment import Call, FilePosition
@@ -28,35 +26,24 @@ Scenario = Callable[[SessionRig], Awaitable[None]]
 
 def record_session(folder: Path, scenario: Scenario) -> Path:
     """A session in which `scenario` happens; its log."""
-
-    async def go() -> Path:
-        rig = SessionRig(folder)
-        await rig.session.open()
-        await scenario(rig)
-        await rig.session.close("test")
-        return rig.recorder.path
-
-    return run_virtual(go())
+    return SessionRig(folder).run(scenario).recorder.path
 
 
-@dataclass
-class RerunRig:
-    """A re-run: its stage, its player, and where its log is."""
+class RerunRig(SessionRig):
+    """A session in which a log is run again."""
 
-    rig: SessionRig
     player: RerunPlayer
-    log: Path
 
-    def of(self, *kinds: type[m.Message]) -> list[m.AnyMessage]:
-        """Its messages of these kinds."""
-        return [line for line in self.rig.lines if isinstance(line, kinds)]
+    @property
+    def log(self) -> Path:
+        return self.recorder.path
 
     def sent_commands(self) -> list[m.RerunSent]:
-        return [line for line in self.rig.lines if isinstance(line, m.RerunSent)]
+        return self.of(m.RerunSent)
 
     def calls(self) -> list[tuple[str, dict[str, m.Json]]]:
         """What reached the driver."""
-        return [call for call in self.rig.driver().calls if call[0] not in ("rest", "close")]
+        return [call for call in self.driver().calls if call[0] not in ("rest", "close")]
 
 
 def player_of(rig: SessionRig, plan: RerunPlan) -> RerunPlayer:
@@ -84,20 +71,15 @@ async def rerun_over(rig: SessionRig, player: RerunPlayer) -> None:
 def run_again(folder: Path, log: Path, meanwhile: Scenario | None = None) -> RerunRig:
     """Run `log` again to its end, with `meanwhile` beside it."""
 
-    async def go() -> RerunRig:
-        rig = SessionRig(folder)
-        plan = fitted(plan_of(log), rig.session.experiment)
-        player = player_of(rig, plan)
-        await rig.session.open()
-        player.begin()
+    async def rerun(rig: RerunRig) -> None:
+        rig.player = player_of(rig, fitted(plan_of(log), rig.experiment))
+        rig.player.begin()
         if meanwhile is not None:
             await meanwhile(rig)
-        await rerun_over(rig, player)
-        await asyncio.sleep(8)  # whatever is still under way, and nothing more
-        await rig.session.close("test")
-        return RerunRig(rig, player, rig.recorder.path)
+        await rerun_over(rig, rig.player)
 
-    return run_virtual(go())
+    # Eight seconds for whatever is still under way, and nothing more.
+    return RerunRig(folder).run(rerun, 8)
 
 
 def played_in(log: Path, name: str = "") -> PlayedSession:

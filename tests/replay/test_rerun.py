@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.fakes.virtual_time import run_virtual
 from tests.replay.rerun_rig import (
     HAND,
     KEY,
@@ -92,7 +91,7 @@ def test_a_re_run_can_be_run_again(tmp_path: Path) -> None:
 
 def test_markers_are_put_again_and_the_verb_mark_once(tmp_path: Path) -> None:
     rerun = run_again(tmp_path / "b", record_session(tmp_path / "a", tour))
-    marks = [line for line in rerun.rig.lines if isinstance(line, m.Marker)]
+    marks = rerun.of(m.Marker)
     assert [(mark.text, mark.source) for mark in marks] == [("here", "replay"), ("map", "action")]
 
 
@@ -105,8 +104,8 @@ def test_what_a_replacing_press_cut_short_is_cut_short_again(tmp_path: Path) -> 
 
     log = record_session(tmp_path / "a", hasty)
     rerun = run_again(tmp_path / "b", log)
-    (cut,) = [line for line in rerun.rig.lines if isinstance(line, m.Stopped)]
-    began = next(line for line in rerun.rig.lines if isinstance(line, m.Dispatched))
+    (cut,) = rerun.of(m.Stopped)
+    began = next(line for line in rerun.lines if isinstance(line, m.Dispatched))
     assert cut.command == began.command
     assert abs(cut.t - began.t - 300_000) < 10
     assert "replaced by" in cut.reason
@@ -128,7 +127,7 @@ def test_a_stop_of_then_cuts_short_without_latching(tmp_path: Path) -> None:
     assert not rerun.of(m.StopPressed, m.StopReleased)
     assert len(rerun.of(m.Stopped)) == 2
     assert compare(played_in(log), played_in(rerun.log)).same
-    assert ("stop", {"scope": "all"}) not in rerun.rig.driver().calls
+    assert ("stop", {"scope": "all"}) not in rerun.driver().calls
 
 
 def test_a_stop_ends_it_for_good(tmp_path: Path) -> None:
@@ -142,9 +141,9 @@ def test_a_stop_ends_it_for_good(tmp_path: Path) -> None:
     assert rerun.player.over is not None
     assert rerun.player.over.reason == "stopped"
     assert rerun.player.over.sent_again == 1
-    asked = [line for line in rerun.rig.lines if isinstance(line, m.Command)]
+    asked = rerun.of(m.Command)
     assert len(asked) == 1
-    assert rerun.rig.kinds(m.StopReleased)
+    assert rerun.kinds(m.StopReleased)
 
 
 def test_the_wizards_own_hand_counts_beside_it(tmp_path: Path) -> None:
@@ -168,20 +167,15 @@ def test_after_a_standstill_nothing_is_made_up_for_at_once(tmp_path: Path) -> No
     """A process that was suspended for 3 s leaves out what is too old, and goes on in time."""
     log = record_session(tmp_path / "a", tour)
 
-    async def go() -> list[m.AnyMessage]:
-        rig = SessionRig(tmp_path / "b")
+    async def suspended(rig: SessionRig) -> None:
         player = player_of(rig, plan_of(log))
-        await rig.session.open()
         player.begin()
         await asyncio.sleep(1.1)
         asyncio.get_running_loop().jump(3)  # type: ignore[attr-defined]
         await rerun_over(rig, player)
-        await rig.session.close("test")
-        return rig.lines
 
-    lines = run_virtual(go())
-    skipped = [line for line in lines if isinstance(line, m.RerunSkipped)]
-    sent = [line for line in lines if isinstance(line, m.RerunSent)]
+    rig = SessionRig(tmp_path / "b").run(suspended)
+    skipped, sent = rig.of(m.RerunSkipped), rig.of(m.RerunSent)
     assert skipped
     assert all("late" in line.reason for line in skipped)
     assert all(line.late_us <= 1_500_000 for line in sent)

@@ -5,8 +5,15 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
-from tests.fakes.virtual_time import run_virtual
-from tests.replay.rerun_rig import KEY, player_of, record_session, rerun_over, run_again, write_log
+from tests.replay.rerun_rig import (
+    KEY,
+    RerunRig,
+    player_of,
+    record_session,
+    rerun_over,
+    run_again,
+    write_log,
+)
 from tests.replay.test_rerun import tour
 from tests.replay.test_rerun_plan import END, START, command, dispatched, done_message
 from tests.session.rig import SessionRig
@@ -25,18 +32,14 @@ def test_what_was_left_out_because_it_was_late_is_not_cut_short(tmp_path: Path) 
 
     log = record_session(tmp_path / "a", hasty)
 
-    async def go() -> RerunPlayer:
-        rig = SessionRig(tmp_path / "b")
-        player = player_of(rig, plan_of(log))
-        await rig.session.open()
+    async def suspended(rig: RerunRig) -> None:
+        player = rig.player = player_of(rig, plan_of(log))
         player.begin()
         await asyncio.sleep(1.1)
         asyncio.get_running_loop().jump(5)  # type: ignore[attr-defined]
         await rerun_over(rig, player)
-        await rig.session.close("test")
-        return player
 
-    player = run_virtual(go())
+    player = RerunRig(tmp_path / "b").run(suspended).player
     assert player.over is not None
     assert (player.over.reason, player.sent, player.over.skipped_commands) == ("done", 1, 2)
 
@@ -48,20 +51,15 @@ def test_a_re_run_that_fails_is_over_and_says_why(tmp_path: Path) -> None:
     def send(command: m.Command, on_end: object) -> m.Command:
         raise ValueError("no such thing")
 
-    async def go() -> RerunPlayer:
-        rig = SessionRig(tmp_path / "b")
-        player = RerunPlayer(
+    async def failing(rig: RerunRig) -> None:
+        player = rig.player = RerunPlayer(
             plan_of(log), rig.session.hub, send, lambda run, why: None, told.append
         )
         asyncio.get_running_loop().set_exception_handler(lambda loop, context: told.append(context))
-        await rig.session.open()
         player.begin()
         await rerun_over(rig, player)
-        await asyncio.sleep(30)
-        await rig.session.close("test")
-        return player
 
-    player = run_virtual(go())
+    player = RerunRig(tmp_path / "b").run(failing, 30).player
     assert player.over is not None
     assert player.over.reason == "it failed: ValueError: no such thing"
     assert player.sent == 1
@@ -85,7 +83,7 @@ def test_a_command_that_began_and_was_cut_in_one_moment_is_cut_short(tmp_path: P
         ],
     )
     rerun = run_again(tmp_path / "b", log)
-    ends = [line for line in rerun.rig.lines if isinstance(line, m.End)]
+    ends = rerun.of(m.End)
     assert [type(end).__name__ for end in ends] == ["Stopped", "Done"]
     assert ends[0].reason == "cut short as in the log: stop pressed"
 

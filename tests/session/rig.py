@@ -43,7 +43,7 @@ from woz_tui.system.clock import Clock, RealClock
 
 HERE = FilePosition("made.yaml", 1, 1)
 #: Longer than anything here takes.
-PATIENCE_S = 40.0
+WAIT_S = 40.0
 
 Kind = TypeVar("Kind", bound=m.Message)
 
@@ -230,7 +230,7 @@ class SessionRig:
 
     async def until(self, holds: Callable[[], object]) -> None:
         """Return when `holds()`, which is asked after every message."""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(WAIT_S):
             while not holds():
                 self._news.clear()
                 await self._news.wait()

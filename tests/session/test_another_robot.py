@@ -52,7 +52,7 @@ def test_the_rest_of_an_action_is_played_and_the_log_says_without_what(tmp_path:
     rig = staged(tmp_path)
     spoken = [verb for verb, _ in rig.driver().calls if verb not in ("stop", "rest", "close")]
     assert spoken == ["say", "say", "drive", "play"]
-    requested = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
+    requested = rig.of(m.ActionRequested)
     assert [(line.action, line.without) for line in requested] == [
         ("Blue", ["eyes"]),
         ("Hello", ["eyes"]),

@@ -120,7 +120,7 @@ def test_what_a_block_says_is_told_before_and_made_ready(tmp_path: Path) -> None
         pass
 
     rig = scene(tmp_path, play)
-    [filled] = [line for line in rig.lines if isinstance(line, m.ActionsFilled)]
+    [filled] = rig.of(m.ActionsFilled)
     [[shown]] = filled.actions["Greet"]  # type: ignore[misc]
     assert isinstance(shown, m.FilledCall)
     assert shown.args["text"] == "Hello you. Goodbye."
@@ -165,7 +165,7 @@ def test_the_times_of_a_block_are_found_while_its_next_one_waits(tmp_path: Path)
         await planner((0.5, '<bml id="b"><wait id="w" start="greet:t:end"/></bml>'))(rig)
 
     rig = scene(tmp_path, play)
-    planned = [line for line in rig.lines if isinstance(line, m.BlockPlanned)][1]
+    planned = rig.of(m.BlockPlanned)[1]
     assert planned.block == "b"
     assert planned.behaviours[0].points["start"] == pytest.approx(4.1e6, abs=2e5)
 
@@ -323,7 +323,7 @@ def test_a_block_is_cut_by_its_id_as_every_command(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         await planner((0, GREET), (0, GREET.replace("greet", "other").replace("Hello", "Hi")))(rig)
         await asyncio.sleep(0.5)
-        blocks = [line for line in rig.lines if isinstance(line, m.BlockPlanned)]
+        blocks = rig.of(m.BlockPlanned)
         rig.session.cancel(blocks[0].command)
 
     rig = scene(tmp_path, play)

@@ -46,7 +46,7 @@ async def test_one_that_blocks_is_named_by_the_stop_which_the_others_confirm(
     rig = SessionRig(tmp_path, catalogue=catalogue, made=load(path, catalogue))
 
     def confirmed() -> list[m.StopConfirmed]:
-        return [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
+        return rig.of(m.StopConfirmed)
 
     def connected() -> int:
         return rig.kinds(m.DriverConnected).count("DriverConnected")

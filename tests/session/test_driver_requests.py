@@ -77,7 +77,7 @@ def test_a_verb_asked_for_in_a_thread_is_a_command_like_any_other(tmp_path: Path
 
     rig = on_stage(tmp_path, scenario)
     assert ("say", {"text": "Hi"}) in rig.driver().calls
-    [command] = [line for line in rig.lines if isinstance(line, m.Command)]
+    [command] = rig.of(m.Command)
     assert (command.source, command.key) == ("midi", "knob 1")
     assert outcome.told == [(True, "")]
     assert outcome.threads == {threading.get_ident()}
@@ -99,7 +99,7 @@ def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
             await asyncio.sleep(2)
 
     rig = on_stage(tmp_path, scenario)
-    requested = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
+    requested = rig.of(m.ActionRequested)
     assert [(line.action, line.source) for line in requested] == [
         ("Map", "midi"),
         ("Hello", "midi"),
@@ -316,7 +316,7 @@ def test_what_neither_moves_nor_sounds_need_not_confirm_a_stop(tmp_path: Path) -
         return rig
 
     rig = run_virtual(go())
-    (stop_confirmed,) = [line for line in rig.lines if isinstance(line, m.StopConfirmed)]
+    (stop_confirmed,) = rig.of(m.StopConfirmed)
     assert (stop_confirmed.confirmed, stop_confirmed.missing, stop_confirmed.unreached) == (
         ["robot"],
         [],

@@ -90,7 +90,7 @@ def test_one_bad_driver_harms_no_other(tmp_path: Path, how: str, where: str) -> 
     assert "robot" in confirmed.confirmed
     assert (bad in confirmed.missing) == (where in ("open", "stop"))
     assert (bad in confirmed.unreached) == (where == "open")
-    told = [line for line in rig.lines if isinstance(line, m.Notice | m.DriverFaulted)]
+    told = rig.of(m.Notice, m.DriverFaulted)
     assert len(told) == (where != "stop")
     assert all(bad.encode() in codec.encode(line) for line in told)
 
@@ -114,7 +114,7 @@ def test_utterances_that_cannot_be_prepared_are_told(tmp_path: Path) -> None:
         await asyncio.sleep(1)
 
     rig = on_stage(tmp_path, scenario, kind=UnpreparableDriver)
-    (notice,) = [line for line in rig.lines if isinstance(line, m.Notice)]
+    (notice,) = rig.of(m.Notice)
     assert notice.text.startswith("robot: utterances are not ready")
 
 

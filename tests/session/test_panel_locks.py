@@ -59,7 +59,7 @@ def test_arrow_keys_of_a_locked_panel_are_refused_and_logged(tmp_path: Path) -> 
         rig.session.send("play", {"move": "nod"}, "", ARROW)  # nothing covers it
 
     rig = on_stage(tmp_path, scenario)
-    [refused] = [line for line in rig.lines if isinstance(line, m.Refused)]
+    [refused] = rig.of(m.Refused)
     assert (refused.code, refused.reason) == ("locked", LOCKED)
     assert [verb for verb, _ in rig.driver().calls][:1] == ["play"]
 

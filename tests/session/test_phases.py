@@ -87,7 +87,7 @@ def test_what_a_phase_plays_when_somebody_enters_it(tmp_path: Path) -> None:
         await asyncio.sleep(2)
 
     rig = on_stage(tmp_path, scenario)
-    played = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
+    played = rig.of(m.ActionRequested)
     assert [(line.action, line.source) for line in played] == [("Hello", "phase")]
 
 
@@ -190,7 +190,7 @@ def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None
 
     rig = on_stage(tmp_path, scenario)
     assert changes(rig)[-1] == ("opening", "session")
-    assert not [line for line in rig.lines if isinstance(line, m.ActionRequested)]
+    assert not rig.of(m.ActionRequested)
 
 
 def test_a_reload_keeps_the_phase_where_it_still_is(tmp_path: Path) -> None:

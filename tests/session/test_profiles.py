@@ -81,7 +81,7 @@ def test_verbs_by_themselves_are_refused_but_those_it_names(tmp_path: Path) -> N
 
     rig = on_stage(tmp_path, scenario)
     assert [verb for verb, _ in rig.driver().calls[:2]] == ["play", "rest"]
-    [refused] = [line for line in rig.lines if isinstance(line, m.Refused)]
+    [refused] = rig.of(m.Refused)
     assert (refused.code, refused.reason) == ("profile", f"'say' {NOT}")
 
 

@@ -188,7 +188,7 @@ def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None
         ask(rig, "whenever")
 
     rig = on_stage(tmp_path, scenario)
-    ends = [line for line in rig.lines if isinstance(line, m.QuestionnaireEnded)]
+    ends = rig.of(m.QuestionnaireEnded)
     assert [(line.questionnaire, line.reason, line.answered) for line in ends] == [
         ("ux", "left", 1),
         ("ux", "done", 1),

@@ -57,7 +57,7 @@ def test_the_last_sentence_again_as_it_was_said(tmp_path: Path) -> None:
 
     rig = scene(tmp_path, play)
     assert spoken_texts(rig)[1:] == ["typed {brace}"] * 3
-    requests = [line for line in rig.lines if isinstance(line, m.ActionRequested)]
+    requests = rig.of(m.ActionRequested)
     assert [(line.action, line.panel) for line in requests[-2:]] == [(REPEAT, PANEL)] * 2
 
 
@@ -102,7 +102,7 @@ def test_a_wizard_who_is_blind_does_not_read_what_is_repeated(tmp_path: Path) ->
         rig.session.play(REPEAT, KEY)
 
     rig = scene(tmp_path, play)
-    again = [line for line in rig.lines if isinstance(line, m.Command)][-1]
+    again = rig.of(m.Command)[-1]
     assert (again.action, again.args) == (REPEAT, {"text": spoken_texts(rig)[0]})
     seen = Redactor(study_settings(rig.session.experiment)).message(again)
     assert isinstance(seen, m.Command)

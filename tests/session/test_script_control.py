@@ -66,7 +66,7 @@ def test_a_line_played_by_its_letter_is_not_offered_again(tmp_path: Path) -> Non
         assert stands(rig) == (1, [0, 2, 3], "")
 
     rig = on_stage(tmp_path, scenario)
-    last = [line for line in rig.lines if isinstance(line, m.ScriptMoved)][-1]
+    last = rig.of(m.ScriptMoved)[-1]
     assert (last.position, last.played, last.phase) == (1, [0, 2, 3], "")
 
 

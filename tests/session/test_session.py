@@ -48,7 +48,7 @@ def test_a_press_becomes_commands_with_variables_filled_in(tmp_path: Path) -> No
 
     rig = on_stage(tmp_path, scenario)
     assert rig.driver().calls[0] == ("say", {"text": "Hello P07"})
-    (command,) = [line for line in rig.lines if isinstance(line, m.Command)]
+    (command,) = rig.of(m.Command)
     assert (command.run, command.action, command.key) == ("a00001", "Hello", "h")
     assert rig.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionDone"]
 
@@ -92,7 +92,7 @@ def test_a_failed_step_ends_the_action_and_names_the_reason(tmp_path: Path) -> N
         rig.session.play("Fall", KEY)
 
     rig = on_stage(tmp_path, scenario)
-    (end,) = [line for line in rig.lines if isinstance(line, m.ActionEnd)]
+    (end,) = rig.of(m.ActionEnd)
     assert isinstance(end, m.ActionFailed)
     assert end.reason == "robot: it fell over"
     assert ("say", {"text": "Ouch"}) not in rig.driver().calls
@@ -202,7 +202,7 @@ def test_verbs_of_the_session_are_commands_like_others(tmp_path: Path) -> None:
         rig.session.play("Hot", KEY)
 
     rig = on_stage(tmp_path, scenario)
-    refused = [line for line in rig.lines if isinstance(line, m.ActionRefused)]
+    refused = rig.of(m.ActionRefused)
     assert refused[0].reason == "session: there is no condition 'hot'"
 
 
@@ -470,7 +470,7 @@ def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> No
         "stale: late",
         "stale: late",
     ]
-    refused = [line for line in rig.lines if isinstance(line, m.Refused)]
+    refused = rig.of(m.Refused)
     assert [(line.code, line.reason) for line in refused] == [("stale", "stale: late")]
     assert all(verb in ("rest", "close") for verb, _ in rig.driver().calls)
 

@@ -101,7 +101,7 @@ def test_the_condition_of_a_trial_is_set_before_it_begins(tmp_path: Path) -> Non
     rig = on_stage(tmp_path, scenario)
     texts = [args["text"] for verb, args in rig.driver().calls if verb == "say"]
     assert texts == ["Hello P01! I am in the museum.", "Hello. I am in the museum."]
-    changed = [line for line in rig.lines if isinstance(line, m.SessionChanged | m.TrialStarted)]
+    changed = rig.of(m.SessionChanged, m.TrialStarted)
     last = changed[-2:]
     assert isinstance(last[0], m.SessionChanged)
     assert (last[0].condition, last[0].trial) == ("cold", 3)
@@ -172,7 +172,7 @@ def test_a_reload_leaves_the_trials_of_the_participant_who_is_there(
         assert "all 4 trials of P01 are done" in refusal_reason(rig, "begin")
 
     rig = on_stage(tmp_path, scenario)
-    begun = [line for line in rig.lines if isinstance(line, m.TrialStarted)]
+    begun = rig.of(m.TrialStarted)
     assert [(line.condition, line.planned) for line in begun] == [
         ("warm", 4), ("warm", 4), ("cold", 4), ("cold", 4),
     ]  # fmt: skip
@@ -497,7 +497,7 @@ def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: 
         ]
 
     rig = on_stage(tmp_path, scenario)
-    lines = [line for line in rig.lines if isinstance(line, m.PreflightChecked)]
+    lines = rig.of(m.PreflightChecked)
     assert [(line.level, line.source) for line in lines[:3]] == [
         ("ok", "wizard"),
         ("ok", "wizard"),

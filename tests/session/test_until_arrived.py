@@ -110,7 +110,7 @@ def test_a_motion_that_does_not_arrive_fails_its_action(tmp_path: Path) -> None:
     rig = play_steps(tmp_path, "Stuck")
     assert ends(rig) == [("Stuck", "ActionFailed")]
     assert not said_verbs(rig)
-    (failed,) = [line for line in rig.lines if isinstance(line, m.ActionFailed)]
+    (failed,) = rig.of(m.ActionFailed)
     assert failed.reason == "robot: the neck is stuck"
 
 

@@ -88,6 +88,5 @@ async def test_a_training_needs_no_other_computer(tmp_path: Path) -> None:
     path.write_text(TEXT.format(port=free_port(), text="Hi"))
     catalogue = rehearsed(installed())
     rig = SessionRig(tmp_path, catalogue=catalogue, made=load(path, catalogue))
-    await rig.session.open()
-    assert rig.kinds(m.DriverConnected) == ["DriverConnected"]
-    await rig.session.close("test")
+    async with rig:
+        assert rig.kinds(m.DriverConnected) == ["DriverConnected"]

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Call, Experiment, TextVariants
 from woz_tui.config.study import Design, Study
@@ -76,18 +75,8 @@ def on_stage(
     scenario: Callable[[PlayedActions], Awaitable[None]],
     identity: SessionIdentity | None = None,
 ) -> PlayedActions:
-    async def go() -> PlayedActions:
-        rig = PlayedActions(
-            folder,
-            identity=identity or SessionIdentity(participant="P07", seed=5),
-            made=make_experiment(folder),
-        )
-        await rig.session.open()
-        await scenario(rig)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    who = identity or SessionIdentity(participant="P07", seed=5)
+    return PlayedActions(folder, identity=who, made=make_experiment(folder)).run(scenario)
 
 
 # -- variants ------------------------------------------------------------------------------------

@@ -6,7 +6,6 @@ import asyncio
 import json
 from pathlib import Path
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import ScriptedDriver, SessionRig
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
@@ -36,16 +35,12 @@ def staged(tmp_path: Path) -> SessionRig:
     path.write_text(TEXT)
     experiment = load(path, catalogue, robot="puppet")
 
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path, catalogue=catalogue, made=experiment)
-        await rig.session.open()
+    async def play_all(rig: SessionRig) -> None:
         for name in ("Blue", "Hello", "Tour"):
             rig.session.play(name, KEY)
             await asyncio.sleep(10)
-        await rig.session.close("test")
-        return rig
 
-    return run_virtual(go())
+    return SessionRig(tmp_path, catalogue=catalogue, made=experiment).run(play_all)
 
 
 def test_the_rest_of_an_action_is_played_and_the_log_says_without_what(tmp_path: Path) -> None:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, SessionRig, action, call, experiment, together
 from tests.session.test_superseding import LaneDriver
 from woz_tui.bml.behaviour_calls import BmlTable, TableCall
@@ -42,20 +41,11 @@ Scene = Callable[[SessionRig], Awaitable[None]]
 
 def scene(tmp_path: Path, play: Scene, actions: Sequence[Action] = ACTIONS) -> SessionRig:
     """A session whose speeches, moves and looks take a second each."""
-
-    async def go() -> SessionRig:
-        made = experiment(tmp_path)
-        spec = replace(made.drivers[0], verbs=LaneDriver.verbs(None))
-        panels = (Panel("All", tuple(actions), spec.place),)
-        made = replace(made, drivers=(spec,), panels=panels, blocks={"greet.xml": GREET})
-        rig = SessionRig(tmp_path, catalogue={"puppet": LaneDriver}, made=made)
-        await rig.session.open()
-        await play(rig)
-        await asyncio.sleep(20)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    made = experiment(tmp_path)
+    spec = replace(made.drivers[0], verbs=LaneDriver.verbs(None))
+    panels = (Panel("All", tuple(actions), spec.place),)
+    made = replace(made, drivers=(spec,), panels=panels, blocks={"greet.xml": GREET})
+    return SessionRig(tmp_path, catalogue={"puppet": LaneDriver}, made=made).run(play, 20)
 
 
 def planner(*blocks: tuple[float, str]) -> Scene:

@@ -71,15 +71,8 @@ def on_stage(
     scenario: Callable[[SessionRig], Awaitable[None]],
     seconds: float = 0.0,
 ) -> list[m.DriverFaulted]:
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path, (driver, "robot"), catalogue={"puppet": Flawed})
-        await rig.session.open()
-        await scenario(rig)
-        await asyncio.sleep(seconds)
-        await rig.session.close("test")
-        return rig
-
-    return [line for line in run_virtual(go()).lines if isinstance(line, m.DriverFaulted)]
+    rig = SessionRig(tmp_path, (driver, "robot"), catalogue={"puppet": Flawed})
+    return rig.run(scenario, seconds).of(m.DriverFaulted)
 
 
 async def nothing(rig: SessionRig) -> None:
@@ -162,16 +155,14 @@ def test_what_the_session_does_upon_a_reading_is_not_the_driver_s_fault(tmp_path
         if isinstance(line, m.Reading):
             asyncio.get_running_loop().call_later(1, [].__getitem__, 99)
 
-    async def go() -> SessionRig:
+    async def listening(rig: SessionRig) -> None:
         asyncio.get_running_loop().set_exception_handler(lambda _, told: others.append(told))
-        rig = SessionRig(tmp_path, ("reads",), catalogue={"puppet": Flawed})
         rig.session.hub.listen(listener)
-        await rig.session.open()
-        await asyncio.sleep(5)
-        await rig.session.close("test")
-        return rig
+        async with rig:
+            await asyncio.sleep(5)
 
-    rig = run_virtual(go())
+    rig = SessionRig(tmp_path, ("reads",), catalogue={"puppet": Flawed})
+    run_virtual(listening(rig))
     assert rig.kinds(m.Reading, m.DriverFaulted) == ["Reading"]
     assert [type(told["exception"]) for told in others] == [IndexError]
 

@@ -51,8 +51,7 @@ async def test_one_that_blocks_is_named_by_the_stop_which_the_others_confirm(
     def connected() -> int:
         return rig.kinds(m.DriverConnected).count("DriverConnected")
 
-    await rig.session.open()
-    try:
+    async with rig:
         await until(lambda: connected() == 2, BEGIN_S)
         rig.session.play("Wave", KEY)
         await until(lambda: rig.kinds(m.ActionEnd) == ["ActionDone"], BEGIN_S)
@@ -66,8 +65,6 @@ async def test_one_that_blocks_is_named_by_the_stop_which_the_others_confirm(
         lost = [line.detail for line in rig.lines if isinstance(line, m.DriverLost)]
         assert any("did not hear the stop and was ended" in detail for detail in lost)
         await until(lambda: "arm" in confirmed()[-1].confirmed, BEGIN_S)
-    finally:
-        await rig.session.close("test")
     assert rig.session.ended
 
 
@@ -80,5 +77,5 @@ async def test_in_a_training_drivers_stay_with_a_body_that_does_not_move(
     experiment = load(path, catalogue)
     rig = SessionRig(tmp_path, catalogue=rehearsed(catalogue), made=experiment)
     assert not any(isinstance(driver, ProcessDriver) for driver in rig.session.drivers.values())
-    await rig.session.open()
-    await rig.session.close("test")
+    async with rig:
+        pass

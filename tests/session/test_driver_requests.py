@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from tests.fakes.virtual_time import LoopClock, run_virtual
+from tests.fakes.virtual_time import LoopClock
 from tests.session.rig import HERE, NoSettings, ScriptedDriver, SessionRig, experiment
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.drivers.contract import Ask, Health, PassiveDriver, Scope
@@ -36,15 +36,8 @@ def on_stage(
     *drivers: str,
     kind: type[ScriptedDriver] = ScriptedDriver,
 ) -> SessionRig:
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path, drivers or ("robot",), catalogue={"puppet": kind})
-        await rig.session.open()
-        await scenario(rig)
-        await asyncio.sleep(5)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    rig = SessionRig(tmp_path, drivers or ("robot",), catalogue={"puppet": kind})
+    return rig.run(scenario, 5)
 
 
 class RequestOutcome:
@@ -299,23 +292,16 @@ def test_what_neither_moves_nor_sounds_need_not_confirm_a_stop(tmp_path: Path) -
     UnpluggedSonar.heard.clear()
     outcome = RequestOutcome()
 
-    async def go() -> SessionRig:
-        made = experiment(tmp_path)
-        sonar = DriverSpec("sonar", "sonar", NoSettings(), (), (), HERE)
-        rig = SessionRig(
-            tmp_path,
-            catalogue={"puppet": ScriptedDriver, "sonar": UnpluggedSonar},
-            made=replace(made, drivers=(*made.drivers, sonar)),
-        )
-        await rig.session.open()
+    async def scenario(rig: SessionRig) -> None:
         rig.session.stop("key")
         await asyncio.sleep(2)
         from_a_thread(rig, Ask("release", source="midi"), outcome)
-        await asyncio.sleep(1)
-        await rig.session.close("test")
-        return rig
 
-    rig = run_virtual(go())
+    made = experiment(tmp_path)
+    sonar = DriverSpec("sonar", "sonar", NoSettings(), (), (), HERE)
+    catalogue = {"puppet": ScriptedDriver, "sonar": UnpluggedSonar}
+    made = replace(made, drivers=(*made.drivers, sonar))
+    rig = SessionRig(tmp_path, catalogue=catalogue, made=made).run(scenario, 1)
     (stop_confirmed,) = rig.of(m.StopConfirmed)
     assert (stop_confirmed.confirmed, stop_confirmed.missing, stop_confirmed.unreached) == (
         ["robot"],

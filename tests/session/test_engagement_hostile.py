@@ -13,7 +13,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.fakes.virtual_time import run_virtual
 from tests.sensing.test_engagement_stream import MESSAGES
 from tests.session.engagement_rig import WIZARD, EngagementRig, effect, guided, in_room
 from tests.session.rig import call, together
@@ -30,18 +29,14 @@ ASKING = EngagementSettings(handshake=HandshakeSettings(by="robot"))
 def test_no_message_fails_in_the_hub(steps: list[tuple[Any, float]]) -> None:
     """E9: in a whole session, with effects, handshake and attention."""
 
-    async def go(folder: Path) -> EngagementRig:
-        effects = effect("PersonDetected", together(call("say", text="Come near")))
-        rig = EngagementRig(folder, guided(folder, ASKING, effects))
-        await rig.session.open()
+    async def scenario(rig: EngagementRig) -> None:
         for message, pause in steps:
             rig.session.hub.publish(message)
             await asyncio.sleep(pause)
-        await rig.session.close("test", rest=False)
-        return rig
 
-    with tempfile.TemporaryDirectory() as folder:
-        rig = run_virtual(go(Path(folder)))
+    effects = effect("PersonDetected", together(call("say", text="Come near")))
+    with tempfile.TemporaryDirectory() as name:
+        rig = in_room(Path(name), scenario, guided(Path(name), ASKING, effects), linger=0)
     assert not [text for text in rig.notices if "the engagement model failed" in text]
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.engagement_rig import PLAIN, EngagementRig, GuideDriver, effect, guided, in_room
 from tests.session.rig import call, together
 from woz_tui.config.engagement import (
@@ -185,17 +184,13 @@ class SlowBeepDriver(GuideDriver):
 
 
 def test_a_beep_that_finds_the_robot_busy_is_left_out_without_a_word(tmp_path: Path) -> None:
-    async def go() -> EngagementRig:
-        rig = EngagementRig(tmp_path, guided(tmp_path, EngagementSettings()), SlowBeepDriver)
-        await rig.session.open()
+    async def scenario(rig: EngagementRig) -> None:
         for state in ("RobotThinks", "RobotReplies", "RobotThinks"):
             rig.tell("force", to=state)
             await asyncio.sleep(0.3)
         assert [end.code for end in rig.of(m.Refused)] == ["busy"]
         assert rig.notices == []
-        await asyncio.sleep(5)
-        await rig.session.close("test")
-        return rig
 
-    rig = run_virtual(go())
+    experiment = guided(tmp_path, EngagementSettings())
+    rig = in_room(tmp_path, scenario, experiment, kind=SlowBeepDriver, linger=5)
     assert [verb for verb, _ in rig.robot.calls].count("sound") == 1

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import ScriptedDriver, SessionRig
 from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.contract import Scope
@@ -59,17 +58,13 @@ def on_stage(
     *drivers: str,
     kind: type[ScriptedDriver] = HostileDriver,
 ) -> SessionRig:
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path, ("robot", *drivers), catalogue={"puppet": kind})
-        await rig.session.open()
+    async def to_the_end(rig: SessionRig) -> None:
         await scenario(rig)
         await rig.session.close("test")
-        ended = rig.lines[-1]
-        assert isinstance(ended, m.SessionEnd)
-        await asyncio.sleep(100)  # whoever hangs may end now
-        return rig
+        assert isinstance(rig.lines[-1], m.SessionEnd)
 
-    return run_virtual(go())
+    rig = SessionRig(tmp_path, ("robot", *drivers), catalogue={"puppet": kind})
+    return rig.run(to_the_end, 100)  # whoever hangs may end now
 
 
 async def hello_and_stop(rig: SessionRig) -> None:

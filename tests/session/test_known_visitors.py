@@ -265,18 +265,16 @@ def test_a_disk_that_hangs_at_the_end_does_not_hold_up_the_event_loop(tmp_path: 
 
     async def scenario() -> EngagementRig:
         rig = EngagementRig(tmp_path, guided(tmp_path))
-        await rig.session.open()
-        model = rig.session.engagement._model
-        assert model is not None
-        visiting = model.visitors
-        gate = hanging(visiting.visitors)
+        async with rig:
+            model = rig.session.engagement._model
+            assert model is not None
+            gate = hanging(model.visitors.visitors)
 
-        def hear(message: m.AnyMessage) -> None:
-            if isinstance(message, m.Notice) and "within 2.5 s" in message.text:
-                asyncio.get_running_loop().call_soon(gate.set)
+            def hear(message: m.AnyMessage) -> None:
+                if isinstance(message, m.Notice) and "within 2.5 s" in message.text:
+                    asyncio.get_running_loop().call_soon(gate.set)
 
-        rig.session.hub.listen(hear)
-        await rig.session.close("enough")
+            rig.session.hub.listen(hear)
         gate.set()
         return rig
 

@@ -106,13 +106,12 @@ async def _whole(tmp_path: Path, seed: int) -> SessionRig:
     rig = SessionRig(
         tmp_path, identity=SessionIdentity(seed=seed), made=study_experiment(tmp_path, shaped)
     )
-    await rig.session.open()
-    rig.session.bus.unwatched = ""
-    wizard = RandomWizard(rig, seed)
-    while loop.time() < HALF_AN_HOUR:
-        await asyncio.sleep(wizard.chance.expovariate(1.0))
-        wizard.act()
-    await rig.session.close("over")
+    async with rig:
+        rig.session.bus.unwatched = ""
+        wizard = RandomWizard(rig, seed)
+        while loop.time() < HALF_AN_HOUR:
+            await asyncio.sleep(wizard.chance.expovariate(1.0))
+            wizard.act()
     await asyncio.sleep(1)
     assert failed == []
     assert asyncio.all_tasks() == {asyncio.current_task()}

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from tests.config.reading import errors, panel, read_experiment
-from tests.fakes.virtual_time import run_virtual
 from tests.host.rig import served_session
 from tests.session.rig import HERE, SessionRig, experiment
 from tests.session.test_driver_requests import RequestOutcome, from_a_thread
@@ -38,17 +37,12 @@ def with_movement(tmp_path: Path, *, locked: bool = True) -> Experiment:
 
 
 def on_stage(tmp_path: Path, scenario: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path)
+    async def unwatched(rig: SessionRig) -> None:
         rig.session.experiment = with_movement(tmp_path)
-        await rig.session.open()
         rig.session.bus.unwatched = ""
         await scenario(rig)
-        await asyncio.sleep(2)
-        await rig.session.close("test")
-        return rig
 
-    return run_virtual(go())
+    return SessionRig(tmp_path).run(unwatched, 2)
 
 
 def test_arrow_keys_of_a_locked_panel_are_refused_and_logged(tmp_path: Path) -> None:

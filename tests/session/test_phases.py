@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import SessionRig, experiment
 from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.config.study import Design, Study
@@ -32,15 +31,8 @@ def on_stage(
     study: Study = Study(),  # noqa: B008 - frozen
     phases: tuple[Phase, ...] = PHASES,
 ) -> SessionRig:
-    async def go() -> SessionRig:
-        made = replace(experiment(tmp_path), phases=phases, study=study)
-        rig = SessionRig(tmp_path, made=made)
-        await rig.session.open()
-        await scenario(rig)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    made = replace(experiment(tmp_path), phases=phases, study=study)
+    return SessionRig(tmp_path, made=made).run(scenario)
 
 
 def changes(rig: SessionRig) -> list[tuple[str, str]]:

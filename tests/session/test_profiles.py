@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from tests.config.reading import HEAD, errors, read_experiment
-from tests.fakes.virtual_time import run_virtual
 from tests.host.rig import served_session
 from tests.session.rig import SessionRig, experiment
 from tests.session.test_driver_requests import RequestOutcome, from_a_thread
@@ -43,17 +42,12 @@ def for_children(tmp_path: Path, profile: Profile = CHILD) -> Experiment:
 def on_stage(tmp_path: Path, scenario: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
     """A session in which the profile child is in use."""
 
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path)
+    async def with_child(rig: SessionRig) -> None:
         rig.session.experiment = for_children(tmp_path)
-        await rig.session.open()
         rig.session.use_profile("child", "key")
         await scenario(rig)
-        await asyncio.sleep(3)
-        await rig.session.close("test")
-        return rig
 
-    return run_virtual(go())
+    return SessionRig(tmp_path).run(with_child, 3)
 
 
 def test_only_its_actions_are_played_and_the_others_are_refused_in_the_log(tmp_path: Path) -> None:

@@ -9,13 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, SessionRig
 from tests.session.test_action_texts import HM, KEY, make_experiment
 from woz_tui.config.experiment import Action, Profile
 from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.session_plan import study_settings
 
@@ -24,18 +23,8 @@ MOVES = tuple(Action(name, LABELS[name], "", PANEL, (), HERE) for name in NAMES)
 
 
 def scene(tmp_path: Path, play: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
-    async def go() -> SessionRig:
-        experiment = replace(make_experiment(tmp_path), repairs=MOVES)
-        rig = SessionRig(
-            tmp_path, made=experiment, identity=SessionIdentity(participant="P07", condition="warm")
-        )
-        await rig.session.open()
-        await play(rig)
-        await asyncio.sleep(10)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    made = replace(make_experiment(tmp_path), repairs=MOVES)
+    return SessionRig(tmp_path, made=made).run(play, 10)
 
 
 def spoken_texts(rig: SessionRig) -> list[m.Json]:

@@ -46,15 +46,11 @@ def play(tmp_path: Path) -> Callable[[Callable[[SessionRig], Awaitable[None]]], 
     """Runs a scene on a shaped session in virtual time; the stage afterwards."""
 
     def run(scene: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
-        async def whole() -> SessionRig:
-            rig = SessionRig(tmp_path)
-            await rig.session.open()
+        async def shaped_scene(rig: SessionRig) -> None:
             shaped(rig)
             await scene(rig)
-            await rig.session.close("over")
-            return rig
 
-        return run_virtual(whole())
+        return SessionRig(tmp_path).run(shaped_scene)
 
     return run
 

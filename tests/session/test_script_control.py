@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import SessionRig, experiment
 from woz_tui.config.experiment import Phase
 from woz_tui.protocol import messages as m
@@ -31,16 +30,12 @@ def on_stage(
 ) -> SessionRig:
     """The rig with this script and these phases, in virtual time."""
 
-    async def go() -> SessionRig:
-        made = replace(experiment(tmp_path), script=script, phases=phases)
-        rig = SessionRig(tmp_path, made=made)
-        await rig.session.open()
+    async def with_participant(rig: SessionRig) -> None:
         rig.session.set(participant="P01")
         await scenario(rig)
-        await rig.session.close("test")
-        return rig
 
-    return run_virtual(go())
+    made = replace(experiment(tmp_path), script=script, phases=phases)
+    return SessionRig(tmp_path, made=made).run(with_participant)
 
 
 def stands(rig: SessionRig) -> tuple[int, list[int], str]:

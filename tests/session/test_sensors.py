@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, NoSettings, SessionRig
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.sensor_names import published_names
@@ -29,22 +28,18 @@ def test_shared_names_say_whose_they_are() -> None:
 
 
 def test_two_robots_do_not_overwrite_each_other(tmp_path: Path) -> None:
-    async def go() -> list[str]:
-        rig = SessionRig(tmp_path, ("left.robot", "right.robot"))
-        await rig.session.open()
+    held: list[m.Message] = []
+
+    async def scenario(rig: SessionRig) -> None:
         for name in ("left.robot", "right.robot"):
             context = rig.driver(name).context
             context.reading("distance", 1.0)
             context.sensor("distance", "stale")
-        held = rig.session.state.messages()
-        await rig.session.close("test")
-        return [
-            f"{type(line).__name__} {line.sensor}"
-            for line in held
-            if isinstance(line, m.Reading | m.SensorChanged)
-        ]
+        held.extend(rig.session.state.messages())
 
-    assert run_virtual(go()) == [
+    SessionRig(tmp_path, ("left.robot", "right.robot")).run(scenario)
+    sensed = [line for line in held if isinstance(line, m.Reading | m.SensorChanged)]
+    assert [f"{type(line).__name__} {line.sensor}" for line in sensed] == [
         "Reading left.distance",
         "SensorChanged left.distance",
         "Reading right.distance",

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config import utterance_template
 from woz_tui.config.experiment import FilePosition, Problem
@@ -31,15 +30,7 @@ def on_stage(
     drivers: tuple[str, ...] = ("robot",),
     identity: SessionIdentity | None = None,
 ) -> SessionRig:
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path, drivers, identity)
-        await rig.session.open()
-        await scenario(rig)
-        await asyncio.sleep(5)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    return SessionRig(tmp_path, drivers, identity).run(scenario, 5)
 
 
 def test_a_press_becomes_commands_with_variables_filled_in(tmp_path: Path) -> None:
@@ -259,9 +250,9 @@ def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) 
         made.drivers[0], sensors=("distance", "battery", "mood", "prepared", "direction")
     )
 
-    async def go() -> dict[str, Finding]:
-        rig = SessionRig(tmp_path, made=replace(made, drivers=(spec,)))
-        await rig.session.open()
+    findings: dict[str, Finding] = {}
+
+    async def scenario(rig: SessionRig) -> None:
         context = rig.driver().context
         context.sensor("battery", "ok", every=10.0)
         context.reading("battery", 0.8)
@@ -269,11 +260,9 @@ def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) 
         context.reading("prepared", None, text="12 of 12")
         await asyncio.sleep(5)
         context.reading("mood", None, text="calm")
-        found = {finding.subject: finding for finding in await preflight(rig.session)}
-        await rig.session.close("test")
-        return found
+        findings.update((finding.subject, finding) for finding in await preflight(rig.session))
 
-    findings = run_virtual(go())
+    SessionRig(tmp_path, made=replace(made, drivers=(spec,))).run(scenario)
     assert findings["battery"].level == findings["mood"].level == "ok"
     assert findings["mood"].text == "calm"
     assert findings["distance"].level == "warning"
@@ -317,9 +306,7 @@ class SlowDriver(ScriptedDriver):
 
 @pytest.mark.parametrize("at", [0.0, 0.1, 0.25, 0.5, 1.0, 1.25, 1.29, 1.31, 1.5, 1.75, 1.79])
 def test_a_stop_at_any_moment_of_the_end_is_confirmed_in_the_log(tmp_path: Path, at: float) -> None:
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path, catalogue={"puppet": SlowDriver})
-        await rig.session.open()
+    async def scenario(rig: SessionRig) -> None:
         rig.session.play("Hello", KEY)
         await asyncio.sleep(0.1)
         closing = asyncio.create_task(rig.session.close("test"))
@@ -328,9 +315,8 @@ def test_a_stop_at_any_moment_of_the_end_is_confirmed_in_the_log(tmp_path: Path,
         await asyncio.sleep(0.15)
         rig.session.stop("key")  # a second press joins the first
         await closing
-        return rig
 
-    rig = run_virtual(go())
+    rig = SessionRig(tmp_path, catalogue={"puppet": SlowDriver}).run(scenario)
     kinds = [json.loads(line)["kind"] for line in rig.recorder.path.read_text().splitlines()]
     stops = [kind for kind in kinds if kind.startswith("stop.")]
     assert stops == ["stop.pressed", "stop.confirmed"] * (len(stops) // 2)
@@ -344,18 +330,14 @@ def test_a_driver_that_has_closed_confirms_no_stop(tmp_path: Path) -> None:
             if self.name == "robot":
                 await super().close()
 
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path, ("robot", "head"), catalogue={"puppet": Closing})
-        await rig.session.open()
+    async def scenario(rig: SessionRig) -> None:
         closing = asyncio.create_task(rig.session.close("test", rest=False))
         await asyncio.sleep(0.1)
         rig.session.stop("key")
         await closing
-        return rig
 
-    (stop_confirmed,) = [
-        line for line in run_virtual(go()).lines if isinstance(line, m.StopConfirmed)
-    ]
+    rig = SessionRig(tmp_path, ("robot", "head"), catalogue={"puppet": Closing}).run(scenario)
+    (stop_confirmed,) = rig.of(m.StopConfirmed)
     assert (stop_confirmed.confirmed, stop_confirmed.unreached) == (["robot"], ["head"])
 
 
@@ -364,13 +346,11 @@ def test_a_driver_that_cannot_rest_says_why_in_its_own_words(tmp_path: Path) -> 
         async def rest(self) -> None:
             raise DeviceLostError("the cable is out")
 
-    async def go() -> SessionRig:
-        rig = SessionRig(tmp_path, catalogue={"puppet": Gone})
-        await rig.session.open()
+    async def scenario(rig: SessionRig) -> None:
         await rig.session.close("test")
-        return rig
 
-    notices = [line.text for line in run_virtual(go()).lines if isinstance(line, m.Notice)]
+    rig = SessionRig(tmp_path, catalogue={"puppet": Gone}).run(scenario)
+    notices = [line.text for line in rig.of(m.Notice)]
     assert "robot: rest failed: the cable is out" in notices
 
 
@@ -425,15 +405,13 @@ def test_a_voice_is_told_beforehand_what_it_will_say(tmp_path: Path) -> None:
         async def prepare(self, utterances: list[str]) -> None:
             prepared.append(utterances)
 
-    async def go() -> None:
-        rig = SessionRig(tmp_path, catalogue={"puppet": Voice}, identity=SessionIdentity())
-        await rig.session.open()
+    async def scenario(rig: SessionRig) -> None:
         await asyncio.sleep(0)
         rig.session.set("P08")
         await asyncio.sleep(0)
-        await rig.session.close("test")
 
-    run_virtual(go())
+    rig = SessionRig(tmp_path, catalogue={"puppet": Voice}, identity=SessionIdentity())
+    rig.run(scenario)
     assert prepared[0] == ["Welcome", "Look at the map", "Ouch", "x"]
     assert prepared[1] == ["Hello P08", *prepared[0]]
 

@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Action, Panel, Wait
 from woz_tui.drivers.contract import Argument, Job, Verb
@@ -75,18 +74,10 @@ def scene(
     play: Callable[[SessionRig], Awaitable[None]],
     actions: tuple[Action, ...] = ACTIONS,
 ) -> SessionRig:
-    async def go() -> SessionRig:
-        made = experiment(tmp_path)
-        spec = replace(made.drivers[0], verbs=LaneDriver.verbs(None))
-        made = replace(made, drivers=(spec,), panels=(Panel("All", actions, spec.place),))
-        rig = SessionRig(tmp_path, catalogue={"puppet": LaneDriver}, made=made)
-        await rig.session.open()
-        await play(rig)
-        await asyncio.sleep(20)
-        await rig.session.close("test")
-        return rig
-
-    return run_virtual(go())
+    made = experiment(tmp_path)
+    spec = replace(made.drivers[0], verbs=LaneDriver.verbs(None))
+    made = replace(made, drivers=(spec,), panels=(Panel("All", actions, spec.place),))
+    return SessionRig(tmp_path, catalogue={"puppet": LaneDriver}, made=made).run(play, 20)
 
 
 def spoken_texts(rig: SessionRig) -> list[Json]:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Panel
 from woz_tui.drivers.contract import Argument, Job, Verb
@@ -59,24 +58,19 @@ ACTIONS = (
 def play_steps(tmp_path: Path, *steps: str) -> SessionRig:
     """Plays actions one after the other, a second apart; `stop` is the stop."""
 
-    async def go() -> SessionRig:
-        made = experiment(tmp_path)
-        spec = replace(made.drivers[0], verbs=SlowGazeDriver.verbs(None))
-        made = replace(made, drivers=(spec,), panels=(Panel("P", ACTIONS, made.panels[0].place),))
-        made = replace(made, script=())
-        rig = SessionRig(tmp_path, catalogue={"puppet": SlowGazeDriver}, made=made)
-        await rig.session.open()
+    async def scenario(rig: SessionRig) -> None:
         for step in steps:
             if step == "stop":
                 rig.session.stop("key")
             else:
                 rig.session.play(step, KEY)
             await asyncio.sleep(1.0)
-        await asyncio.sleep(10.0)
-        await rig.session.close("test")
-        return rig
 
-    return run_virtual(go())
+    made = experiment(tmp_path)
+    spec = replace(made.drivers[0], verbs=SlowGazeDriver.verbs(None))
+    made = replace(made, drivers=(spec,), panels=(Panel("P", ACTIONS, made.panels[0].place),))
+    made = replace(made, script=())
+    return SessionRig(tmp_path, catalogue={"puppet": SlowGazeDriver}, made=made).run(scenario, 10)
 
 
 def moments(rig: SessionRig, kind: type[m.Message]) -> list[float]:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tests.fakes.virtual_time import run_virtual
-from tests.session.engagement_rig import WIZARD, EngagementRig, GuideDriver, guided
+from tests.session.engagement_rig import WIZARD, EngagementRig, GuideDriver, guided, in_room
 from tests.session.rig import action, call, together
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Argument, DriverError, Job, Verb
@@ -40,11 +38,7 @@ def introduced(
 ) -> EngagementRig:
     """A stranger is engaged, consents and is named; the camera may call them `sees`."""
 
-    async def go() -> EngagementRig:
-        experiment = guided(tmp_path)
-        spec: DriverSpec = replace(experiment.drivers[0], verbs=kind.verbs(None))
-        rig = EngagementRig(tmp_path, replace(experiment, drivers=(spec,)), kind)
-        await rig.session.open()
+    async def scenario(rig: EngagementRig) -> None:
         await rig.visit(6.0)
         assert rig.path[-1] == "Handshake"
         consents = together(call(FACE_CONSENT, name=name))
@@ -53,11 +47,10 @@ def introduced(
             await rig.visit(6.0, identity=sees)
         else:
             rig.tell("visitor", code=name)
-        await asyncio.sleep(2.0)
-        await rig.session.close("test")
-        return rig
 
-    return run_virtual(go())
+    experiment = guided(tmp_path)
+    spec: DriverSpec = replace(experiment.drivers[0], verbs=kind.verbs(None))
+    return in_room(tmp_path, scenario, replace(experiment, drivers=(spec,)), kind=kind, linger=2)
 
 
 def learnt(rig: EngagementRig) -> list[Json]:

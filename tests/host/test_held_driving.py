@@ -6,11 +6,10 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, Wait
 from woz_tui.host.client_connection import ClientConnection, RequestScheduler
@@ -29,19 +28,26 @@ Setting = Literal["auto", "held", "pressed"]
 REPEAT_S = 1 / 30
 
 
-class Wizard:
+class Wizard(SessionRig):
     """A wizard's console at a session whose robot drives for five seconds at a command."""
 
     def __init__(self, folder: Path, line: Line, driving: Setting) -> None:
-        self.stage = SessionRig(folder, made=driving_experiment(folder, driving))
-        session = self.stage.session
-        self.client = self._client("con1", "wizard", line)
+        super().__init__(folder, made=driving_experiment(folder, driving), rests=False)
+        self.line = line
+
+    async def __aenter__(self) -> Self:
+        session = self.session
+        self.client = self._client("con1", "wizard", self.line)
         self.program = self._client("con2", "program", "")
         self.handlers = RequestHandlers(session, lambda: session.experiment)
         self.switch = self.handlers.switch = DeadManSwitch(session, lambda: [self.client])
+        await super().__aenter__()
+        session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))
+        self.switch.update()
+        return self
 
     def _client(self, name: str, role: str, line: Line) -> ClientConnection:
-        session = self.stage.session
+        session = self.session
         client = ClientConnection(
             name,
             session.hub,
@@ -50,7 +56,7 @@ class Wizard:
             on_request=lambda client, request: None,
             on_stop=lambda client, request: None,
             on_close=lambda client, why: None,
-            recorded=self.stage.recorder.is_written,
+            recorded=self.recorder.is_written,
         )
         client.hello, client.role = Hello(role=role, line=line, protocol=2), role
         return client
@@ -69,18 +75,18 @@ class Wizard:
 
     def drives(self) -> int:
         """How often the robot was told to drive."""
-        return [verb for verb, _ in self.stage.driver().calls].count("drive")
+        return [verb for verb, _ in self.driver().calls].count("drive")
 
     def ends(self) -> list[tuple[str, float, str]]:
         """How drives ended, after how many seconds, and why."""
         begun = {
             line.command: line.t
-            for line in self.stage.lines
+            for line in self.lines
             if isinstance(line, m.Command) and line.verb == "drive"
         }
         return [
             (type(line).__name__, round((line.t - begun[line.command]) / 1e6, 3), line.reason)
-            for line in self.stage.lines
+            for line in self.lines
             if isinstance(line, m.End) and line.command in begun
         ]
 
@@ -103,17 +109,7 @@ def played(
     line: Line = "tmux",
     driving: Setting = "auto",
 ) -> Wizard:
-    async def play() -> Wizard:
-        wizard = Wizard(folder, line, driving)
-        await wizard.stage.session.open()
-        wizard.stage.session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))
-        wizard.switch.update()
-        await scenario(wizard)
-        await asyncio.sleep(6)
-        await wizard.stage.session.close("test", rest=False)
-        return wizard
-
-    return run_virtual(play())
+    return Wizard(folder, line, driving).run(scenario, 6)
 
 
 async def one_press(wizard: Wizard) -> None:
@@ -164,7 +160,7 @@ def test_repeats_begin_nothing_anew_when_the_robot_is_there(tmp_path: Path) -> N
 
     wizard = played(tmp_path, scenario)
     assert [how for how, *_ in wizard.ends()] == ["Done"]
-    assert len(wizard.stage.of(m.ActionRequested)) == 1
+    assert len(wizard.of(m.ActionRequested)) == 1
 
 
 def test_let_go_and_pressed_again_it_drives_again(tmp_path: Path) -> None:
@@ -227,7 +223,7 @@ def test_what_no_key_holds_does_not_drive_and_says_why(ask: AnyRequest, tmp_path
         wizard.ask(ask)
 
     wizard = played(tmp_path, scenario)
-    [refused] = wizard.stage.of(m.Refused)
+    [refused] = wizard.of(m.Refused)
     assert refused.code == "unwatched"
     assert "tmux" in refused.reason
     assert "driving: pressed" in refused.remedy
@@ -244,7 +240,7 @@ def test_nor_does_a_program(tmp_path: Path) -> None:
 def test_a_control_that_says_when_it_is_let_go_drives(tmp_path: Path) -> None:
     async def scenario(wizard: Wizard) -> None:
         hand = RequestOrigin("gamepad", "a")
-        wizard.stage.session.send("drive", {"x": 1.0}, "", hand)
+        wizard.session.send("drive", {"x": 1.0}, "", hand)
 
     assert played(tmp_path, scenario).ends() == [("Done", 5.0, "")]
 
@@ -257,5 +253,5 @@ def test_what_else_a_held_key_does_goes_on(tmp_path: Path) -> None:
         wizard.press("Hello", "h")
 
     wizard = played(tmp_path, scenario)
-    said = wizard.stage.of(m.Done)
+    said = wizard.of(m.Done)
     assert [line.sent for line in said] == [{"text": "Hello P07"}]

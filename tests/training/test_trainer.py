@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import Self
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import SessionRig
+from tests.session.rig import Kind, SessionRig
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.training.cue_plan import PlannedCue
@@ -23,37 +23,44 @@ def cue(sort: str = "question", text: str = "Where am I?", expects: str = "Hello
     return PlannedCue(sort, text, (expects,), 4_000_000, 2_000_000)
 
 
-class Course:
-    """A training under way on a stage."""
+class Course(SessionRig):
+    """A session with a training under way."""
 
-    def __init__(self, rig: SessionRig, cues: list[PlannedCue]) -> None:
-        self.rig = rig
+    def __init__(self, folder: Path, cues: list[PlannedCue]) -> None:
+        super().__init__(folder)
+        self.cues = cues
         self.over = 0
-        self.visitor = TrainingVisitor.of(rig.session.experiment, 7)
+
+    async def __aenter__(self) -> Self:
+        await super().__aenter__()
+        self.visitor = TrainingVisitor.of(self.experiment, 7)
         self.trainer = Trainer(
-            rig.session.hub, cues, self.visitor, lambda name: name != "Cold", self._over
+            self.session.hub, self.cues, self.visitor, lambda name: name != "Cold", self._over
         )
+        self.trainer.begin()
+        return self
+
+    async def __aexit__(self, *failed: object) -> None:
+        self.trainer.end()
+        await super().__aexit__(*failed)
 
     def _over(self) -> None:
         self.over += 1
 
     def press(self, action: str, source: str = "key") -> None:
-        self.rig.session.play(action, RequestOrigin(source))
+        self.session.play(action, RequestOrigin(source))
 
-    async def until(self, kind: type[m.Message]) -> m.Message:
+    async def next(self, kind: type[Kind]) -> Kind:
         """The next message of this kind."""
-        seen = len(self.rig.lines)
-        while True:
-            for line in self.rig.lines[seen:]:
-                if isinstance(line, kind):
-                    return line
-            await asyncio.sleep(0.01)
+        seen = len(self.of(kind))
+        await self.until(lambda: len(self.of(kind)) > seen)
+        return self.of(kind)[seen]
 
     @property
     def verdicts(self) -> list[tuple[str, str, str]]:
         return [
             (line.cue, line.judged, line.action)
-            for line in self.rig.lines
+            for line in self.lines
             if isinstance(line, m.CueAnswered)
         ]
 
@@ -64,17 +71,7 @@ Scene = Callable[[Course], Awaitable[None]]
 @pytest.fixture
 def train(tmp_path: Path) -> Callable[[list[PlannedCue], Scene], Course]:
     def run(cues: list[PlannedCue], scene: Scene) -> Course:
-        async def whole() -> Course:
-            rig = SessionRig(tmp_path)
-            await rig.session.open()
-            course = Course(rig, cues)
-            course.trainer.begin()
-            await scene(course)
-            course.trainer.end()
-            await rig.session.close("over")
-            return course
-
-        return run_virtual(whole())
+        return Course(tmp_path, cues).run(scene)
 
     return run
 
@@ -84,8 +81,8 @@ Train = Callable[[list[PlannedCue], Scene], Course]
 
 def test_a_right_answer_is_timed_from_the_end_of_the_question(train: Train) -> None:
     async def scene(course: Course) -> None:
-        message = await course.until(m.CueGiven)
-        (speech_ended,) = (line for line in course.rig.lines if isinstance(line, m.SpeechEnded))
+        message = await course.next(m.CueGiven)
+        (speech_ended,) = course.of(m.SpeechEnded)
         assert message.t == speech_ended.ended
         await asyncio.sleep(1.5)
         course.press("Hello")
@@ -93,14 +90,14 @@ def test_a_right_answer_is_timed_from_the_end_of_the_question(train: Train) -> N
 
     course = train([cue()], scene)
     assert course.verdicts == [("q0001", "right", "Hello")]
-    (answer,) = (line for line in course.rig.lines if isinstance(line, m.CueAnswered))
+    (answer,) = course.of(m.CueAnswered)
     assert answer.reaction_us == pytest.approx(1_500_000, abs=20_000)
     assert course.over == 1
 
 
 def test_another_action_is_wrong_and_the_next_press_is_uncalled(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.CueGiven)
+        await course.next(m.CueGiven)
         course.press("Welcome")
         course.press("Hello")
         await asyncio.sleep(10)
@@ -113,9 +110,8 @@ def test_another_action_is_wrong_and_the_next_press_is_uncalled(train: Train) ->
 
 def test_no_answer_in_time_is_a_miss_and_the_next_cue_comes(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.CueGiven)
-        second = await course.until(m.CueGiven)
-        assert isinstance(second, m.CueGiven)
+        await course.next(m.CueGiven)
+        second = await course.next(m.CueGiven)
         assert second.cue == "q0002"
         course.press("Hello")
 
@@ -128,7 +124,7 @@ def test_no_answer_in_time_is_a_miss_and_the_next_cue_comes(train: Train) -> Non
 @pytest.mark.parametrize(("action", "source"), [("Cold", "key"), ("Hello", "engagement")])
 def test_what_is_no_answer_does_not_count(train: Train, action: str, source: str) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.CueGiven)
+        await course.next(m.CueGiven)
         course.press(action, source)
         await asyncio.sleep(10)
 
@@ -137,12 +133,12 @@ def test_what_is_no_answer_does_not_count(train: Train, action: str, source: str
 
 def test_the_stop_voids_the_cue_and_the_training_waits_for_its_release(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.CueGiven)
-        course.rig.session.stop("key")
+        await course.next(m.CueGiven)
+        course.session.stop("key")
         await asyncio.sleep(60)
-        assert sum(isinstance(line, m.CueGiven) for line in course.rig.lines) == 1
-        course.rig.session.release("key")
-        await course.until(m.CueGiven)
+        assert len(course.of(m.CueGiven)) == 1
+        course.session.release("key")
+        await course.next(m.CueGiven)
         course.press("Hello")
 
     assert train([cue(), cue()], scene).verdicts == [
@@ -153,11 +149,11 @@ def test_the_stop_voids_the_cue_and_the_training_waits_for_its_release(train: Tr
 
 def test_a_cue_after_a_stop_that_came_while_the_visitor_spoke_is_void(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.SpeechStarted)
-        course.rig.session.stop("key")
-        message = await course.until(m.CueGiven)
+        await course.next(m.SpeechStarted)
+        course.session.stop("key")
+        message = await course.next(m.CueGiven)
         await asyncio.sleep(60)
-        course.rig.session.release("key")
+        course.session.release("key")
         assert isinstance(message, m.CueGiven)
 
     assert train([cue()], scene).verdicts == [("q0001", "void", "")]
@@ -165,7 +161,7 @@ def test_a_cue_after_a_stop_that_came_while_the_visitor_spoke_is_void(train: Tra
 
 def test_what_is_pressed_after_the_last_cue_does_not_count(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.CueGiven)
+        await course.next(m.CueGiven)
         course.press("Hello")
         await asyncio.sleep(1)
         assert course.over == 1
@@ -179,13 +175,11 @@ def test_what_is_pressed_after_the_last_cue_does_not_count(train: Train) -> None
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_training_that_fails_says_so(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.CueGiven)
+        await course.next(m.CueGiven)
         course.visitor.names.clear()
         await asyncio.sleep(1)
         (notice,) = (
-            line
-            for line in course.rig.lines
-            if isinstance(line, m.Notice) and line.level == "error"
+            line for line in course.lines if isinstance(line, m.Notice) and line.level == "error"
         )
         assert notice.text == "the training has failed: KeyError: 'presence'"
         await asyncio.sleep(30)
@@ -200,8 +194,8 @@ def test_no_cue_comes_while_the_robot_is_busy(train: Train) -> None:
         await asyncio.sleep(1.9)
         for _ in range(8):
             course.press("Hello")  # a second each
-        message = await course.until(m.CueGiven)
-        ends = [line.t for line in course.rig.lines if isinstance(line, m.ActionEnd)]
+        message = await course.next(m.CueGiven)
+        ends = [line.t for line in course.of(m.ActionEnd)]
         assert len(ends) == 8
         assert message.t > max(ends)
 
@@ -210,16 +204,16 @@ def test_no_cue_comes_while_the_robot_is_busy(train: Train) -> None:
 
 def test_the_end_of_the_session_voids_what_waits(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.CueGiven)
+        await course.next(m.CueGiven)
 
     assert train([cue()], scene).verdicts == [("q0001", "void", "")]
 
 
 def test_who_is_to_approach_walks_away_first_and_comes_with_the_cue(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.until(m.CueGiven)  # a question: somebody stands there
+        await course.next(m.CueGiven)  # a question: somebody stands there
         assert course.visitor.distance == pytest.approx(NEAR_M, abs=0.05)
-        await course.until(m.CueGiven)
+        await course.next(m.CueGiven)
         assert course.visitor.distance == pytest.approx(AWAY_M, abs=0.2)
         await asyncio.sleep(3)
         assert course.visitor.distance == pytest.approx(NEAR_M, abs=0.05)
@@ -230,9 +224,9 @@ def test_who_is_to_approach_walks_away_first_and_comes_with_the_cue(train: Train
 @pytest.mark.parametrize("sort", ["turn-away", "leave"])
 def test_who_turns_away_or_leaves_does_so_with_the_cue(train: Train, sort: str) -> None:
     async def scene(course: Course) -> None:
-        message = await course.until(m.CueGiven)
+        message = await course.next(m.CueGiven)
         assert course.visitor.looks is False
-        before = [line for line in course.rig.lines if line.t < message.t]
+        before = [line for line in course.lines if line.t < message.t]
         looked = [
             line.value for line in before if isinstance(line, m.Reading) and line.sensor == "gaze"
         ]
@@ -246,7 +240,7 @@ def test_who_is_not_there_has_no_distance(train: Train) -> None:
     async def scene(course: Course) -> None:
         await asyncio.sleep(20)
 
-    lines = train([cue()], scene).rig.lines
+    lines = train([cue()], scene).lines
     told = [line for line in lines if isinstance(line, m.Reading)]
     present = [line.value for line in told if line.sensor == "presence"]
     distance = [line.value for line in told if line.sensor == "distance"]
@@ -258,6 +252,6 @@ def test_the_visitor_is_sensed_all_the_time(train: Train) -> None:
     async def scene(course: Course) -> None:
         await asyncio.sleep(20)
 
-    lines = train([cue()], scene).rig.lines
+    lines = train([cue()], scene).lines
     times = [line.t for line in lines if isinstance(line, m.Reading) and line.sensor == "distance"]
     assert len(times) == pytest.approx(200, abs=3)

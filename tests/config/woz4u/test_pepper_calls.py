@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -12,7 +11,6 @@ import pytest
 
 from tests.config.woz4u.reading import CATALOGUE, read_experiment
 from tests.drivers.pepper.connection_rig import patience
-from tests.drivers.published_messages import until
 from tests.fakes.naoqi import StandIn, stand_in
 from tests.session.rig import SessionRig
 from woz_tui.protocol import messages as m
@@ -20,8 +18,6 @@ from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 
 KEY = RequestOrigin("key", "h", "con1")
-#: Longer than anything here takes; a robot that does nothing fails the test.
-PATIENCE_S = 20.0
 
 TEXT = r"""
 autonomous_life_config: {autonomous_state: solitary, tangential_collision: 0.07, blinking: False,
@@ -47,27 +43,21 @@ lock_movement_control_section: "true"
 """  # noqa: E501
 
 
-class PepperSession:
+class PepperSession(SessionRig):
     """A session with the file, and the robot."""
 
-    def __init__(self, robot: StandIn, rig: SessionRig) -> None:
+    def __init__(self, robot: StandIn, folder: Path) -> None:
+        made = read_experiment(folder, TEXT, start=f'pepper_ips: ["{robot.address}"]\n')
+        super().__init__(folder, identity=SessionIdentity(), catalogue=CATALOGUE, made=made)
         self.robot = robot
-        self.stage = rig
 
     async def play(self, name: str) -> None:
         """Play an action to its end."""
-        run = self.stage.session.play(name, KEY)
-        async with asyncio.timeout(PATIENCE_S):
-            while not any(
-                isinstance(each, m.ActionDone) and each.run == run for each in self.messages
-            ):
-                failed = [each for each in self.messages if isinstance(each, m.Failed)]
-                assert not failed, failed
-                await asyncio.sleep(0.01)
-
-    @property
-    def messages(self) -> list[m.AnyMessage]:
-        return self.stage.lines
+        run = self.session.play(name, KEY)
+        await self.until(
+            lambda: self.of(m.Failed) or run in [each.run for each in self.of(m.ActionDone)]
+        )
+        assert self.of(m.Failed) == []
 
     async def call_arguments(self, *names: str) -> list[list[Any]]:
         """Arguments of all calls of these methods."""
@@ -77,19 +67,11 @@ class PepperSession:
 @asynccontextmanager
 async def on_the_wire(folder: Path) -> AsyncIterator[PepperSession]:
     with patience():
-        async with stand_in(pace=50.0) as robot:
-            experiment = read_experiment(folder, TEXT, start=f'pepper_ips: ["{robot.address}"]\n')
-            rig = SessionRig(
-                folder, identity=SessionIdentity(), catalogue=CATALOGUE, made=experiment
-            )
-            await rig.session.open()
+        async with stand_in(pace=50.0) as robot, PepperSession(robot, folder) as rig:
             rig.session.bus.unwatched = ""
-            try:
-                # Told when all that the file wants has been set.
-                await until(lambda: any(isinstance(one, m.DriverConnected) for one in rig.lines))
-                yield PepperSession(robot, rig)
-            finally:
-                await rig.session.close("test")
+            # Told when all that the file wants has been set.
+            await rig.until(lambda: rig.of(m.DriverConnected))
+            yield rig
 
 
 @pytest.mark.woz4u("pepper_ips", "autonomous_life_config", "volume", "is_default", "colors")
@@ -142,7 +124,7 @@ async def test_what_is_set_on_connect_and_what_the_buttons_do(tmp_path: Path) ->
 @pytest.mark.woz4u("lock_gesture_section", "lock_movement_control_section")
 async def test_locked_sections_ask_the_robot_for_nothing(tmp_path: Path) -> None:
     async with on_the_wire(tmp_path) as pepper_session:
-        session = pepper_session.stage.session
+        session = pepper_session.session
         with pytest.raises(RequestError, match="locked"):
             session.play("Nod", KEY)
         with pytest.raises(RequestError, match="'Gestures' is locked, and with it 'play'"):

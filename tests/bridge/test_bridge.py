@@ -116,7 +116,7 @@ async def test_sequence_one_ends_the_sequence_under_way(tmp_path: Path) -> None:
         planner.ask("stop", 1)
         await planner.sequence_ended("dance")
         assert planner.general("stop") == [ACK]
-        assert [type(line) for line in planner.host.lines if isinstance(line, m.End)] == [m.Stopped]
+        assert [type(line) for line in planner.host.of(m.End)] == [m.Stopped]
         planner.ask("nod", NOD)
         await planner.sequence_ended("nod")
 
@@ -207,9 +207,7 @@ async def test_a_sequence_of_the_low_level_goes_on_until_another_is_wanted(tmp_p
         played = {line.command for line in planner.commands("play")}
 
         def all_over() -> bool:
-            return played <= {
-                line.command for line in planner.host.lines if isinstance(line, m.End)
-            }
+            return played <= {line.command for line in planner.host.of(m.End)}
 
         await planner.until(all_over)
         planner.ask("p", NOD, kind=4)
@@ -289,7 +287,7 @@ async def test_what_a_mode_refuses_is_tried_again_and_a_wizards_hand_stays(tmp_p
         session.send("mode", {"mode": "normal"}, "", WIZARD)
 
         def played() -> int:
-            done = {line.command for line in planner.host.lines if isinstance(line, m.Done)}
+            done = {line.command for line in planner.host.of(m.Done)}
             return len(done & {each.command for each in planner.commands("joints")})
 
         async def tried() -> None:

@@ -108,7 +108,7 @@ async def test_the_stimuli_are_marked_and_commented_in_their_time(tmp_path: Path
         assert [line for line in text.splitlines() if line in words] == [*words]
         marks = host.of(m.Marker)
         assert [mark.text for mark in marks] == [f"onset {word}" for word in words]
-        begun = [line.t for line in host.lines if isinstance(line, m.Dispatched)]
+        begun = [line.t for line in host.of(m.Dispatched)]
         for mark, t in zip(marks, begun, strict=True):
             assert 0 <= mark.at <= mark.t
             assert t >= mark.at + 1_500_000, "never before its moment"

@@ -79,15 +79,11 @@ class Wizard(SessionRig):
 
     def ends(self) -> list[tuple[str, float, str]]:
         """How drives ended, after how many seconds, and why."""
-        begun = {
-            line.command: line.t
-            for line in self.lines
-            if isinstance(line, m.Command) and line.verb == "drive"
-        }
+        begun = {line.command: line.t for line in self.of(m.Command) if line.verb == "drive"}
         return [
             (type(line).__name__, round((line.t - begun[line.command]) / 1e6, 3), line.reason)
-            for line in self.lines
-            if isinstance(line, m.End) and line.command in begun
+            for line in self.of(m.End)
+            if line.command in begun
         ]
 
 

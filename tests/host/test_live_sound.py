@@ -353,7 +353,7 @@ async def test_a_key_a_voice_and_the_key_again_are_an_action_in_the_log(tmp_path
             await asyncio.sleep(0.005)
         assert (await wizard.ask("action", action="Talk off", source="key", key="u"))["ok"]
         assert isinstance(await action_end(host, run), m.ActionDone)
-        (done,) = [line for line in host.lines if isinstance(line, m.Done) and "by" in line.sent]
+        (done,) = [line for line in host.of(m.Done) if "by" in line.sent]
         assert (done.sent["by"], done.sent["played"], done.sent["dropped"]) == ("con2", 0.02, 0.0)
 
 

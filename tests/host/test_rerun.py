@@ -122,11 +122,7 @@ async def test_headless_nothing_drives_and_the_session_ends_with_it(tmp_path: Pa
         assert reason == "the re-run is over"
         (refused,) = host.of(m.Refused)
         assert refused.code == "unwatched"
-        (notice,) = [
-            line
-            for line in host.lines
-            if isinstance(line, m.Notice) and "re-run is over" in line.text
-        ]
+        (notice,) = [line for line in host.of(m.Notice) if "re-run is over" in line.text]
         assert "2 sent, 1 refused, 0 skipped" in notice.text
 
 

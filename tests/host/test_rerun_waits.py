@@ -56,7 +56,7 @@ async def test_a_driver_that_does_not_come_is_named_and_nothing_is_sent(tmp_path
         assert over.reason == f"not begun: broken is not connected ({why})"
         assert over.sent_again == 0
         assert not host.of(m.RerunStarted, m.Command)
-        notices = [line.text for line in host.lines if isinstance(line, m.Notice)]
+        notices = [line.text for line in host.of(m.Notice)]
         assert notices == ["the re-run waits for broken", f"the re-run has {over.reason}"]
         assert await host.host.serve() == f"the re-run: {over.reason}"
 
@@ -93,6 +93,6 @@ async def test_a_wizard_has_time_for_a_hand_on_the_stop(
         await wizard.hello("wizard")
         begin_rerun(host, log_of(tmp_path, "robot"), headless=headless)
         await rerun_ended(host)
-        (started,) = (line for line in host.lines if isinstance(line, m.RerunStarted))
-        (rerun_sent,) = (line for line in host.lines if isinstance(line, m.RerunSent))
+        (started,) = (line for line in host.of(m.RerunStarted))
+        (rerun_sent,) = (line for line in host.of(m.RerunSent))
         assert lead_us <= rerun_sent.due - started.t < lead_us + 200_000

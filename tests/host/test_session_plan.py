@@ -17,7 +17,7 @@ async def test_the_log_says_what_a_console_is_welcomed_with(tmp_path: Path) -> N
     async with served_session(tmp_path) as host:
         peer = await host.connect()
         welcome = await peer.hello()
-        (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
+        (plan,) = (line for line in host.of(m.SessionPlan))
         told = msgspec.json.decode(codec.encode(plan))
         own = {"kind", "seq", "t", "ts", "settings"}
         assert {name: value for name, value in told.items() if name not in own}.items() <= (
@@ -31,7 +31,7 @@ async def test_the_log_says_what_a_console_is_welcomed_with(tmp_path: Path) -> N
 
 async def test_nobody_who_takes_part_is_in_it(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
-        (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
+        (plan,) = (line for line in host.of(m.SessionPlan))
         assert plan.settings.values == {"place": "museum"}
         assert "P07" not in codec.encode(plan).decode()
 
@@ -41,7 +41,7 @@ async def test_no_home_folder_is_in_it(tmp_path: Path, monkeypatch: pytest.Monke
     made = replace(experiment(tmp_path), variables={"place": "/home/jane/museum.png"})
     async with served_session(tmp_path, made=made) as host:
         welcome = await (await host.connect()).hello()
-        (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
+        (plan,) = (line for line in host.of(m.SessionPlan))
         assert plan.settings.values == {"place": "~/museum.png"}
         assert "jane" not in codec.encode(plan).decode()
         assert welcome["settings"]["values"]["place"] == "/home/jane/museum.png"

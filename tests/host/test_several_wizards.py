@@ -329,7 +329,7 @@ async def test_why_nobody_drives_names_the_part_that_drives(tmp_path: Path) -> N
             await voice.say(kind="beat", line_ok=line_ok)
         assert (await voice.ask("note", text="the beats have come"))["ok"]
         assert not await drive(program)
-        refused = [line.reason for line in host.lines if isinstance(line, m.Refused)]
+        refused = [line.reason for line in host.of(m.Refused)]
         assert all("terminal" in reason and "body" in reason for reason in refused)
         assert refused
 
@@ -367,6 +367,6 @@ async def test_nobody_plays_what_is_anothers_and_every_press_is_answered(
                 owner = owners[panel] if owners[panel] in there else "" if "" in there else part
                 assert reply["ok"] == (owner == part), (panel, part, [*there], reply)
                 assert reply["run"]
-        ended = {line.run for line in host.lines if isinstance(line, m.ActionEnd)}
+        ended = {line.run for line in host.of(m.ActionEnd)}
         refused = host.of(m.ActionRefused)
         assert {line.run for line in refused} <= ended

@@ -30,7 +30,7 @@ def soon(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def states(host: ServedSession) -> list[tuple[str, int]]:
     """The training's states, with what was right so far."""
-    return [(line.state, line.right) for line in host.lines if isinstance(line, m.TrainingChanged)]
+    return [(line.state, line.right) for line in host.of(m.TrainingChanged)]
 
 
 async def test_it_begins_when_the_wizard_says_so_and_says_how_it_went(tmp_path: Path) -> None:

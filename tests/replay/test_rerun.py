@@ -105,7 +105,7 @@ def test_what_a_replacing_press_cut_short_is_cut_short_again(tmp_path: Path) -> 
     log = record_session(tmp_path / "a", hasty)
     rerun = run_again(tmp_path / "b", log)
     (cut,) = rerun.of(m.Stopped)
-    began = next(line for line in rerun.lines if isinstance(line, m.Dispatched))
+    began = next(line for line in rerun.of(m.Dispatched))
     assert cut.command == began.command
     assert abs(cut.t - began.t - 300_000) < 10
     assert "replaced by" in cut.reason

@@ -22,7 +22,7 @@ def test_a_line_of_the_script_that_a_full_queue_refuses_is_not_passed(tmp_path: 
 
     rig = scene(tmp_path, play, tuple(a for a in ACTIONS if a.name in ("Repeat", "Hello")))
     assert isinstance(ends(rig)["Hello"], m.ActionRefused)
-    assert not [line for line in rig.lines if isinstance(line, m.ScriptMoved) and line.position]
+    assert not [line for line in rig.of(m.ScriptMoved) if line.position]
 
 
 def test_the_queue_is_emptied_and_what_runs_goes_on(tmp_path: Path) -> None:

@@ -211,11 +211,7 @@ def test_a_blind_wizard_is_told_the_same_in_every_condition(tmp_path: Path) -> N
         async def scenario(rig: PlayedActions, condition: str = condition) -> None:
             await rig.play("Greet", "Greet", "Filler")
             redactor = Redactor(study_settings(rig.session.experiment))
-            told[condition] = [
-                replaced(redactor.message(line))
-                for line in rig.lines
-                if isinstance(line, m.ActionsFilled)
-            ]
+            told[condition] = [replaced(redactor.message(line)) for line in rig.of(m.ActionsFilled)]
 
         who = SessionIdentity(participant="P07", condition=condition, seed=5)
         on_stage(tmp_path / condition, scenario, who)

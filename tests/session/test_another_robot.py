@@ -54,7 +54,7 @@ def test_the_rest_of_an_action_is_played_and_the_log_says_without_what(tmp_path:
         ("Tour", ["eyes"]),
     ]
     assert rig.kinds(m.ActionEnd) == ["ActionDone"] * 3
-    reasons = [line.reason for line in rig.lines if isinstance(line, m.ActionEnd)]
+    reasons = [line.reason for line in rig.of(m.ActionEnd)]
     assert [bool(reason) for reason in reasons] == [True, False, False]
     assert "eyes" in reasons[0]
     assert rig.session.scripts.now.position == 2

@@ -63,24 +63,24 @@ def done_calls(rig: SessionRig) -> list[object]:
     """What the robot did to its end: what was said, or the move."""
     return [
         line.sent.get("text", line.sent.get("move"))
-        for line in rig.lines
-        if isinstance(line, m.Done) and line.driver == "robot"
+        for line in rig.of(m.Done)
+        if line.driver == "robot"
     ]
 
 
 def block_ends(rig: SessionRig) -> list[m.End]:
     """How blocks ended."""
-    return [line for line in rig.lines if isinstance(line, m.End) and line.driver == "bml"]
+    return [line for line in rig.of(m.End) if line.driver == "bml"]
 
 
 def trouble(rig: SessionRig) -> dict[str, str]:
     """Which behaviours did not go as planned, and why."""
-    found = (line.problem for line in rig.lines if isinstance(line, m.BlockTrouble))
+    found = (line.problem for line in rig.of(m.BlockTrouble))
     return {problem.about: problem.text for problem in found}
 
 
 def marks(rig: SessionRig) -> list[str]:
-    return [line.text for line in rig.lines if isinstance(line, m.CommandMark)]
+    return [line.text for line in rig.of(m.CommandMark)]
 
 
 def test_a_block_on_a_key_is_an_action_like_any_other(tmp_path: Path) -> None:
@@ -232,10 +232,8 @@ def test_a_block_that_waits_counts_the_times_of_another_one_from_its_own_beginni
         '<bml id="two" composition="APPEND"><head id="n" lexeme="NOD" start="one:w:end + 1"/></bml>'
     )
     rig = scene(tmp_path, planner((0, first), (0.5, then)))
-    nods = [
-        line.t for line in rig.lines if isinstance(line, m.Dispatched) and line.driver == "robot"
-    ]
-    begun = next(line.t for line in rig.lines if isinstance(line, m.Command))
+    nods = [line.t for line in rig.of(m.Dispatched) if line.driver == "robot"]
+    begun = next(line.t for line in rig.of(m.Command))
     assert [(t - begun) / 1e6 for t in nods] == [pytest.approx(6.1, abs=0.2)]
     assert not trouble(rig)
 

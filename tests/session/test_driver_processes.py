@@ -62,7 +62,7 @@ async def test_one_that_blocks_is_named_by_the_stop_which_the_others_confirm(
         await until(lambda: len(confirmed()) == 1)
         assert (confirmed()[0].confirmed, confirmed()[0].unreached) == (["body"], ["arm"])
         await until(lambda: connected() == 3, BEGIN_S)  # its process was ended
-        lost = [line.detail for line in rig.lines if isinstance(line, m.DriverLost)]
+        lost = [line.detail for line in rig.of(m.DriverLost)]
         assert any("did not hear the stop and was ended" in detail for detail in lost)
         await until(lambda: "arm" in confirmed()[-1].confirmed, BEGIN_S)
     assert rig.session.ended

@@ -97,7 +97,7 @@ def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
         ("Map", "midi"),
         ("Hello", "midi"),
     ]
-    assert [line.text for line in rig.lines if isinstance(line, m.Marker)] == ["map", "a smile"]
+    assert [line.text for line in rig.of(m.Marker)] == ["map", "a smile"]
     assert rig.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
     assert [outcome.told for outcome in ears] == [[(True, "")]] * 5
 
@@ -133,8 +133,7 @@ def test_a_hand_on_a_panel_counts_as_old_as_the_process_stood_still(
     assert {verb for verb, _ in rig.driver().calls} <= {"stop", "close"}
     logged = [
         getattr(line, "reason", "") or getattr(line, "text", "")
-        for line in rig.lines
-        if isinstance(line, m.ActionRefused | m.Refused | m.Notice)
+        for line in rig.of(m.ActionRefused, m.Refused, m.Notice)
     ]
     assert any("too late" in text for text in logged)
 
@@ -241,7 +240,7 @@ def test_the_release_lets_drivers_stir_again_and_one_that_fails_is_named(tmp_pat
     rig = on_stage(tmp_path, scenario, "robot", "broken", kind=SelfMovingDriver)
     calls = [name for name, _ in rig.driver().calls]
     assert calls.index("stop") < calls.index("resume")
-    notices = [line.text for line in rig.lines if isinstance(line, m.Notice)]
+    notices = [line.text for line in rig.of(m.Notice)]
     assert "broken: resume failed: it cannot" in notices
 
 

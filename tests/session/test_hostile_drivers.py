@@ -81,7 +81,7 @@ def test_one_bad_driver_harms_no_other(tmp_path: Path, how: str, where: str) -> 
     bad = f"{how} in {where}"
     rig = on_stage(tmp_path, hello_and_stop, bad)
     assert [verb for verb, _ in rig.driver().calls] == ["say", "stop", "rest", "close"]
-    confirmed = next(line for line in rig.lines if isinstance(line, m.StopConfirmed))
+    confirmed = next(line for line in rig.of(m.StopConfirmed))
     assert "robot" in confirmed.confirmed
     assert (bad in confirmed.missing) == (where in ("open", "stop"))
     assert (bad in confirmed.unreached) == (where == "open")
@@ -171,7 +171,7 @@ def test_a_reload_brings_the_locks_that_were_edited_and_no_others(tmp_path: Path
         assert session.locked["Base"]
 
     rig = on_stage(tmp_path, scenario)
-    told = [(line.panel, line.locked) for line in rig.lines if isinstance(line, m.PanelLocked)]
+    told = [(line.panel, line.locked) for line in rig.of(m.PanelLocked)]
     assert told == [("Base", True), ("Speech", True), ("Speech", False)]
 
 
@@ -183,5 +183,5 @@ def test_a_script_that_became_shorter_moves_its_position_for_everybody(tmp_path:
         assert session.scripts.now.position == 1
 
     rig = on_stage(tmp_path, scenario)
-    moves = [line.position for line in rig.lines if isinstance(line, m.ScriptMoved)]
+    moves = [line.position for line in rig.of(m.ScriptMoved)]
     assert moves == [2, 1]

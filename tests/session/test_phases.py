@@ -36,7 +36,7 @@ def on_stage(
 
 
 def changes(rig: SessionRig) -> list[tuple[str, str]]:
-    return [(line.phase, line.source) for line in rig.lines if isinstance(line, m.PhaseChanged)]
+    return [(line.phase, line.source) for line in rig.of(m.PhaseChanged)]
 
 
 def refusal_reason(session: Session, phase: str = "") -> str:
@@ -64,7 +64,7 @@ def test_one_after_the_other(tmp_path: Path) -> None:
         ("opening", "session"),
         *((name, "key") for name in ("ride", "closing", "ride", "opening", "closing")),
     ]
-    first = next(line for line in rig.lines if isinstance(line, m.PhaseChanged))
+    first = next(line for line in rig.of(m.PhaseChanged))
     assert first.planned_us == 120_000_000
 
 
@@ -99,11 +99,7 @@ def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path
         session.play("Welcome", KEY)
 
     rig = on_stage(tmp_path, scenario)
-    locks = [
-        (line.panel, line.locked, line.source)
-        for line in rig.lines
-        if isinstance(line, m.PanelLocked)
-    ]
+    locks = [(line.panel, line.locked, line.source) for line in rig.of(m.PanelLocked)]
     assert locks == [
         ("Speech", True, "phase"),
         ("Speech", False, "phase"),
@@ -145,7 +141,7 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
 
     rig = on_stage(tmp_path, scenario, Study(design=Design()))
     assert changes(rig) == [("opening", "trial"), ("ride", "key"), ("opening", "trial")]
-    trials = [line.action for line in rig.lines if isinstance(line, m.ActionRequested)]
+    trials = [line.action for line in rig.of(m.ActionRequested)]
     assert trials == ["Hello", "Hello", "Hello"]
 
 

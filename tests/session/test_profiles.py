@@ -61,7 +61,7 @@ def test_only_its_actions_are_played_and_the_others_are_refused_in_the_log(tmp_p
 
     rig = on_stage(tmp_path, scenario)
     assert rig.driver().calls[0] == ("say", {"text": "Hello P07"})
-    refused = [line.action for line in rig.lines if isinstance(line, m.ActionRefused)]
+    refused = [line.action for line in rig.of(m.ActionRefused)]
     assert refused == ["Map", "Welcome"]
     assert "play" not in [verb for verb, _ in rig.driver().calls]
 
@@ -143,9 +143,9 @@ def test_a_reload_keeps_the_profile_also_when_it_is_gone_from_the_file(tmp_path:
 
     rig = on_stage(tmp_path, scenario)
     assert "the profile child was removed from the file, but is still in use" in [
-        line.text for line in rig.lines if isinstance(line, m.Notice)
+        line.text for line in rig.of(m.Notice)
     ]
-    changed = [line.profile for line in rig.lines if isinstance(line, m.ProfileChanged)]
+    changed = [line.profile for line in rig.of(m.ProfileChanged)]
     assert changed == ["child", ""]
 
 

@@ -109,9 +109,9 @@ def test_an_interruption_ends_what_is_and_would_be_said_and_nothing_else(tmp_pat
 
     rig = scene(tmp_path, play)
     assert spoken_texts(rig) == ["Hello P07"]
-    ends = {line.action: type(line) for line in rig.lines if isinstance(line, m.ActionEnd)}
+    ends = {line.action: type(line) for line in rig.of(m.ActionEnd)}
     assert ends == {"Hello": m.ActionStopped, "Welcome": m.ActionStopped, INTERRUPT: m.ActionDone}
-    stopped = {line.reason for line in rig.lines if isinstance(line, m.Stopped)}
+    stopped = {line.reason for line in rig.of(m.Stopped)}
     assert stopped == {"interrupted by the wizard"}
     assert not rig.session.bus.latched
 
@@ -123,8 +123,8 @@ def test_an_interruption_lets_go_on_what_is_not_said(tmp_path: Path) -> None:
         rig.session.play(INTERRUPT, KEY)
 
     rig = scene(tmp_path, play)
-    ends = {line.command: type(line) for line in rig.lines if isinstance(line, m.End)}
-    verbs = {line.command: line.verb for line in rig.lines if isinstance(line, m.Command)}
+    ends = {line.command: type(line) for line in rig.of(m.End)}
+    verbs = {line.command: line.verb for line in rig.of(m.Command)}
     assert {verbs[command]: end for command, end in ends.items()} == {
         "say": m.Stopped,
         "play": m.Done,
@@ -193,7 +193,7 @@ def test_an_interruption_ends_what_is_held_back(tmp_path: Path, at_us: int) -> N
 
     rig = scene(tmp_path, play)
     assert spoken_texts(rig) == []
-    (end,) = (line for line in rig.lines if isinstance(line, m.End))
+    (end,) = (line for line in rig.of(m.End))
     assert end.reason == "interrupted by the wizard"
 
 

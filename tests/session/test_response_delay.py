@@ -38,7 +38,7 @@ def visitor_stops(rig: SessionRig) -> int:
 
 
 def at(rig: SessionRig, kind: type[m.Message]) -> list[int]:
-    return [line.t for line in rig.lines if isinstance(line, kind)]
+    return [line.t for line in rig.of(kind)]
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def test_an_answer_that_comes_too_soon_begins_at_the_floor(play: Play) -> None:
         rig.session.play("Hello", KEY)
         assert rig.driver().calls == []
         await asyncio.sleep(3)
-        (action_held,) = (line for line in rig.lines if isinstance(line, m.ActionHeld))
+        (action_held,) = (line for line in rig.of(m.ActionHeld))
         assert (action_held.sort, action_held.cued, action_held.until) == (
             "speech",
             ended,
@@ -143,7 +143,7 @@ def test_a_marker_delays_from_the_moment_that_its_program_measured(play: Play) -
         flip = hub.now() - SECOND // 2
         hub.publish(m.Marker(text="onset", source="program", at=flip))
         rig.session.play("Hello", KEY)
-        [action_held] = (line for line in rig.lines if isinstance(line, m.ActionHeld))
+        [action_held] = (line for line in rig.of(m.ActionHeld))
         assert (action_held.cued, action_held.until) == (flip, flip + SECOND)
 
     play(scene)
@@ -157,7 +157,7 @@ def test_a_marker_of_an_earlier_moment_shortens_no_delay(play: Play) -> None:
         now = visitor_stops(rig)
         hub.publish(m.Marker(text="onset", source="program", at=now - 2 * SECOND))
         rig.session.play("Hello", KEY)
-        [action_held] = (line for line in rig.lines if isinstance(line, m.ActionHeld))
+        [action_held] = (line for line in rig.of(m.ActionHeld))
         assert (action_held.sort, action_held.until) == ("speech", now + SECOND)
 
     play(scene)
@@ -235,16 +235,12 @@ def test_a_stop_ends_what_is_held(play: Play) -> None:
         await asyncio.sleep(1)
         rig.session.release("key")
         await asyncio.sleep(3)
-        assert [
-            line.reason
-            for line in rig.lines
-            if isinstance(line, m.ActionStopped) and line.run == run
-        ] == ["stop pressed"]
-        assert [
-            line.reason
-            for line in rig.lines
-            if isinstance(line, m.Refused) and line.command == command
-        ] == ["stop pressed"]
+        assert [line.reason for line in rig.of(m.ActionStopped) if line.run == run] == [
+            "stop pressed"
+        ]
+        assert [line.reason for line in rig.of(m.Refused) if line.command == command] == [
+            "stop pressed"
+        ]
 
     assert not [call for call in play(scene).driver().calls if call[0] == "say"]
 

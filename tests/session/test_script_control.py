@@ -44,7 +44,7 @@ def stands(rig: SessionRig) -> tuple[int, list[int], str]:
 
 
 def acts(rig: SessionRig) -> list[str]:
-    return [line.action for line in rig.lines if isinstance(line, m.ActionRequested)]
+    return [line.action for line in rig.of(m.ActionRequested)]
 
 
 def test_a_line_played_by_its_letter_is_not_offered_again(tmp_path: Path) -> None:

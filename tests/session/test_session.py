@@ -56,10 +56,10 @@ def test_an_action_that_was_not_played_says_why_in_words_for_the_wizard(tmp_path
         rig.session.play("Welcome", KEY, "replace")
 
     rig = on_stage(tmp_path, scenario)
-    refused = [end.reason for end in rig.lines if isinstance(end, m.ActionRefused)]
+    refused = [end.reason for end in rig.of(m.ActionRefused)]
     assert refused[0] == "queue full (16): not played"
     assert set(refused[1:]) == {"not said: robot was busy for 10 s"}
-    (stopped,) = [end.reason for end in rig.lines if isinstance(end, m.ActionSuperseded)]
+    (stopped,) = [end.reason for end in rig.of(m.ActionSuperseded)]
     assert stopped == 'replaced by "Welcome"'
 
 
@@ -70,12 +70,12 @@ def test_together_and_steps_in_order_with_a_pause(tmp_path: Path) -> None:
         rig.session.play("Map", KEY)
 
     rig = on_stage(tmp_path, scenario)
-    times = [line.t for line in rig.lines if isinstance(line, m.Dispatched)]
+    times = [line.t for line in rig.of(m.Dispatched)]
     assert times[0] == times[1]
     map_said, pointed, marked = times[2:]
     assert pointed - map_said == pytest.approx(1_500_000, abs=100)
     assert pointed == marked
-    assert [line.text for line in rig.lines if isinstance(line, m.Marker)] == ["map"]
+    assert [line.text for line in rig.of(m.Marker)] == ["map"]
 
 
 def test_a_failed_step_ends_the_action_and_names_the_reason(tmp_path: Path) -> None:
@@ -130,7 +130,7 @@ def test_the_stop_ends_runs_in_a_command_and_runs_in_a_pause(tmp_path: Path) -> 
         rig.session.play("Welcome", KEY)
 
     rig = on_stage(tmp_path, scenario)
-    ends = [(line.run, type(line).__name__) for line in rig.lines if isinstance(line, m.ActionEnd)]
+    ends = [(line.run, type(line).__name__) for line in rig.of(m.ActionEnd)]
     assert sorted(ends) == [
         ("a00001", "ActionStopped"),
         ("a00002", "ActionStopped"),
@@ -153,7 +153,7 @@ def test_script_moves_on_and_ends(tmp_path: Path) -> None:
             rig.session.move_script(3)
 
     rig = on_stage(tmp_path, scenario)
-    assert [line.position for line in rig.lines if isinstance(line, m.ScriptMoved)] == [1, 2, 0]
+    assert [line.position for line in rig.of(m.ScriptMoved)] == [1, 2, 0]
 
 
 def test_a_refused_script_line_is_not_skipped(tmp_path: Path) -> None:
@@ -444,7 +444,7 @@ def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> No
         assert rig.session.scripts.now.position == 0
 
     rig = on_stage(tmp_path, scenario)
-    assert [line.reason for line in rig.lines if isinstance(line, m.ActionRefused)] == [
+    assert [line.reason for line in rig.of(m.ActionRefused)] == [
         "stale: late",
         "stale: late",
     ]
@@ -469,7 +469,7 @@ def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
         rig.session.mistake(by_itself, "")
 
     rig = on_stage(tmp_path, scenario)
-    labels = [(line.run, line.action) for line in rig.lines if isinstance(line, m.Mistake)]
+    labels = [(line.run, line.action) for line in rig.of(m.Mistake)]
     assert labels == [
         *(("c00002", "say"), ("a00001", "Hello")),
         *(("c00002", "say"), ("a00002", "Welcome")),

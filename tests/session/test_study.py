@@ -82,9 +82,9 @@ def test_a_whole_participant(tmp_path: Path) -> None:
         "trial.started 2 warm",
         "trial.ended 2 done",
     ]
-    (order,) = (line for line in rig.lines if isinstance(line, m.ConditionsAssigned))
+    (order,) = (line for line in rig.of(m.ConditionsAssigned))
     assert (order.method, order.row, order.order) == ("latin-square", 0, ["warm", "cold"])
-    assert {line.planned for line in rig.lines if isinstance(line, m.TrialStarted)} == {4}
+    assert {line.planned for line in rig.of(m.TrialStarted)} == {4}
 
 
 def test_the_condition_of_a_trial_is_set_before_it_begins(tmp_path: Path) -> None:
@@ -237,7 +237,7 @@ def test_an_order_other_than_the_proposed_one_was_chosen_by_hand(tmp_path: Path)
         rig.session.study.trial("begin", "")
 
     rig = on_stage(tmp_path, scenario)
-    (line,) = (line for line in rig.lines if isinstance(line, m.ConditionsAssigned))
+    (line,) = (line for line in rig.of(m.ConditionsAssigned))
     assert (line.method, line.row, line.why) == ("hand", -1, "chosen by the wizard")
     assert short_messages(rig, m.TrialStarted) == ["trial.started 1 cold"]
 
@@ -270,7 +270,7 @@ def test_without_a_design_there_is_nothing_to_propose_but_trials_count(tmp_path:
         "trial.started 2 warm",
         "trial.started 2 warm",
     ]
-    assert all(line.planned == 0 for line in rig.lines if isinstance(line, m.TrialStarted))
+    assert all(line.planned == 0 for line in rig.of(m.TrialStarted))
 
 
 def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
@@ -291,7 +291,7 @@ def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
 
     rig = on_stage(tmp_path, scenario)
     assert short_messages(rig, m.TrialStarted) == ["trial.started 4 warm"]
-    (line,) = (line for line in rig.lines if isinstance(line, m.ConditionsAssigned))
+    (line,) = (line for line in rig.of(m.ConditionsAssigned))
     assert (line.method, line.row) == ("latin-square", 1)
     assert line.why == "P02 continues with their own order: 3 of 4 trials done"
 
@@ -310,7 +310,7 @@ def test_a_questionnaire_that_an_earlier_session_owes_is_told(
         assign_participant(rig)
 
     rig = on_stage(tmp_path, scenario)
-    notices = [line.text for line in rig.lines if isinstance(line, m.Notice)]
+    notices = [line.text for line in rig.of(m.Notice)]
     owed = [text for text in notices if "has not answered" in text]
     assert owed == ([] if answered else ["P01 has not answered: How was it?"])
 
@@ -330,7 +330,7 @@ def test_what_is_owed_is_told_after_a_crash_when_the_session_begins_with_the_par
         assign_participant(rig)
 
     rig = on_stage(tmp_path, scenario, identity=SessionIdentity(participant="P01"))
-    notices = [line.text for line in rig.lines if isinstance(line, m.Notice)]
+    notices = [line.text for line in rig.of(m.Notice)]
     assert [text for text in notices if "has not answered" in text]
 
 
@@ -400,7 +400,7 @@ def test_what_is_under_way_ends_before_the_session_does(tmp_path: Path) -> None:
         rig.session.study.trial("begin", "")
 
     rig = on_stage(tmp_path, scenario)
-    (trial_ended,) = (line for line in rig.lines if isinstance(line, m.TrialEnded))
+    (trial_ended,) = (line for line in rig.of(m.TrialEnded))
     assert (trial_ended.outcome, trial_ended.text) == ("aborted", "the session ended")
     assert isinstance(rig.lines[-1], m.SessionEnd)
 

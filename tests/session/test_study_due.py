@@ -124,7 +124,7 @@ def test_a_proposal_of_the_file_as_it_was_is_no_proposal(tmp_path: Path) -> None
         study.assign("P01", order)
 
     rig = on_stage(tmp_path, scenario)
-    (line,) = (line for line in rig.lines if isinstance(line, m.ConditionsAssigned))
+    (line,) = (line for line in rig.of(m.ConditionsAssigned))
     assert (line.method, line.row) == ("hand", -1)
 
 

@@ -93,10 +93,8 @@ def test_every_beginning_has_one_end_in_any_course(
         (m.BreakStarted, m.BreakEnded),
         (m.QuestionnaireStarted, m.QuestionnaireEnded),
     ):
-        course = [
-            isinstance(line, begins) for line in rig.lines if isinstance(line, (begins, ends))
-        ]
+        course = [isinstance(line, begins) for line in rig.of(begins, ends)]
         assert course == [True, False] * (len(course) // 2)
-    over = [line.trial for line in rig.lines if isinstance(line, m.TrialEnded)]
-    started = [line.trial for line in rig.lines if isinstance(line, m.TrialStarted)]
+    over = [line.trial for line in rig.of(m.TrialEnded)]
+    started = [line.trial for line in rig.of(m.TrialStarted)]
     assert over == started

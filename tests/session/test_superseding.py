@@ -84,13 +84,13 @@ def spoken_texts(rig: SessionRig) -> list[Json]:
     """What was said to its end."""
     return [
         line.sent["text"]
-        for line in rig.lines
-        if isinstance(line, m.Done) and "text" in line.sent and line.driver == "robot"
+        for line in rig.of(m.Done)
+        if "text" in line.sent and line.driver == "robot"
     ]
 
 
 def ends(rig: SessionRig) -> dict[str, m.ActionEnd]:
-    return {line.action: line for line in rig.lines if isinstance(line, m.ActionEnd)}
+    return {line.action: line for line in rig.of(m.ActionEnd)}
 
 
 def press_actions(*presses: tuple[float, str]) -> Callable[[SessionRig], Awaitable[None]]:

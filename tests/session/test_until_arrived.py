@@ -74,13 +74,11 @@ def play_steps(tmp_path: Path, *steps: str) -> SessionRig:
 
 
 def moments(rig: SessionRig, kind: type[m.Message]) -> list[float]:
-    return [round(line.t / 1e6, 2) for line in rig.lines if isinstance(line, kind)]
+    return [round(line.t / 1e6, 2) for line in rig.of(kind)]
 
 
 def ends(rig: SessionRig) -> list[tuple[str, str]]:
-    return [
-        (line.action, type(line).__name__) for line in rig.lines if isinstance(line, m.ActionEnd)
-    ]
+    return [(line.action, type(line).__name__) for line in rig.of(m.ActionEnd)]
 
 
 def said_verbs(rig: SessionRig) -> list[str]:
@@ -129,7 +127,7 @@ def test_a_stop_ends_an_action_that_waits_for_its_motion(tmp_path: Path) -> None
 def test_an_action_is_as_sure_as_the_weakest_of_its_steps(tmp_path: Path) -> None:
     def known(*steps: str) -> list[str]:
         rig = play_steps(tmp_path / steps[0], *steps)
-        return [line.evidence for line in rig.lines if isinstance(line, m.ActionDone)]
+        return [line.evidence for line in rig.of(m.ActionDone)]
 
     assert known("Look") == ["reported"]  # the gaze was measured, the voice says so
     assert known("Watch") == ["measured"]  # a marker reaches no hardware

@@ -58,11 +58,7 @@ class Course(SessionRig):
 
     @property
     def verdicts(self) -> list[tuple[str, str, str]]:
-        return [
-            (line.cue, line.judged, line.action)
-            for line in self.lines
-            if isinstance(line, m.CueAnswered)
-        ]
+        return [(line.cue, line.judged, line.action) for line in self.of(m.CueAnswered)]
 
 
 Scene = Callable[[Course], Awaitable[None]]
@@ -178,9 +174,7 @@ def test_a_training_that_fails_says_so(train: Train) -> None:
         await course.next(m.CueGiven)
         course.visitor.names.clear()
         await asyncio.sleep(1)
-        (notice,) = (
-            line for line in course.lines if isinstance(line, m.Notice) and line.level == "error"
-        )
+        (notice,) = (line for line in course.of(m.Notice) if line.level == "error")
         assert notice.text == "the training has failed: KeyError: 'presence'"
         await asyncio.sleep(30)
 

@@ -44,9 +44,8 @@ def test_a_performance_is_rendered_again_from_its_log(
     for robot in ("joy", "grim"):
         performed = [
             (line.t / 1e6, line.sensor.rpartition(".")[2], line.value)
-            for line in rig.lines
-            if isinstance(line, m.Reading)
-            and line.sensor.startswith(f"{robot}.setpoint.")
+            for line in rig.of(m.Reading)
+            if line.sensor.startswith(f"{robot}.setpoint.")
             and line.value is not None
             and line.t < 26_000_000  # then the session ends, and the robot rests by itself
         ]

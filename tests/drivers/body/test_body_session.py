@@ -78,7 +78,7 @@ def test_it_plays_gazes_stops_and_stirs_again(tmp_path: Path) -> None:
 
     rig = on_stage(tmp_path, scenario)
     assert rig.kinds(m.ActionDone)[-1] == "ActionDone"
-    modes = [line.now for line in rig.lines if isinstance(line, m.ModeChanged)]
+    modes = [line.now for line in rig.of(m.ModeChanged)]
     assert modes == ["normal"]
     assert not rig.kinds(m.Failed, m.DriverFaulted, m.LaneFaulted)
 
@@ -99,7 +99,7 @@ def test_programs_cannot_interrupt_the_demo_and_the_wizard_can(tmp_path: Path) -
         assert rig.values("setpoint.pitch")[-1] == pytest.approx(20.0, abs=1.0)
 
     rig = on_stage(tmp_path, scenario)
-    modes = [line.now for line in rig.lines if isinstance(line, m.ModeChanged)]
+    modes = [line.now for line in rig.of(m.ModeChanged)]
     assert modes == ["normal", "demo", "normal"]
     assert len(rig.kinds(m.Refused)) == 1
 
@@ -159,8 +159,8 @@ def test_the_show_is_played_to_its_end_by_two_robots(tmp_path: Path) -> None:
     assert _emotions(rig, "grim", "Revival", "")[-1] == "happy"
     played = {
         (line.action, Path(str(line.args["file"])).name)
-        for line in rig.lines
-        if isinstance(line, m.Command) and line.verb == "sound"
+        for line in rig.of(m.Command)
+        if line.verb == "sound"
     }
     assert played == {
         *((scene, "tune.wav") for scene in ("Music", "Joy dances", "Crash", "Together")),
@@ -183,12 +183,8 @@ def test_the_music_of_the_show_lasts_as_long_as_the_dance(tmp_path: Path) -> Non
         await asyncio.sleep(10)
 
     rig = on_stage(tmp_path, scenario, "show")
-    verbs = {line.command: line.verb for line in rig.lines if isinstance(line, m.Command)}
-    lasted = {
-        verbs[line.command]: line.duration_us / 1e6
-        for line in rig.lines
-        if isinstance(line, m.Done)
-    }
+    verbs = {line.command: line.verb for line in rig.of(m.Command)}
+    lasted = {verbs[line.command]: line.duration_us / 1e6 for line in rig.of(m.Done)}
     assert lasted["sound"] == pytest.approx(lasted["play"], abs=0.1)
     for name, samples in (("tune", show_tune.tune()), ("run-down", show_tune.run_down())):
         with wave.open(str(EXPERIMENTS / "media" / f"{name}.wav")) as sound:
@@ -226,7 +222,7 @@ def test_minutes_without_input_it_stays_alive_where_it_was(tmp_path: Path) -> No
         assert sum(first) / 600 == pytest.approx(sum(last) / 600, abs=0.1)
 
     rig = on_stage(tmp_path, scenario)
-    assert len({line.rows for line in rig.lines if isinstance(line, m.FaceShown)}) > 1
+    assert len({line.rows for line in rig.of(m.FaceShown)}) > 1
 
 
 def test_a_body_may_ask_for_the_sound_of_a_move(tmp_path: Path) -> None:
@@ -241,7 +237,7 @@ def test_a_body_may_ask_for_the_sound_of_a_move(tmp_path: Path) -> None:
         assert heard == [(True, "")]
 
     rig = on_stage(tmp_path, scenario)
-    command = next(line for line in rig.lines if isinstance(line, m.Command))
+    command = next(line for line in rig.of(m.Command))
     assert (command.driver, command.verb, command.source) == ("voice", "sound", "body")
 
 

@@ -17,19 +17,17 @@ from woz_drivers.simulated.driver import RobotTime, SimulatedRobot
 from woz_drivers.simulated.settings import SimulatedSettings
 
 from tests.drivers.body.rig import SteppedBody
-from tests.fakes.virtual_time import LoopClock, run_virtual
+from tests.session.rig import SessionRig
 from tools import EXPERIMENTS
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext
 from woz_tui.host.experiment_view import ExperimentView, plan_of
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import PROTOCOL, Welcome
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.session import Session
-from woz_tui.system.clock import RealClock
 
 LOG = "recordings/2026-03-01T10-00-00_P07_S01.jsonl"
 KEY = RequestOrigin("key", "", "con1")
@@ -145,40 +143,27 @@ def demo(
     log: Path | None = None,
 ) -> Welcome:
     """What a console is told that attaches at `moment`; `watch` gets the session as it begins, and
-    its log stays in the folder `log`.
+    its log stays in the folder `log`, in `recordings`.
     """
-    file = EXPERIMENTS / f"{experiment}.yaml"
-    with tempfile.TemporaryDirectory() as folder:
-        return run_virtual(_demo(steps, moment, file, watch, who, log=log or Path(folder)))
+    told: list[Welcome] = []
 
+    async def scenario(rig: SessionRig) -> None:
+        session, loop = rig.session, asyncio.get_running_loop()
+        watch(session)
+        session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))
+        session.bus.unwatched = ""
+        for at, act in steps:
+            await asyncio.sleep(at - loop.time())
+            act(session)
+        await asyncio.sleep(moment - loop.time())
+        told.append(welcome(session))
+        await session.close("drawn", rest=False)
 
-async def _demo(
-    steps: tuple[Step, ...],
-    moment: float,
-    file: Path,
-    watch: Callable[[Session], None],
-    who: SessionIdentity,
-    *,
-    log: Path,
-) -> Welcome:
-    loop = asyncio.get_running_loop()
-    clock = LoopClock(loop)
     drivers = catalogue()
-    experiment = load(file, drivers)
-    # The disk works in real time: measured in virtual time it would always be too slow.
-    recorder = Recorder(log, "demo", RealClock(), spill=log / "more")
-    session = Session(experiment, drivers, who, recorder, clock)
-    await session.open()
-    watch(session)
-    session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))
-    session.bus.unwatched = ""
-    for at, act in steps:
-        await asyncio.sleep(at - loop.time())
-        act(session)
-    await asyncio.sleep(moment - loop.time())
-    told = welcome(session)
-    await session.close("drawn", rest=False)
-    return told
+    made = load(EXPERIMENTS / f"{experiment}.yaml", drivers)
+    with tempfile.TemporaryDirectory() as folder:
+        SessionRig(log or Path(folder), (), who, drivers, made).run(scenario)
+    return told[0]
 
 
 def welcome(session: Session) -> Welcome:

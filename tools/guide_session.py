@@ -18,16 +18,15 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from tests.fakes.virtual_time import LoopClock, run_virtual
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import SessionRig
 from tools import EXPERIMENTS
 from tools.demo_session import catalogue
 from woz_tui.config.loading import load
 from woz_tui.log import log_reader
-from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
-from woz_tui.system.clock import RealClock
 
 GUIDE = EXPERIMENTS / "guide.yaml"
 MINUTES = 10.0
@@ -52,21 +51,14 @@ def played(
 async def _played(
     folder: Path, seconds: float, hand: Callable[[Session, m.AnyMessage], None] | None
 ) -> list[m.AnyMessage]:
-    loop = asyncio.get_running_loop()
-    clock = LoopClock(loop)
     drivers = catalogue()
-    # The disk works in real time.
-    recorder = Recorder(folder, "guide", RealClock(), spill=folder / SPILL)
     identity = SessionIdentity(participant="G01", condition="alone", wizard="W1", seed=1)
-    session = Session(load(GUIDE, drivers), drivers, identity, recorder, clock)
-    heard: list[m.AnyMessage] = []
-    session.hub.listen(heard.append)
+    rig = SessionRig(folder, (), identity, drivers, load(GUIDE, drivers), rests=False)
     if hand is not None:
-        session.hub.listen(functools.partial(hand, session))
-    await session.open()
-    await asyncio.sleep(seconds - loop.time())
-    await session.close("enough", rest=False)
-    return heard
+        rig.session.hub.listen(functools.partial(hand, rig.session))
+    async with rig:
+        await asyncio.sleep(seconds - asyncio.get_running_loop().time())
+    return rig.lines
 
 
 def path(messages: Sequence[m.AnyMessage]) -> list[str]:

@@ -90,7 +90,7 @@ def replayed() -> MessageFeed:
     """The demo's log, 52.8 s after it began: two gongs, one of which still sounds."""
     folder = tempfile.TemporaryDirectory()
     demo_session.demo(demo_session.STOPPED, watch=_shown, log=Path(folder.name))
-    index = LogIndex.open(next(Path(folder.name).glob("*demo.jsonl")))
+    index = LogIndex.open(next(Path(folder.name).glob("recordings/made.jsonl")))
     recording = Recording(index.actions, IndexedSamples(index))
     feed = _Still(
         ReplayPlayer(recording, ReplayStart(at_us=52_800_000, paused=True), demo_session.LOG)

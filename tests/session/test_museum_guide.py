@@ -20,9 +20,14 @@ SIX_MINUTES = 360.0
 
 
 @pytest.fixture(scope="module")
-def twice(tmp_path_factory: pytest.TempPathFactory) -> list[list[m.AnyMessage]]:
+def folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    return [tmp_path_factory.mktemp("guide") for _ in range(2)]
+
+
+@pytest.fixture(scope="module")
+def twice(folders: list[Path]) -> list[list[m.AnyMessage]]:
     """Two sessions of six minutes, each with visitors of its own."""
-    return [guide_session.played(tmp_path_factory.mktemp("guide"), SIX_MINUTES) for _ in range(2)]
+    return [guide_session.played(folder, SIX_MINUTES) for folder in folders]
 
 
 def changes(messages: list[m.AnyMessage]) -> Iterator[m.EngagementChanged]:
@@ -39,11 +44,11 @@ def test_six_minutes_are_the_same_twice(twice: list[list[m.AnyMessage]]) -> None
     assert len(first) > 20
 
 
-def test_its_log_stays_where_it_began(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("twice")
+def test_its_log_stays_where_it_began(folders: list[Path]) -> None:
     """Minutes pass at once, which is not the disk's fault."""
-    guide_session.played(tmp_path, 120.0)
-    logs = {path.relative_to(tmp_path) for path in tmp_path.rglob("*.jsonl")}
-    assert logs == {Path("guide.jsonl"), Path("guide.samples.jsonl")}
+    logs = {path.relative_to(folders[0]) for path in folders[0].rglob("*.jsonl")}
+    assert logs == {Path("recordings/made.jsonl"), Path("recordings/made.samples.jsonl")}
 
 
 def test_every_state_is_entered_by_edges_of_the_table(twice: list[list[m.AnyMessage]]) -> None:

@@ -22,7 +22,7 @@ from woz_tui.drivers.contract import Driver
 #: The shortest file that is one.
 START = "pepper_ips: [10.0.0.7]\n"
 #: What differs between a file and its conversion: where things stand, and what is told about them.
-_ELSEWHERE = ("place", "path", "sha256", "files", "texts", "warnings")
+_ELSEWHERE = ("place", "path", "sha256", "files", "files_sha256", "texts", "warnings")
 
 
 CATALOGUE: Mapping[str, type[Driver]] = {"pepper": Pepper}

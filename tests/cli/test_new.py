@@ -38,7 +38,8 @@ def test_every_template_is_right_without_a_warning(
     path = tmp_path / "e.yaml"
     assert run_new(path, "--template", template, *options) == 0
     experiment = read_experiment(path)
-    assert experiment.warnings == ()
+    if "a, b, c" not in options:  # whose sentences are to be written
+        assert experiment.warnings == ()
     assert len(experiment.phases) == 3
     keys = [action.key for panel in experiment.panels for action in panel.actions]
     assert all(keys)
@@ -58,6 +59,58 @@ def test_the_tutorial_tells_what_the_template_has(
     assert run_new(tmp_path / "talk.yaml", "--yes", "--conditions", "neutral,empathic") == 0
     told = re.findall(r"\d+ actions on .*", capsys.readouterr().out)[0].rstrip(".")
     assert f"# {told}\n" in page
+
+
+SENTENCES = {
+    "neutral": {line.text for line in new._every_line()},
+    "empathic": {line.other for line in new._every_line() if line.other},
+}
+
+
+@pytest.mark.parametrize(
+    "conditions",
+    [
+        "neutral, empathic",
+        "empathic, neutral",
+        "warm, cold, robotic",
+        "cold, neutral",
+        "polite, rude",
+    ],
+)
+def test_a_condition_has_sentences_of_its_own_name_or_has_to_get_some(
+    tmp_path: Path, conditions: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The warm wording went to the second condition, whatever it was called."""
+    path = tmp_path / "e.yaml"
+    assert run_new(path, "--conditions", conditions) == 0
+    experiment = read_experiment(path)
+    unwritten = 0
+    for panel in experiment.panels:
+        for call in (call for action in panel.actions for call in action.calls):
+            choice = call.choices.get("text")
+            for condition, texts in choice.texts.items() if choice and choice.depends else ():
+                if condition in SENTENCES:
+                    assert {*texts} <= SENTENCES[condition]
+                else:
+                    assert all(text.startswith(f"TO WRITE for {condition},") for text in texts)
+                    unwritten += 1
+    assert sum("not written" in one.message for one in experiment.warnings) == unwritten
+    told = f"{unwritten} sentences to write: look for TO WRITE" in capsys.readouterr().out
+    assert told is bool(unwritten)
+    assert bool(unwritten) is (set(conditions.split(", ")) != {*SENTENCES})
+
+
+def test_repairs_that_ignore_the_condition_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "e.yaml"
+    assert run_new(path, "--conditions", "neutral, empathic") == 0
+    assert read_experiment(path).warnings == ()
+    text = path.read_text(encoding="utf-8")
+    path.write_text(re.sub(r"\n  yes: .*", '\n  yes: "Yes."', text), encoding="utf-8")
+    (warning,) = read_experiment(path).warnings
+    assert (warning.path, warning.message.partition(":")[0]) == ("repairs", "yes")
+    alike = re.sub(r'\{"neutral": (".*?"), "empathic": ".*?"\}', r"\1", path.read_text())
+    path.write_text(alike, encoding="utf-8")
+    assert read_experiment(path).warnings == (), "a study whose sentences are the same for all"
 
 
 def test_what_is_asked_for_stands_in_it(tmp_path: Path) -> None:

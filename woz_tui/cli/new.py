@@ -17,8 +17,10 @@ from pathlib import Path
 
 import msgspec
 
+from woz_tui.analysis.text_format import counted
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.config import utterance_template
 from woz_tui.config.bundled_files import ROBOTS, is_path, robot_files
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.keys import LAYOUTS
@@ -32,8 +34,12 @@ from woz_tui.drivers.contract import Driver
 Ask = Callable[[str], str]
 
 
+#: The conditions for which the templates have sentences: `text` and `other` of a line.
+PAIR = ("neutral", "empathic")
+
+
 class Line(msgspec.Struct, frozen=True):
-    """A key with a sentence; `other` is the second condition's, `move` goes with it."""
+    """A key with a sentence; `other` is how somebody empathic says it, `move` goes with it."""
 
     key: str
     label: str
@@ -52,9 +58,10 @@ class Template(msgspec.Struct, frozen=True):
 
 
 class _TemplateFile(msgspec.Struct, frozen=True):
-    """`new_templates.json`; the lines of `always` are in every template."""
+    """`new_templates.json`: `always` is in every template, `repairs` in studies of `PAIR`."""
 
     always: list[Line]
+    repairs: list[Line]
     templates: dict[str, Template]
 
 
@@ -164,8 +171,11 @@ def _print_refusal(error: ExperimentError, answers: Mapping[str, str]) -> int:
 
 def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
     print(f"{path}: written. {verdict(experiment, len(experiment.warnings))}.")
-    for warning in experiment.warnings:
+    to_write = sum(text.count(utterance_template.TO_WRITE) for text in experiment.texts[:1])
+    for warning in experiment.warnings if not to_write else ():
         print(f"  {warning}")
+    if to_write:
+        print(f"  {counted(to_write, 'sentence')} to write: look for {utterance_template.TO_WRITE}")
     if len(experiment.files) > 1:
         print(f"  The robot, with its address: {experiment.files[1]}")
     if not abilities.moves:
@@ -313,6 +323,9 @@ _REPAIRS = """\
 # Keys that save a dialogue: again, other words, yes, no, I do not know ...
 repairs: {}                   # the sentences of `language`; or your own
 """
+_REPAIRS_OF_CONDITIONS = """\
+# Keys that save a dialogue: again, other words, yes, no, I do not know ...
+repairs:"""
 _LAST_ACTIONS = """\
       # one of several, in shuffled order, until all were said:
       - {{key: {key}, label: Let me think, say: {{any: ["Hm, let me think.",\
@@ -380,7 +393,12 @@ def _text_lines(
         yield _PREFLIGHT
     if abilities.senses:
         yield _ENGAGEMENT
-    yield _REPAIRS
+    if len(conditions) > 1 and set(conditions) <= set(PAIR):
+        yield _REPAIRS_OF_CONDITIONS
+        yield from (f"  {line.label}: {_sentence(line, conditions)}" for line in _FILE.repairs)
+        yield ""
+    else:
+        yield _REPAIRS
     yield "panels:"
     for title, lines in {**template.phases, _ANY_TIME: _FILE.always}.items():
         yield f"  - title: {title}"
@@ -404,7 +422,13 @@ def _text_lines(
 
 
 def _sentence(line: Line, conditions: list[str]) -> str:
-    """The sentence; one for each condition if they differ."""
+    """The sentence; one for each condition if they differ. Only the two conditions of the templates
+    have some: what another one says is to be written, whatever its name seems to mean.
+    """
     if len(conditions) < 2 or not line.other:
         return json.dumps(line.other if not conditions and line.other else line.text)
-    return json.dumps(dict.fromkeys(conditions, line.text) | {conditions[1]: line.other})
+    known = dict(zip(PAIR, (line.text, line.other), strict=True))
+    texts = {
+        name: known.get(name) or utterance_template.to_write(name, line.text) for name in conditions
+    }
+    return json.dumps(texts, ensure_ascii=False)

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from woz_tui.config import utterance_template
-from woz_tui.config.experiment import TextVariants
+from woz_tui.config.experiment import Action, TextVariants
 from woz_tui.config.problems import quoted
 from woz_tui.config.yaml_cursor import Cursor, read_text
 from woz_tui.config.yaml_nodes import MappingNode
@@ -38,6 +38,21 @@ class Variables:
     def names(self) -> list[str]:
         """All of them."""
         return [*self.always, *self.by_condition]
+
+
+def says_by_condition(action: Action, variables: Variables) -> bool:
+    """Whether what the action says depends on the condition."""
+    for call in action.calls:
+        if call.verb != "say":
+            continue
+        choice = call.choices.get("text")
+        if choice is not None and choice.depends:
+            return True
+        texts = (str(call.args.get("text", "")),) if choice is None else choice.every
+        named = {name for text in texts for name in utterance_template.names(text)}
+        if not named.isdisjoint(variables.by_condition):
+            return True
+    return False
 
 
 def read_variables(

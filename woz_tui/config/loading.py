@@ -22,14 +22,14 @@ from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import read_variables
 from woz_tui.config.cross_checks import check_asks
 from woz_tui.config.engagement_section import EngagementReader, check_engagement
-from woz_tui.config.experiment import Action, DriverSpec, Experiment
+from woz_tui.config.experiment import DriverSpec, Experiment
 from woz_tui.config.experiment_file import TOP_LEVEL, ExperimentFile
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.languages import Language
 from woz_tui.config.phases import read_phases
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.profiles import ProfileTargets, read_profiles
-from woz_tui.config.repairs import SAY, RepairReader
+from woz_tui.config.repairs import RepairReader
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import check_shown, published_names
 from woz_tui.config.session_verbs import (
@@ -206,7 +206,8 @@ class _ExperimentDecoder:
             repairs=RepairReader(vocabulary, steps, language).read(
                 table.get("repairs"),
                 root.place,
-                any(len(texts) > 1 for draft in panels.drafts for texts in _wordings(draft.action)),
+                [draft.action for draft in panels.drafts],
+                variables,
             ),
             session=file.session,
             sensors=file.sensors,
@@ -246,13 +247,6 @@ class _ExperimentDecoder:
             )
             return None
         return self._robots().read_named(table["robot"], self._robot) if "robot" in table else None
-
-
-def _wordings(action: Action) -> Iterable[tuple[str, ...]]:
-    """What may be said in each condition."""
-    for call in action.calls:
-        for choice in call.choices.values() if call.verb == SAY else ():
-            yield from choice.texts.values()
 
 
 def _own(session: Iterable[Verb], engagement: Cursor | None) -> dict[str, VerbOffer]:

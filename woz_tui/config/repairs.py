@@ -6,10 +6,11 @@ sentence again, and the interruption.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from woz_tui.config.actions import StepReader
 from woz_tui.config.annotated_decoder import Invalid, read_value
+from woz_tui.config.condition_texts import Variables, says_by_condition
 from woz_tui.config.experiment import Action, FilePosition, Step
 from woz_tui.config.languages import SPOKEN, Language
 from woz_tui.config.verb_calls import Vocabulary
@@ -50,16 +51,33 @@ class RepairReader:
         self._language = language
 
     def read(
-        self, cursor: Cursor | None, place: FilePosition, variants: bool
+        self,
+        cursor: Cursor | None,
+        place: FilePosition,
+        others: Sequence[Action],
+        variables: Variables,
     ) -> tuple[Action, ...]:
-        """All repairs of the file; none where nobody can speak. `variants`: some sentence of
-        the file has several wordings.
+        """All repairs of the file; none where nobody can speak. `others`: its other actions, and
+        `variables`: of its sentences.
         """
+        variants = any(len(texts) > 1 for action in others for texts in _wordings(action))
+        differing = any(says_by_condition(action, variables) for action in others)
         if not self._vocabulary.offers(SAY):
             if cursor is not None and not self._vocabulary.robots.incomplete:
                 cursor.error(f"no driver of this robot offers {SAY!r}")
             return ()
         spoken = list(self._spoken(cursor)) if cursor is not None else []
+        same = [
+            action.name.removeprefix("repair ")
+            for action in spoken
+            if any(call.verb == SAY for call in action.calls)
+            and not says_by_condition(action, variables)
+        ]
+        if differing and same and cursor is not None:
+            cursor.warning(
+                f"{', '.join(same)}: the same in every condition, while other sentences of this"
+                " file differ; write {yes: {CONDITION: ...}}"
+            )
         found = [_action(REPEAT, place)]
         if variants and cursor is not None:
             found.append(_action(REWORD, place))
@@ -93,6 +111,13 @@ class RepairReader:
         else:
             table = {SAY: cursor}
         return self._steps.together(cursor, table, on)
+
+
+def _wordings(action: Action) -> Iterable[tuple[str, ...]]:
+    """What may be said in each condition."""
+    for call in action.calls:
+        for choice in call.choices.values() if call.verb == SAY else ():
+            yield from choice.texts.values()
 
 
 def _action(name: str, place: FilePosition, *steps: Step) -> Action:

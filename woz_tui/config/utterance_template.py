@@ -15,6 +15,8 @@ BUILT_IN = ("participant", "condition", "session", "trial", "wizard")
 #: One more where there is an engagement model: who stands there.
 VISITOR = "visitor"
 
+#: How a sentence begins that `woz new` leaves to the author.
+TO_WRITE = "TO WRITE"
 #: What a variable may be called.
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -45,8 +47,19 @@ def fill(text: str, value_of: Callable[[str], str]) -> str:
     return _PART.sub(part, text)
 
 
+def to_write(condition: str, like: str) -> str:
+    """What stands in a new file where a sentence is to be written for a condition; `like` is what
+    others say there.
+    """
+    return f"{TO_WRITE} for {condition}, such as: {like}"
+
+
 def check(cursor: Cursor, text: str, known: Collection[str]) -> None:
-    """Report every variable in `text` that is not `known`, and braces that do not match."""
+    """Report every variable in `text` that is not `known`, braces that do not match, and a sentence
+    that is still to be written.
+    """
+    if text.startswith(TO_WRITE):
+        cursor.warning("not written yet: the robot would say it as it stands")
     for match in _PART.finditer(text):
         name = match["name"]
         if match["brace"]:

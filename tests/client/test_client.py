@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 import threading
+import traceback
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from woz_tui import client as woz_client
 from woz_tui.client import (
     WozClient,
     WozConnectionError,
+    WozError,
     WozFailedError,
     WozRefusedError,
     WozStoppedError,
@@ -53,8 +55,36 @@ async def test_any_verb_is_a_method_with_its_main_argument_first(host: ServedSes
         assert (await woz.play(move="shake", driver="robot")).sent == {"move": "shake"}
         with pytest.raises(AttributeError, match="no verb 'somersault'"):
             await woz.somersault()
-        with pytest.raises(TypeError, match="move"):
+        with pytest.raises(WozRefusedError, match="move"):
             await woz.play("nod", "shake")
+        with pytest.raises(WozError, match="fly") as unknown:
+            await woz.fly()
+        assert "play" in unknown.value.hint
+        assert not hasattr(woz, "fly")
+
+
+async def test_a_sentence_cuts_another_one_short(host: ServedSession) -> None:
+    """As the page for programs says: `when_busy="replace"`."""
+    async with connect(host.path) as woz:
+        first = await woz.begin("say", text="A sentence that takes a while to be said")
+        await woz.say("Stop", when_busy="replace", driver="robot")
+        for _ in range(2):
+            with pytest.raises(WozSupersededError) as replaced:
+                await first
+        assert len(traceback.extract_tb(replaced.value.__traceback__)) < 5
+
+
+async def test_an_error_that_is_raised_again_does_not_grow(host: ServedSession) -> None:
+    async with connect(host.path) as woz:
+        stream = woz.messages()
+        await woz.close()
+        lengths = set()
+        for _ in range(50):
+            for call in (woz.mark("x"), anext(stream)):
+                with pytest.raises(WozConnectionError) as lost:
+                    await call
+                lengths.add(len(traceback.extract_tb(lost.value.__traceback__)))
+    assert max(lengths) < 8
 
 
 async def test_actions_are_pressed_by_name_or_key(host: ServedSession) -> None:

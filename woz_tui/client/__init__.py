@@ -12,6 +12,7 @@ from woz_tui.client.woz_errors import (
     WozRefusedError,
     WozStoppedError,
     WozSupersededError,
+    WozUnknownVerbError,
 )
 
 __all__ = [
@@ -24,5 +25,6 @@ __all__ = [
     "WozRun",
     "WozStoppedError",
     "WozSupersededError",
+    "WozUnknownVerbError",
     "connect",
 ]

@@ -16,7 +16,9 @@ import msgspec
 
 from woz_tui.client.woz_errors import (
     WozConnectionError,
+    WozError,
     WozRefusedError,
+    WozUnknownVerbError,
     error_of,
     error_of_motion,
 )
@@ -75,7 +77,10 @@ class WozRun:
             WozSupersededError: Something newer took its place.
             WozConnectionError: The connection is lost; nobody knows how it goes on.
         """
-        return asyncio.shield(self._over).__await__()
+        try:
+            return (yield from asyncio.shield(self._over).__await__())
+        except WozError as error:
+            raise error.again() from None
 
     async def cancel(self) -> None:
         """Cut it short. Raises `WozRefusedError` if it is over already."""
@@ -135,7 +140,7 @@ class MessageStream(Generic[T]):
             if self._ended:
                 raise StopAsyncIteration
             if self._over is not None:
-                raise self._over
+                raise self._over.again()
             self._more.clear()
             await self._more.wait()
         message: T = self._waiting.popleft()
@@ -209,9 +214,21 @@ class WozClient:
 
     # -- verbs and actions -----------------------------------------------------------------------
 
-    async def say(self, text: str, /, *, at: float = 0.0, **args: m.Json) -> m.Done:
-        """Speak; returns when it has been said. Further arguments: those of the robot's `say`."""
-        return await self.perform("say", {"text": text, **args}, at=at)
+    async def say(
+        self,
+        text: str,
+        /,
+        *,
+        driver: str = "",
+        when_busy: Busy = "",
+        at: float = 0.0,
+        **args: m.Json,
+    ) -> m.Done:
+        """Speak; returns when it has been said. `driver`, `when_busy` and `at` as for `perform`;
+        further arguments: those of the robot's `say`.
+        """
+        said = {"text": text, **args}
+        return await self.perform("say", said, driver=driver, when_busy=when_busy, at=at)
 
     async def perform(
         self,
@@ -275,12 +292,14 @@ class WozClient:
         """Each verb of the robot is a method; a first value without a name is its main argument."""
         views = self._views(verb) if not verb.startswith("_") else []
         if not views:
-            raise AttributeError(f"this session has no verb {verb!r}")
+            known = ", ".join(dict.fromkeys(view.name for view in self._all_views()))
+            raise WozUnknownVerbError(f"this session has no verb {verb!r}", f"it has {known}")
 
         async def perform(*main: m.Json, **args: Any) -> m.Done:
             names = [argument.name for argument in views[0].arguments]
             if len(main) > min(1, len(names)):
-                raise TypeError(f"{verb} takes one value without a name: {', '.join(names[:1])}")
+                one = f"one value without a name: {names[0]}" if names else "no values"
+                raise WozRefusedError(f"{verb} takes {one}")
             return await self.perform(verb, dict(zip(names, main, strict=False)), **args)
 
         return perform
@@ -441,7 +460,7 @@ class WozClient:
     def check(self) -> None:
         """Raises `WozConnectionError` if the connection is lost. From any thread."""
         if self._lost is not None:
-            raise self._lost
+            raise self._lost.again()
 
     def _write(self, request: r.AnyRequest) -> int:
         self.check()
@@ -538,10 +557,15 @@ class WozClient:
 
     # -- what is known -----------------------------------------------------------------------------
 
+    def _all_views(self) -> list[VerbDescription]:
+        """All verbs; none before they were told."""
+        description: Description = self.__dict__.get("description", Description())
+        return description.verbs
+
     def _views(self, verb: str, driver: str = "") -> list[VerbDescription]:
         return [
             view
-            for view in self.__dict__.get("description", Description()).verbs
+            for view in self._all_views()
             if view.name == verb and driver in ("", view.driver, view.driver.partition(".")[0])
         ]
 

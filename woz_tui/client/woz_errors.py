@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 from woz_tui.protocol import messages as m
 
 
@@ -13,9 +15,17 @@ class WozError(Exception):
         self.reason = reason
         self.hint = hint
 
+    def again(self) -> Self:
+        """The same to be raised once more: an error keeps every place that has raised it."""
+        return type(self)(self.reason, self.hint)
+
 
 class WozRefusedError(WozError):
     """It was not begun: wrong arguments, the stop, a lock, a profile, too late ..."""
+
+
+class WozUnknownVerbError(WozRefusedError, AttributeError):
+    """The session's robot has no such verb."""
 
 
 class WozFailedError(WozError):

@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from tests.fakes.host import FakeHost
-from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
+from tests.fakes.terminal import LAUNCH, ROOT, WAIT_S, FakeTerminal
 from woz_tui.protocol.messages import Marker
 from woz_tui.protocol.requests import AskAction, AskNote, AskStop, Beat
 
@@ -293,3 +293,31 @@ def test_without_any_terminal_it_says_one_sentence(host: FakeHost) -> None:
 
     assert done.returncode == 2
     assert done.stderr.count(b"\n") == 1
+
+
+def test_reset_puts_back_what_a_killed_console_left(terminal: FakeTerminal) -> None:
+    line = os.open(terminal.device, os.O_RDWR | os.O_NOCTTY)
+    terminal.process.kill()
+    terminal.process.wait(WAIT_S)
+    assert not terminal.attributes()[LFLAG] & termios.ICANON
+    reset = [sys.executable, "-m", "woz_tui", "reset"]
+    done = subprocess.run(
+        [sys.executable, "-c", LAUNCH, *reset],
+        stdin=line, stdout=line, stderr=line, cwd=ROOT, start_new_session=True, timeout=WAIT_S,
+        check=False,
+    )  # fmt: skip
+    os.close(line)
+    assert done.returncode == 0
+    wanted = termios.ICANON | termios.ECHO | termios.ISIG
+    assert terminal.attributes()[LFLAG] & wanted == wanted
+    for sequence in (b"\x1b[?1049l", b"\x1b[<32u", b"\x1b[?25h", b"\x1b[?2004l", b"\x1b[?1004l"):
+        terminal.wait_written(sequence)
+
+
+def test_reset_without_a_terminal_says_so() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "woz_tui", "reset"], cwd=ROOT, start_new_session=True,
+        capture_output=True, text=True, timeout=WAIT_S, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "there is no terminal" in done.stderr

@@ -31,11 +31,11 @@ WAIT_S = 60.0
 LATE_S = 0.5
 
 #: Makes the pseudo-terminal the controlling one, then becomes the program.
-_LAUNCH = "import fcntl,os,sys,termios;fcntl.ioctl(0,termios.TIOCSCTTY,0);" + (
+LAUNCH = "import fcntl,os,sys,termios;fcntl.ioctl(0,termios.TIOCSCTTY,0);" + (
     "os.execvp(sys.argv[1],sys.argv[1:])"
 )
 #: The same with SIGHUP ignored, as `nohup` does.
-_LAUNCH_NOHUP = "import signal;signal.signal(signal.SIGHUP,signal.SIG_IGN);" + _LAUNCH
+LAUNCH_NOHUP = "import signal;signal.signal(signal.SIGHUP,signal.SIG_IGN);" + LAUNCH
 #: What pyte would draw instead of obeying: kitty's keyboard, questions about modes.
 _STRANGE = re.compile(rb"\x1b\[[<>=?][0-9;]*u|\x1b\[\?[0-9;]*\$p|\x18")
 _UNFINISHED = re.compile(rb"\x1b(\[[0-9;<>=?$]*)?\Z")
@@ -93,11 +93,13 @@ class FakeTerminal:
         #: Everything the program wrote.
         self.written = bytearray()
         self.master, slave = os.openpty()
+        #: The device that the program's side is.
+        self.device = os.ttyname(slave)
         self._closed = False
         self.resize(columns, rows)
         #: The terminal's settings before the program began.
         self.attributes_before: list[Any] = termios.tcgetattr(self.master)
-        launch = _LAUNCH_NOHUP if nohup else _LAUNCH
+        launch = LAUNCH_NOHUP if nohup else LAUNCH
         self.process = subprocess.Popen(
             [sys.executable, "-c", launch, *command],
             stdin=slave,

@@ -12,6 +12,7 @@ from typing import NoReturn
 from woz_tui import __version__
 from woz_tui.cli.error_sentences import is_output_error
 from woz_tui.cli.safe_streams import clean_streams
+from woz_tui.system import terminal_size
 
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its
 #: options, and `run`, a function from the parsed arguments to the exit code; where the command has
@@ -23,6 +24,7 @@ COMMANDS = {
     "train": "train a wizard: a simulated visitor gives cues, answers are scored",
     "host": "start only the robot process",
     "attach": "join a running session",
+    "reset": "put this terminal back after a console that was killed",
     "drivers": "offer drivers of this computer to a session on another one",
     "access": "give access from other machines: new, list, revoke",
     "listen": "write the sound of the robot's microphone to standard output",
@@ -61,6 +63,7 @@ GC_THRESHOLDS = (50_000, 20, 100)
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     clean_streams()
+    terminal_size.settle()
     words = list(sys.argv[1:] if arguments is None else arguments)
     parser = ArgumentParser(
         prog="woz", description="A wizard plays a social robot from a terminal."

@@ -10,6 +10,7 @@ from rich.console import Console, ConsoleOptions, RenderableType  # noqa: TID251
 from rich.segment import Segment
 from rich.text import Text
 
+from woz_tui.system.terminal_size import LEAST_COLUMNS
 from woz_tui.system.text_cleaning import clean_lines
 
 
@@ -26,6 +27,7 @@ class TextConsole(Console):
         super().__init__(markup=False, emoji=False, highlight=False, **options)
         if page is not None and not self.is_terminal and "COLUMNS" not in os.environ:
             self.width = page
+        self.width = max(self.width, LEAST_COLUMNS)
 
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None

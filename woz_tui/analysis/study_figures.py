@@ -37,7 +37,8 @@ class StudyFacts:
         sessions: Sessions with participants; trainings and re-runs are not among them.
         deserted: Sessions in which nobody took part, although a code was given; in nothing else.
         lengths: Their lengths, without the time in which there was no participant.
-        people: Condition -> participants.
+        participants: Who took part, by code.
+        people: Condition -> the participants with a trial in it that counts.
         unnamed: Sessions without a participant's code.
         outside: Sessions with time outside of trials, which is in no figure of the wizard's work.
         wizards: Wizard -> sessions led.
@@ -56,6 +57,7 @@ class StudyFacts:
     deserted: int = 0
     reruns: int = 0
     lengths: Durations = field(default_factory=Durations)
+    participants: set[str] = field(default_factory=set)
     people: dict[str, set[str]] = field(default_factory=dict)
     unnamed: int = 0
     outside: int = 0
@@ -126,6 +128,7 @@ class StudyFacts:
     def _people(self, figures: SessionFigures) -> None:
         self.unnamed += not figures.participant
         self.outside += any(part.scope == OUTSIDE for part in figures.parts)
+        self.participants.update(filter(None, figures.participants))
         for part in counted_parts(figures.parts):
             if part.participant:
                 self.people.setdefault(part.condition, set()).add(part.participant)
@@ -179,11 +182,6 @@ class StudyFacts:
         self.lost += lost
         self.damaged += bool(lost)
         self.open_logs += not integrity.ended
-
-    @property
-    def participants(self) -> set[str]:
-        """The codes of all participants."""
-        return set().union(*self.people.values())
 
     @property
     def acts(self) -> int:

@@ -14,7 +14,9 @@ from woz_drivers.simulated import SimulatedRobot
 
 from tests.fakes.ports import free_port
 from tests.fakes.terminal import FakeTerminal
+from tests.network.installed_worker import installed_worker
 from tests.network.other_computer import PATIENT, SILENCE_S
+from tests.network.worker import Worker, WorkerSettings
 from woz_tui import cli
 from woz_tui.cli import doctor
 from woz_tui.drivers.contract import DeviceLostError, Health
@@ -135,3 +137,34 @@ async def test_a_program_that_is_frozen_and_one_that_is_killed(
         finally:
             process.kill()
             await remote.close()
+
+
+@pytest.mark.real_clock
+async def test_an_error_that_nobody_waits_for_is_told_to_the_session_and_on_this_computer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
+    port, context = free_port(), RecordingContext()
+    installed_worker(tmp_path, monkeypatch)
+    remote = RemoteDriver(
+        *("arm", WorkerSettings(), context),
+        local=Worker,
+        kind="worker",
+        router=DriverRouter(f"tcp://127.0.0.1:{port}", ["arm-pi"], silence_s=SILENCE_S),
+        place="arm-pi",
+    )
+    command = offering(tmp_path, port)
+    (tmp_path / "robot.yaml").write_text("drivers: {arm: {type: worker, at: arm-pi}}\n")
+    environ = {**PATIENT, "PYTHONPATH": f"{PATIENT['PYTHONPATH']}:{tmp_path}"}
+    await remote.open()
+    try:
+        with FakeTerminal(command, columns=120, env=environ) as terminal:
+            await until(lambda: context.healths[-1][0] is Health.CONNECTED, 30)
+            await remote.perform(PlainJob("break"))
+            await until(lambda: context.healths[-1][0] is Health.FAULTED, 30)
+            what, remedy = context.healths[-1][1:]
+            assert "ZeroDivisionError: a wheel (worker.py:" in what
+            assert "arm-pi" in remedy
+            terminal.wait_text("Traceback")
+    finally:
+        await remote.close()

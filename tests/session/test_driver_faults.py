@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import logging
+import sys
 import threading
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -16,9 +18,24 @@ from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import ScriptedDriver, SessionRig
 from woz_tui.drivers.contract import Health, HealthStatement, ModeStatement, SensorStatement
 from woz_tui.protocol import messages as m
+from woz_tui.session.driver_faults import THROWN_AWAY
 from woz_tui.session.redactor import PerceptionFilter, Redactor
 
 WRONG: Any = 5
+
+
+LIBRARY = """\
+class Handle:
+    def __del__(self):
+        raise OSError("no such handle")
+"""
+
+
+class Port:
+    """Cannot be closed."""
+
+    def __del__(self) -> None:
+        raise OSError("no such port")
 
 
 class Flawed(ScriptedDriver):
@@ -38,6 +55,9 @@ class Flawed(ScriptedDriver):
                 thread = threading.Thread(target=self.work)
                 thread.start()
                 thread.join()
+            case "garbage":
+                loop.create_task(self.wait_for_nothing())  # noqa: RUF006 - that is the point
+                loop.call_later(1, gc.collect)
             case "awaited":
                 self.reader = loop.create_task(self.read())
                 self.waiter = loop.create_task(self.wait())
@@ -45,6 +65,9 @@ class Flawed(ScriptedDriver):
     async def read(self) -> None:
         await asyncio.sleep(2)
         raise OSError("the port is gone")
+
+    async def wait_for_nothing(self) -> None:
+        await asyncio.get_running_loop().create_future()
 
     async def wait(self) -> None:
         try:
@@ -84,6 +107,7 @@ async def nothing(rig: SessionRig) -> None:
     [
         ("task", "OSError: the port is gone", "in read"),
         ("thread", "KeyError: 'knob'", "in work"),
+        ("garbage", THROWN_AWAY, "in wait_for_nothing"),
         ("awaited", "", ""),
     ],
 )
@@ -97,6 +121,63 @@ def test_what_dies_in_a_driver_s_own_code_is_its_fault_unless_it_looks_itself(
         assert each.detail.startswith(f"{says} (test_driver_faults.py:")
         assert each.detail.endswith(f"{place})")
         assert "host.log" in each.remedy
+
+
+def test_what_is_found_with_garbage_of_nobody_known_is_a_notice_and_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    library: dict[str, Any] = {}
+    exec(compile(LIBRARY, "library.py", "exec"), library)
+
+    async def go() -> SessionRig:
+        hook, sys.unraisablehook = sys.unraisablehook, sys.__unraisablehook__
+        rig = SessionRig(tmp_path)
+        await rig.session.open()
+        for _ in range(10):
+            library["Handle"]()
+        await asyncio.sleep(1)
+        await rig.session.close("test")
+        assert sys.unraisablehook is sys.__unraisablehook__, "left as it was"
+        sys.unraisablehook = hook
+        return rig
+
+    rig = run_virtual(go())
+    told = [line for line in rig.lines if isinstance(line, m.Notice) and "library" in line.text]
+    assert [(each.level, each.text.partition(": ")[2]) for each in told] == [
+        ("warning", "OSError: no such handle (library.py:3 in __del__)"),
+        ("warning", "OSError: no such handle (library.py:3 in __del__, 10 times)"),
+    ]
+    assert all("host.log" in each.remedy for each in told)
+    assert capsys.readouterr().err.count("Traceback") == 1, "where host.log is written to"
+
+
+def test_what_is_found_with_garbage_while_a_line_is_written_is_told_after_it(
+    tmp_path: Path,
+) -> None:
+    """The collector runs at any place, also where the log's lock is held."""
+
+    def listener(line: m.AnyMessage) -> None:
+        if isinstance(line, m.Note):
+            Port()
+            within.append(line.text)
+
+    async def go() -> SessionRig:
+        rig = SessionRig(tmp_path, catalogue={"puppet": Flawed})
+        rig.session.hub.listen(listener)
+        await rig.session.open()
+        rig.session.note("first")
+        rig.session.note("second")
+        await asyncio.sleep(1)
+        await rig.session.close("test")
+        return rig
+
+    within: list[str] = []
+    rig = run_virtual(go())
+    assert within == ["first", "second"]
+    assert rig.kinds(m.Note, m.DriverFaulted) == ["Note", "Note", "DriverFaulted"]
+    (told,) = [line for line in rig.lines if isinstance(line, m.DriverFaulted)]
+    assert told.detail.startswith("OSError: no such port (test_driver_faults.py:")
+    assert told.detail.endswith("in __del__)")
 
 
 def test_an_error_that_recurs_is_counted_and_not_repeated(

@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterable, Mapping
 import msgspec
 
 from woz_tui.bus.consents import Consents
-from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import Lane, PendingCommand
 from woz_tui.drivers.argument_check import ArgumentError, checked
@@ -27,6 +26,7 @@ from woz_tui.drivers.contract import (
     StopReport,
     Verb,
 )
+from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.drivers.robot_verbs import takes_hands_off
 from woz_tui.drivers.secret_arguments import hidden
 from woz_tui.protocol.action_messages import STOP_PROMISE_S

@@ -20,9 +20,9 @@ from dataclasses import dataclass, field
 import msgspec
 
 from woz_tui.bus.consents import Consents
-from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
+from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.protocol import codec
 from woz_tui.protocol.action_messages import EVIDENCE, Evidence
 from woz_tui.protocol.messages import (

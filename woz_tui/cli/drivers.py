@@ -24,6 +24,7 @@ from woz_tui.network.driver_line import LineError
 from woz_tui.network.driver_server import DriverServer, OfferedDriver
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
 from woz_tui.network.zenoh_line import connect
+from woz_tui.session.driver_faults import tell_faults
 from woz_tui.system import session_sockets
 
 #: How long until the session is looked for again, in seconds.
@@ -157,6 +158,7 @@ async def _serve(
     for number in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, running.cancel)
     server = DriverServer(place, offers, folder=folder, tell=tell)
+    tell_faults(server.made, f"its traceback is at {place}")
     told = ""
     with contextlib.suppress(asyncio.CancelledError):
         while True:

@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from woz_tui.bus.driver_call import CALLING, LONG_STEPS, DriverCall, LongStep
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Driver
+from woz_tui.drivers.driver_call import CALLING, LONG_STEPS, DriverCall, LongStep
 from woz_tui.protocol.messages import AnyMessage, ProcessStalled, SessionEnd
 from woz_tui.session.driver_faults import owners_of_file
 from woz_tui.system.processor_time import STALL_S, ProcessorWaits

@@ -14,7 +14,7 @@ import secrets
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 
@@ -31,6 +31,7 @@ from woz_tui.drivers.contract import (
     StopReport,
     Verb,
 )
+from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.network import driver_messages as dm
 from woz_tui.network.clock_offset import ClockComparison, ClockOffset
@@ -62,8 +63,8 @@ _UNSAFE = "/\\\0"
 
 log = logging.getLogger(__name__)
 
-#: Makes a call of a driver and says what came of it: the call, the driver's name, what it is.
-Guard = Callable[[Callable[[], Awaitable[Any]], str, str], Coroutine[Any, Any, Any]]
+T = TypeVar("T")
+
 #: Is given a sentence for whoever looks at this computer.
 Tell = Callable[[str], None]
 
@@ -92,7 +93,6 @@ class ServedDriver:
         beside_session: The session is on this computer: files are written where its own are, and
             hands reach the driver.
         made: Gets the driver under its name while there is one.
-        guard: Through it all calls of the driver are made.
     """
 
     def __init__(
@@ -107,10 +107,8 @@ class ServedDriver:
         silence_s: float = SILENCE_S,
         beside_session: bool = False,
         made: dict[str, Driver],
-        guard: Guard,
     ) -> None:
         self.name = offer.name
-        self._guard = guard
         self._made = made
         self.clock = clock
         self._offer = offer
@@ -227,10 +225,14 @@ class ServedDriver:
 
     async def _stop_alone(self, driver: Driver) -> None:
         try:
-            await self._guard(lambda: driver.stop(Scope.ALL), self.name, "stop")
+            await self._call("stop", lambda: driver.stop(Scope.ALL))
         except Exception as error:  # whatever a driver raises
             log.exception("%s did not stop", self.name)
             self._tell(f"{self.name}: it may not have stopped: {error}")
+
+    async def _call(self, what: str, call: Callable[[], Awaitable[T]]) -> T:
+        """Call the driver; what that begins beside itself is known as this driver's."""
+        return await guarded(call, DriverCall(self.name, what))
 
     async def _let_go(self) -> None:
         """Once for all who ask; of them each may be cancelled, and cuts nothing short."""
@@ -257,7 +259,7 @@ class ServedDriver:
                 task.cancel()
         if driver is not None:
             try:
-                await self._guard(driver.close, self.name, "close")
+                await self._call("close", driver.close)
             except Exception as error:  # whatever a driver raises
                 log.exception("%s did not close", self.name)
                 self._tell(f"{self.name}: it did not close: {error}")
@@ -394,7 +396,7 @@ class ServedDriver:
                     body.id,
                     None,
                     body.what,
-                    self._guard(lambda: self._invoke(body), self.name, body.what),
+                    self._call(body.what, lambda: self._invoke(body)),
                 )
             case dm.Left(why=why):
                 self.lose(f"the session has ended it ({why})")
@@ -454,7 +456,7 @@ class ServedDriver:
 
     async def _aside(self, what: str, call: Callable[[], Awaitable[None]]) -> None:
         try:
-            await self._guard(call, self.name, what)
+            await self._call(what, call)
         except Exception as error:
             log.exception("%s failed to %s", self.name, what)
             if self._context is not None:
@@ -528,9 +530,7 @@ class ServedDriver:
             return
         self._enter(
             *(command.id, verb, "perform"),
-            self._guard(
-                lambda: self._perform(driver, verb, command), self.name, f"perform {verb.name}"
-            ),
+            self._call(f"perform {verb.name}", lambda: self._perform(driver, verb, command)),
         )
 
     async def _perform(self, driver: Driver, verb: Verb, command: dm.Perform) -> Json:
@@ -605,7 +605,7 @@ class ServedDriver:
     async def _stop(self, driver: Driver, scope: Scope, number: int) -> None:
         epoch, failure, report = self._epoch, None, None
         try:
-            report = await self._guard(lambda: driver.stop(scope), self.name, "stop")
+            report = await self._call("stop", lambda: driver.stop(scope))
         except DriverError as error:
             failure = _failure(error)
         except Exception as error:  # whatever a driver raises
@@ -628,14 +628,6 @@ def _failure(error: DriverError) -> dm.CallFailure:
     return dm.CallFailure(next(kind for kind in kinds if kind in known), error.what, error.remedy)
 
 
-async def _guarded(call: Callable[[], Awaitable[Any]], driver: str, what: str) -> Any:
-    """A maker's library that ends the process does not end this one."""
-    try:
-        return await call()
-    except (SystemExit, KeyboardInterrupt) as error:
-        raise DriverError(f"the driver raised {type(error).__name__}") from error
-
-
 class DriverServer:
     """All drivers of this computer, over one line.
 
@@ -647,7 +639,6 @@ class DriverServer:
         clock: This computer's.
         silence_s: After so long without an answer a session is gone.
         beside_session: See `ServedDriver`.
-        guard: See `ServedDriver`; by itself a driver cannot end the process, and no more.
     """
 
     def __init__(
@@ -660,7 +651,6 @@ class DriverServer:
         clock: Clock | None = None,
         silence_s: float = SILENCE_S,
         beside_session: bool = False,
-        guard: Guard | None = None,
     ) -> None:
         self._place = place
         self._beside_session = beside_session
@@ -679,7 +669,6 @@ class DriverServer:
                 silence_s=silence_s,
                 beside_session=beside_session,
                 made=self.made,
-                guard=guard or _guarded,
             )
             for offer in offers
         ]

@@ -5,48 +5,16 @@ from __future__ import annotations
 import contextlib
 import pickle
 import sys
-from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
-from woz_tui.bus.driver_call import DriverCall, guarded
-from woz_tui.drivers.contract import Driver, Health, HealthStatement
 from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.network.child_line import ParentLine, serve_parent
 from woz_tui.network.driver_line import LineError
 from woz_tui.network.driver_process import PLACE, ProcessSetup
 from woz_tui.network.driver_server import DriverServer
-from woz_tui.protocol.messages import DriverFaulted, Notice
-from woz_tui.session.driver_faults import DriverFaults
-from woz_tui.system.clock import RealClock
-
-
-class _Session:
-    """Is told of errors that nobody waits for, through the driver that they are of."""
-
-    def __init__(self, drivers: Mapping[str, Driver]) -> None:
-        self._drivers = drivers
-
-    def publish(self, message: DriverFaulted | Notice) -> None:
-        """What is of several drivers all of them say."""
-        if isinstance(message, Notice):
-            for each in self._drivers.values():
-                each.context.notice(
-                    message.level, message.text, message.remedy, tells=(*message.tells,)
-                )
-        elif (driver := self._drivers.get(message.driver)) is not None:
-            driver.context.publish(
-                HealthStatement(
-                    Health.FAULTED, message.detail, message.remedy, tells=(*message.tells,)
-                )
-            )
-
-
-async def _guard(call: Callable[[], Awaitable[Any]], driver: str, what: str) -> Any:
-    """What the call begins beside itself is known as the driver's."""
-    return await guarded(call, DriverCall(driver, what))
+from woz_tui.session.driver_faults import tell_faults
 
 
 def _tell(text: str) -> None:
@@ -67,10 +35,8 @@ async def _serve(setup: bytes, parent: ParentLine) -> None:
         tell=_tell,
         silence_s=told.silence_s,
         beside_session=True,
-        guard=_guard,
     )
-    faults = DriverFaults(_Session(server.made), RealClock())
-    faults.begin(server.made)
+    tell_faults(server.made)
     ask_for_short_turns()
     parent.begun()
     await server.run(parent)

@@ -8,7 +8,6 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.annotated_decoder import values_with_note
@@ -21,6 +20,7 @@ from woz_tui.config.experiment import (
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.drivers.contract import REST_WAIT_S, Driver, DriverError, PassiveDriver
+from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.fields import Sibling
 from woz_tui.drivers.plugins import PluginError

@@ -7,10 +7,10 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from woz_tui.bus.driver_call import DriverCall, guarded
 from woz_tui.config.experiment import Call
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import DriverError, Forecast, Verb
+from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.protocol.description import PredictedCommand, PredictedMark, Prediction
 from woz_tui.session.action_texts import Steps
 from woz_tui.session.participant_identity import RequestError

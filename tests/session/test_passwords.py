@@ -1,4 +1,4 @@
-"""A password in an address is in no log and on no screen, whatever it came by."""
+"""A secret in an address is in no log and on no screen, whatever it came by."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from woz_tui.protocol.requests import AskVerb, Reply
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 
-PICTURE = "http://ada:PASSWORD@host/a.png"
-SHOWN = "http://ada:***@host/a.png"
+PICTURE = "http://ada:PASSWORD@host/a.png?size=2&access_token=PASSWORD"
+SHOWN = "http://ada:***@host/a.png?size=2&access_token=***"
 PROGRAM = RequestOrigin("program", "", "con2")
 
 

@@ -58,7 +58,7 @@ def _text(text: str, hides: list[Hide]) -> str:
 
 def without_passwords(text: str) -> str:
     """`text` without the passwords of addresses in it, for sentences that quote what was typed."""
-    if "@" not in text:
-        return text
     shown = addresses.without_passwords(text)
+    if "@" not in shown:
+        return shown
     return _PASSWORD.sub(lambda found: f"{found['user']}{HIDDEN}@", shown)

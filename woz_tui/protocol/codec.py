@@ -11,7 +11,7 @@ import msgspec
 
 from woz_tui.protocol.messages import AnyMessage, Message
 from woz_tui.protocol.requests import AnyAnswer, AnyRequest, Request
-from woz_tui.system.addresses import without_passwords
+from woz_tui.system.addresses import may_tell_secrets, without_passwords
 
 #: A longer line is refused; a client cannot make the host hoard memory.
 MAX_LINE = 1 << 20
@@ -46,7 +46,7 @@ def encode(message: msgspec.Struct) -> bytes:
         line = _encoder.encode(message)
     except (UnicodeEncodeError, TypeError, RecursionError):
         line = _encoder.encode(plain(message))
-    if b"@" in line and b":/" in line and not isinstance(message, Request):
+    if may_tell_secrets(line) and not isinstance(message, Request):
         line = _encoder.encode(_shown(plain(msgspec.json.decode(line))))
     return line + b"\n"
 

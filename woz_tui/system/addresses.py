@@ -1,4 +1,6 @@
-"""Addresses such as `http://user:password@host/picture.png`, in whatever text they stand."""
+"""Secrets of addresses such as `http://user:password@host/picture.png?token=secret`, in whatever
+text they stand.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,34 @@ _PATH = re.compile(r"[/?#]")
 _PORT = re.compile(r"\d{1,5}(?=[/?#])")
 
 
+#: What follows a question mark, or a hash sign, up to the next blank.
+_QUERY = re.compile(r"[?#]\S+")
+#: A secret in it: by the last word of its name (`access_token`, `X-Amz-Signature`, `apiKey`; the
+#: short ones stand alone, since `monkey` is none), and up to the next name, without what closes a
+#: sentence.
+_SECRET = re.compile(
+    r"""(?P<name>[?&;#](?:
+            [\w.-]{0,60}(?:token|password|passwd|passphrase|secret|signature|credential|apikey)
+            | (?:[\w.-]{0,60}[_.-])?(?:key|pass|pwd|auth|sig)
+        )=)[^\s&#]*[^\s&#"'<>(){}\[\].,;!?]""",
+    re.IGNORECASE | re.VERBOSE,
+)
+
+
+def may_tell_secrets(line: bytes) -> bool:
+    """Whether there may be one in a line of JSON: a quick look."""
+    return (b"@" in line and b":/" in line) or (b"=" in line and (b"?" in line or b"#" in line))
+
+
 def without_passwords(text: str) -> str:
-    """`text` without the passwords in its addresses; applied twice it gives the same as once."""
-    if "@" not in text or ":/" not in text:
-        return text
-    return _AFTER_SCHEME.sub(lambda found: f":{found[1]}{_shown(found[2])}", text)
+    """`text` without the passwords in its addresses, before the host and in their queries; applied
+    twice it gives the same as once.
+    """
+    if "@" in text and ":/" in text:
+        text = _AFTER_SCHEME.sub(lambda found: f":{found[1]}{_shown(found[2])}", text)
+    if "=" in text and ("?" in text or "#" in text):
+        text = _QUERY.sub(lambda found: _SECRET.sub(rf"\g<name>{HIDDEN}", found[0]), text)
+    return text
 
 
 def _shown(address: str) -> str:

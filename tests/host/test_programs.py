@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
-from tests.session.rig import ScriptedDriver, experiment
-from woz_tui.config.experiment import Experiment, Phase, Profile, SessionSettings
+from tests.session.rig import HERE, ScriptedDriver, action, call, experiment, together
+from woz_tui.config.experiment import Experiment, Panel, Phase, Profile, SessionSettings
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.drivers.contract import Job
+from woz_tui.drivers.contract import Argument, Job, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.codec import decode_incoming
 from woz_tui.protocol.messages import Json
@@ -100,14 +100,87 @@ async def test_nobody_is_named_for_what_the_robot_does_by_itself(tmp_path: Path)
         assert "console" not in own
 
 
-@pytest.mark.parametrize("source", ["engagement", "replay", "phase", "midi"])
-async def test_a_program_cannot_claim_that_the_robot_did_it(tmp_path: Path, source: str) -> None:
-    async with served_session(tmp_path) as host:
+SOURCES = ["engagement", "replay", "phase", "midi", "key", "palette", "script", "pedal"]
+
+
+@pytest.mark.safety
+@pytest.mark.parametrize("source", SOURCES)
+async def test_a_program_is_the_source_of_what_it_asks_for_whatever_it_claims(
+    tmp_path: Path, source: str
+) -> None:
+    made = limited(tmp_path)
+    made = replace(made, phases=tuple(replace(each, after=()) for each in made.phases))
+    async with served_session(tmp_path, made=made) as host:
         peer = await program(host)
-        await peer.ask("verb", verb="play", args={"move": "nod"}, source=source)
-        await peer.ask("action", action="Hello", source=source)
-        requested = [line for line in peer.seen if line["kind"].endswith(".requested")]
-        assert {line["source"] for line in requested} == {"program"}
+        for kind, fields in (
+            ("phase", {"phase": "closing"}),
+            ("verb", {"verb": "play", "args": {"move": "nod"}}),
+            ("action", {"action": "Hello"}),
+            ("profile", {"profile": "child"}),
+            ("stop", {}),
+            ("release", {}),
+        ):
+            said = {} if kind == "stop" else {"source": source}
+            reply = await peer.ask(kind, **said, **fields)
+            assert reply["ok"], reply
+        await peer.ask("script", key="space")
+        told = {line["kind"]: line["source"] for line in peer.seen if "source" in line}
+        del told["panel.locked"]  # by the phase
+        assert {"action.requested", "command.requested", "phase.changed", "profile.changed"} < {
+            *told
+        }
+        assert {*told.values()} == {"program"}
+
+
+class LearningDriver(ScriptedDriver):
+    """Learns faces."""
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        name = Argument("name", "text", required=True)
+        return (
+            *super().verbs(settings),
+            Verb("face_consent", "", (name,), lane="consent"),
+            Verb("learn_face", "", (name,), lane="eye"),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        self.calls.append((job.verb, dict(job.args)))
+        return {}
+
+
+def with_faces(folder: Path) -> Experiment:
+    """A step that a person plays, also in the script."""
+    steps = together(call("face_consent", name="Anna")), together(call("learn_face", name="Anna"))
+    made = experiment(folder)
+    speech = Panel("Speech", (action("Anna agrees", *steps),), HERE)
+    spec = replace(made.drivers[0], verbs=LearningDriver.verbs(None))
+    return replace(made, panels=(speech,), script=("Anna agrees",), drivers=(spec,))
+
+
+PRESSES: list[tuple[str, dict[str, Any]]] = [
+    ("action", {"action": "Anna agrees", "source": "key", "key": "h"}),
+    ("action", {"action": "Anna agrees", "source": "pedal", "key": "1"}),
+    ("action", {"action": "Anna agrees", "source": "palette"}),
+    ("script", {"key": "space"}),
+]
+
+
+@pytest.mark.safety
+@pytest.mark.parametrize(("kind", "fields"), PRESSES)
+async def test_a_program_gives_no_consent_whatever_it_claims(
+    tmp_path: Path, kind: str, fields: dict[str, Any]
+) -> None:
+    made, catalogue = with_faces(tmp_path), {"puppet": LearningDriver}
+    async with served_session(tmp_path, made=made, catalogue=catalogue) as host:
+        peer, wizard = await program(host), await host.connect()
+        reply = await peer.ask(kind, **fields)
+        assert "no person has given this consent" in reply["reason"]
+        assert host.driver().calls == []
+        await wizard.hello("wizard", protocol=PROTOCOL)
+        await wizard.ask("action", action="Anna agrees", source="key", key="h")
+        await wizard.kind("action.done")
+        assert [verb for verb, _ in host.driver().calls] == ["face_consent", "learn_face"]
 
 
 # -- limits ----------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from tests.session.engagement_rig import (
 from tests.session.rig import HERE, action, call, together
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Panel
-from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.drivers.contract import Argument, Ask, Job, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import PerceptionView, StudySettings
@@ -192,14 +192,37 @@ def test_a_verb_by_itself_gives_no_consent(tmp_path: Path, origin: RequestOrigin
     assert refused(rig) == ["consent", "consent"]
 
 
-@pytest.mark.parametrize("source", ["program", "phase", "engagement", "replay"])
+@pytest.mark.parametrize(
+    "source",
+    ["program", "phase", "engagement", "replay", "gamepad", "stream-deck", "driver", "pedal"],
+)
 def test_what_no_person_presses_gives_no_consent(tmp_path: Path, source: str) -> None:
     async def scenario(rig: EngagementRig) -> None:
-        await press(rig, "Consents and learns", origin=RequestOrigin(source, "", "con2"))
+        await press(rig, "Consents and learns", origin=RequestOrigin(source, "1", "con2"))
 
     rig = played(tmp_path, scenario)
     assert learnt(rig) == []
     assert refused(rig) == ["consent"]
+
+
+def test_a_driver_that_claims_a_key_gives_no_consent(tmp_path: Path) -> None:
+    async def scenario(rig: EngagementRig) -> None:
+        ask = Ask("action", "Consents and learns", source="key", key="h")
+        rig.session.drivers["robot"].context.ask(ask)
+        await asyncio.sleep(2.0)
+
+    rig = played(tmp_path, scenario)
+    assert learnt(rig) == []
+    assert [line.source for line in rig.of(m.ActionRequested)] == ["driver"]
+
+
+def test_a_panel_of_the_robot_gives_one(tmp_path: Path) -> None:
+    async def scenario(rig: EngagementRig) -> None:
+        ask = Ask("action", "Consents and learns", source="midi", key="button 3")
+        rig.session.drivers["robot"].context.ask(ask)
+        await asyncio.sleep(2.0)
+
+    assert learnt(played(tmp_path, scenario)) == ["Anna"]
 
 
 def test_the_engagement_model_gives_no_consent_by_itself(tmp_path: Path) -> None:

@@ -2,9 +2,10 @@
 
 `Verb.needs_consent` marks what learns a face. A consent is the command `face_consent: NAME` of the
 same driver, done: so it is in the log before anything is learnt. It comes from a step of the
-experiment file that a person plays, or from the robot that has asked for it in a handshake; a verb
-that somebody sends by itself gives none. Anybody may withdraw one, and that counts from the moment
-at which it is asked for, even if the driver cannot delete anything then.
+experiment file that a person plays at a console or at a panel of the robot, or from the robot that
+has asked for it in a handshake. A verb that somebody sends by itself gives none, and no program
+does. Anybody may withdraw one, and that counts from the moment at which it is asked for, even if
+the driver cannot delete anything then.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.drivers.contract import FACE_CONSENT, Verb, gives_consent
 from woz_tui.drivers.face_store import key_of
-from woz_tui.protocol.action_messages import is_by_person
+from woz_tui.protocol.action_messages import BY_PERSON
 from woz_tui.protocol.messages import AnyMessage, Command, Done, End
 
 #: A driver, and a person's name as `key_of` has it.
@@ -67,7 +68,7 @@ class Consents:
 
     def _is_from_person(self, command: Command) -> bool:
         if command.action:
-            return is_by_person(command.source, command.key)
+            return command.source in BY_PERSON
         # Whatever comes over a connection names it: no program can pass for the handshake.
         return command.source == ENGAGEMENT and not (command.console or command.run)
 

@@ -82,7 +82,7 @@ log = logging.getLogger(__name__)
 WATCHER_MAY = (AskDescribe, AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver)
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
-#: Sources of what the robot process, its drivers and its re-runs do by themselves.
+#: Sources of what the robot process, its drivers and its re-runs do by themselves: no console's.
 NOT_OF_CLIENTS = frozenset(
     {"engagement", "replay", "phase", "midi", "gamepad", "stream-deck", "driver", "body"}
 )
@@ -171,7 +171,7 @@ class RequestHandlers:
         self._ends = ends
         try:
             with self._session.hub.on_behalf_of(client.name):
-                run = self._carry_out(client, _by_a_client(request))
+                run = self._carry_out(client, _by_a_client(client, request))
         except RequestError as error:
             reply = _refused(client, request, error)
             if isinstance(request, AskAction | AskVerb | AskScript):
@@ -278,7 +278,8 @@ class RequestHandlers:
             self._session.move_script(request.to, request.by)
         if not request.play:
             return ""
-        return self._session.script_next(RequestOrigin("script", request.key, client.name), stale)
+        source = "script" if client.role == "wizard" else "program"
+        return self._session.script_next(RequestOrigin(source, request.key, client.name), stale)
 
     def _verb(self, client: ClientConnection, request: AskVerb, stale: str) -> str:
         """Send it with its variables filled in, as in the experiment file."""
@@ -476,10 +477,14 @@ class RequestHandlers:
         return [*changes]
 
 
-def _by_a_client(request: AnyRequest) -> AnyRequest:
-    """`request`, which cannot say that the robot itself is behind it."""
-    if isinstance(request, AskAction | AskVerb | AskPhase) and request.source in NOT_OF_CLIENTS:
-        return replace(request, source="program")
+def _by_a_client(client: ClientConnection, request: AnyRequest) -> AnyRequest:
+    """`request` with the source that its connection has. A wizard's console says itself what a
+    person used of it; whatever comes from a program is the program's, whatever it says.
+    """
+    match request:
+        case AskAction() | AskVerb() | AskPhase() | AskRelease() | AskProfile():
+            if client.role != "wizard" or request.source in NOT_OF_CLIENTS:
+                return replace(request, source="program")
     return request
 
 

@@ -21,6 +21,11 @@ HANDS = frozenset(
 )
 #: Sources of what the robot does by itself, or does again.
 BY_ITSELF = frozenset({"engagement", "replay"})
+#: Sources that only a wizard's console has.
+OF_CONSOLES = frozenset({"key", "palette", "script"})
+#: Sources of what a person wants who is there: at a console, or at a panel that a driver reads by
+#: itself. What comes from a program may be its own wish, a gamepad's too (`woz hands`).
+BY_PERSON = OF_CONSOLES | {"midi"}
 
 
 #: On what it stands that something has happened: time has passed and nobody can know more; the
@@ -40,11 +45,6 @@ def is_by_hand(source: str, key: str) -> bool:
     key, pad or button behind what it asks for; what it does by itself has none.
     """
     return bool(key) or source in HANDS
-
-
-def is_by_person(source: str, key: str) -> bool:
-    """The same, and no program nor the beginning of a phase: a person wants just this now."""
-    return is_by_hand(source, key) and source not in {"program", "phase", *BY_ITSELF}
 
 
 class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"):

@@ -26,7 +26,7 @@ from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import is_by_hand
+from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.session.action_runner import (
     ActionRunner,
@@ -613,7 +613,11 @@ class Session:
         )
 
     def _answer_driver(self, driver: str, ask: Ask, done: OnCompletion) -> None:
-        """Do what `driver` asks for, as if the wizard had pressed a key; `done` hears the end."""
+        """Do what `driver` asks for, as if the wizard had pressed a key; `done` hears the end. No
+        driver is a console.
+        """
+        if ask.source in OF_CONSOLES:
+            ask = replace(ask, source="driver")
         try:
             if ask.what == "verb":
                 self._send_for(driver, ask, done)

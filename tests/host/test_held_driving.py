@@ -67,6 +67,12 @@ class Wizard(SessionRig):
     def press(self, name: str = "Go", key: str = "g", *, stale: bool = False) -> None:
         self.ask(AskAction(action=name, source="key", key=key, stale=stale))
 
+    async def press_and_hold(self, delay: float, seconds: float) -> None:
+        """At a keyboard that waits so long before it repeats."""
+        self.press()
+        await asyncio.sleep(delay - REPEAT_S)
+        await self.hold(seconds - delay + REPEAT_S)
+
     async def hold(self, seconds: float) -> None:
         """Go on with a key that has been pressed: its repeats."""
         for _ in range(round(seconds / REPEAT_S)):
@@ -175,6 +181,60 @@ def test_an_old_repeat_prolongs_nothing(tmp_path: Path) -> None:
         wizard.press(stale=True)
 
     assert played(tmp_path, scenario).ends() == [("Stopped", FIRST_REPEAT_S, LET_GO)]
+
+
+@pytest.mark.parametrize(("delay", "moment"), [(0.25, 0.4), (0.5, 0.65), (1.0, 1.15), (1.15, 1.2)])
+def test_the_first_held_key_teaches_how_long_the_keyboard_waits(
+    delay: float, moment: float, tmp_path: Path
+) -> None:
+    """A slow keyboard's first hold is ended once; the next one drives until it is let go."""
+
+    async def scenario(wizard: Wizard) -> None:
+        await wizard.press_and_hold(delay, 2.0)
+        await asyncio.sleep(3)
+        await wizard.press_and_hold(delay, 2.0)
+        await asyncio.sleep(3)
+        wizard.press()
+
+    wizard = played(tmp_path, scenario)
+    *_, (_, held, _), (_, pressed, _) = wizard.ends()
+    assert held == pytest.approx(2.0 + NEXT_REPEAT_S, abs=0.05)
+    assert pressed == pytest.approx(moment, abs=0.002)
+    assert wizard.drives() == (4 if delay > FIRST_REPEAT_S else 3)
+    [told] = [
+        line.text
+        for line in wizard.stage.lines
+        if isinstance(line, m.Notice) and "keyboard" in line.text
+    ]
+    assert f"after {delay:.2f} s" in told
+    assert f"{moment:.2f} s" in told
+
+
+@pytest.mark.parametrize(
+    "pauses",
+    [(0.5,), (0.9, 0.9), (0.3, 0.3, 0.3), (0.5, 0.0, 0.0), (1.5, 0.03, 0.03)],
+    ids=["twice", "slowly", "quickly", "burst", "later"],
+)
+def test_presses_and_bursts_teach_nothing(pauses: tuple[float, ...], tmp_path: Path) -> None:
+    async def scenario(wizard: Wizard) -> None:
+        wizard.press()
+        for pause in pauses:
+            await asyncio.sleep(pause)
+            wizard.press()
+        await asyncio.sleep(3)
+        wizard.press()
+
+    assert played(tmp_path, scenario).ends()[-1] == ("Stopped", FIRST_REPEAT_S, LET_GO)
+
+
+def test_a_delay_that_was_seen_longer_had_waited_on_its_way(tmp_path: Path) -> None:
+    async def scenario(wizard: Wizard) -> None:
+        for delay in (0.9, 0.4, 0.7):
+            await wizard.press_and_hold(delay, 2.0)
+            await asyncio.sleep(3)
+        wizard.press()
+
+    assert played(tmp_path, scenario).ends()[-1] == ("Stopped", 0.55, LET_GO)
 
 
 def test_a_burst_of_repeats_counts_once(tmp_path: Path) -> None:

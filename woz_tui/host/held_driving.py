@@ -12,10 +12,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
+from woz_tui.host.repeat_delay import RepeatDelays
+from woz_tui.protocol.messages import Notice
 from woz_tui.session.session import Session
 
 #: How long after a press, and after a repeat, the next repeat may take, in seconds. Keyboards wait
 #: 250 to 660 ms before the first repeat, and 25 to 100 ms between the others; lines have jitter.
+#: The first holds until a console's own is known (`RepeatDelays`).
 FIRST_REPEAT_S, NEXT_REPEAT_S = 0.75, 0.4
 #: Why a drive has ended.
 LET_GO = "the key was let go"
@@ -47,6 +50,7 @@ class HeldDriving:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._holds: dict[tuple[str, str], _Hold] = {}
+        self._delays = RepeatDelays()
         self._loop = asyncio.get_running_loop()
 
     def repeat(self, console: str, key: str) -> str:
@@ -54,6 +58,13 @@ class HeldDriving:
 
         A repeat begins nothing, also where what it held has ended meanwhile.
         """
+        if (delay := self._delays.came(console, key, self._loop.time())) is not None:
+            first = self._delays.first_repeat_s(console, FIRST_REPEAT_S)
+            text = (
+                f"The keyboard of {console} repeats a held key after {delay:.2f} s:"
+                f" one press now drives for {first:.2f} s"
+            )
+            self._session.hub.publish(Notice(level="info", text=text))
         hold = self._holds.get((console, key))
         if hold is None:
             return ""
@@ -63,7 +74,7 @@ class HeldDriving:
     def press(self, console: str, key: str, play: Callable[[], str]) -> str:
         """Play what the key means, which may drive while it is held; the run."""
         hold = self._holds[console, key] = _Hold("", 0.0)
-        self._prolong(console, key, hold, FIRST_REPEAT_S)
+        self._prolong(*(console, key, hold), self._delays.first_repeat_s(console, FIRST_REPEAT_S))
         try:
             hold.run = play()
         except BaseException:

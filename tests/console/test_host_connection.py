@@ -9,6 +9,7 @@ import pytest
 
 from tests.fakes.host import WAIT_S, FakeHost, stops
 from woz_tui.console.host_connection import WAITING_LIMIT, HostConnection
+from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.message_feed import Incoming, Loss, LostPart
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Marker, Notice, SessionEnd
@@ -276,6 +277,25 @@ def test_requests_are_stamped_where_the_host_has_the_same_clock(
     link.close()
     stamp = 10_000_000 if same else 0
     assert (host.wait(AskAction).sent_us, host.wait(AskStop).sent_us) == (stamp, stamp)
+
+
+def test_a_key_that_waits_in_this_process_is_sent_with_the_moment_at_which_its_age_was_known(
+    host: FakeHost, deliveries: Deliveries
+) -> None:
+    """The process may be frozen between the two."""
+    host.boot_id, clock = boot_id(), ManualClock()
+    clock.advance(7)
+    link = HostConnection(host.path, clock=clock)
+    link.start(deliveries.on_messages, deliveries.on_lost)
+    deliveries.until_heard(Welcome)
+    keyboard = Keyboard(link, clock)
+    keyboard.bind({"h": "Hello"}, {})
+    known_us = clock.boot_us()
+    clock.advance(1.6)
+    assert keyboard.arrive("h", age_us=5, at_us=known_us)
+    link.close()
+    asked = host.wait(AskAction)
+    assert (asked.sent_us, asked.age_us) == (known_us, 5)
 
 
 def test_a_host_that_is_found_again_gets_only_stops_until_it_speaks(

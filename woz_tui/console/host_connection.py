@@ -154,7 +154,7 @@ class HostConnection:
             ref = self._ref
             if self._lost and not isinstance(request, AskStop | Beat):
                 return ref
-            sent_us = self._clock.boot_us() if self._stamps else 0
+            sent_us = (request.sent_us or self._clock.boot_us()) if self._stamps else 0
             line = codec.encode(msgspec.structs.replace(request, ref=ref, sent_us=sent_us))
             behind = bool(self._waiting) or self._socket is None
             self._send(line)

@@ -57,11 +57,18 @@ class KeyPress(NamedTuple):
     steps: ArrowSizes = ArrowSizes()
     #: The driver that is meant, where several offer the verb.
     on: str = ""
+    #: When `age_us` was known, in `Clock.boot_us`; 0: just now.
+    at_us: int = 0
 
     @property
     def fields(self) -> dict[str, Any]:
         """What a request tells of the press that it stands for."""
-        return {"key": self.key, "age_us": self.age_us, "stale": self.stale}
+        return {
+            "key": self.key,
+            "age_us": self.age_us,
+            "stale": self.stale,
+            "sent_us": self.at_us,
+        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,8 +202,10 @@ class Keyboard:
         if self._holds:
             self.feed.ask(AskLetGo(key=chord))
 
-    def arrive(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
-        """A key straight from the terminal. Like `press`, but in order with the screen.
+    def arrive(self, chord: str, *, age_us: int = 0, stale: bool = False, at_us: int = 0) -> bool:
+        """A key straight from the terminal. Like `press`, but in order with the screen. `at_us` is
+        when its age was known (`Clock.boot_us`): if this process stands still from then on, it is
+        older when it is sent.
 
         Once a key that may open a dialog has been left to the screen, the keys behind it are
         too, until the screen has handled it: they may belong into the dialog.
@@ -209,7 +218,7 @@ class Keyboard:
             return self._arrive_elsewhere(chord, stale)
         if chord in self.kept:
             self._note(chord, free=True)
-        elif self._press(chord, age_us, stale):
+        elif self._press(chord, age_us, stale, at_us):
             return True
         if stale:  # nor may it open a dialog that the rest of the burst would fill
             self.on_stale(chord, "", 0)
@@ -260,18 +269,20 @@ class Keyboard:
             return True
         return self._free and self._press(chord, age_us, stale, offered=True)
 
-    def _press(self, chord: str, age_us: int, stale: bool, *, offered: bool = False) -> bool:
+    def _press(
+        self, chord: str, age_us: int, stale: bool, at_us: int = 0, *, offered: bool = False
+    ) -> bool:
         # A key that was left to the screen has been judged when it arrived.
         if not (offered and self._left) and self._is_held(chord):
             return True
         for keys in (f"{self._take_prefix()} {chord}".lstrip(), chord):
             if (action := self._table.get(keys)) is not None:
-                self._play(keys, action, age_us, stale)
+                self._play(keys, action, age_us, stale, at_us)
                 return True
         if chord in self._prefixes:
             self._begin(chord, stale)
             return True
-        return self._send(chord, age_us, stale)
+        return self._send(chord, age_us, stale, at_us)
 
     def _note(self, chord: str, *, free: bool) -> bool:
         """A key came; whether it may be the one before, held."""
@@ -336,13 +347,12 @@ class Keyboard:
 
     # -- requests -------------------------------------------------------------------------------
 
-    def _play(self, chord: str, action: str, age_us: int, stale: bool) -> None:
-        ref = self.feed.ask(
-            AskAction(action=action, source="key", key=chord, age_us=age_us, stale=stale)
-        )
+    def _play(self, chord: str, action: str, age_us: int, stale: bool, at_us: int) -> None:
+        press = KeyPress(chord, age_us, stale, at_us=at_us)
+        ref = self.feed.ask(AskAction(action=action, source="key", **press.fields))
         (self.on_stale if stale else self.on_pressed)(chord, action, ref)
 
-    def _send(self, chord: str, age_us: int, stale: bool) -> bool:
+    def _send(self, chord: str, age_us: int, stale: bool, at_us: int) -> bool:
         own = self._own.get(chord)
         if own is None or own.sends is None:
             return False
@@ -350,7 +360,7 @@ class Keyboard:
         if own.verb and len(offering) != 1:
             return False  # nobody, or nobody knows whom: the screen says so
         on = offering[0] if own.verb and self.names_driver else ""
-        request = own.sends(KeyPress(chord, age_us, stale, self.steps, on))
+        request = own.sends(KeyPress(chord, age_us, stale, self.steps, on, at_us))
         if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))
         elif isinstance(

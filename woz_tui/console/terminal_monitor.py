@@ -237,6 +237,11 @@ class TerminalMonitor:
         return self.stale
 
     @property
+    def now_us(self) -> int:
+        """The time on which ages stand: `Clock.boot_us`."""
+        return self._clock.boot_us()
+
+    @property
     def age_us(self) -> int:
         """How old a key may be that comes now, in microseconds."""
         if self._answers:

@@ -327,8 +327,9 @@ class WizardDriver(LinuxDriver):
                     self._reply(token)
 
     def _key(self, key: Key) -> None:
-        age_us = self._line.age_us
-        if self._keyboard.arrive(key.chord, age_us=age_us, stale=self._line.stale):
+        at_us = self._line.now_us  # first: who stands still in between makes the key older
+        age_us, stale = self._line.age_us, self._line.stale
+        if self._keyboard.arrive(key.chord, age_us=age_us, stale=stale, at_us=at_us):
             return
         handled = self._keyboard.leave_to_screen(key.chord)
         try:

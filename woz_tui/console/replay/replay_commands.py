@@ -127,7 +127,7 @@ COMMANDS = (
 class ReplayKeyboard(Keyboard):
     """A keyboard to which no key is too old: it does no harm in a replay."""
 
-    def arrive(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
+    def arrive(self, chord: str, *, age_us: int = 0, stale: bool = False, at_us: int = 0) -> bool:
         """A key from the terminal."""
         return super().arrive(chord)
 

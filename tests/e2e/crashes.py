@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import functools
 import itertools
@@ -13,10 +12,11 @@ import random
 import resource
 import sys
 import threading
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import psutil
 
+from tests.e2e import rounds
 from tests.e2e.lab import Lab, Log, until
 from tests.e2e.program import Program
 from woz_tui.system.session_sockets import answers
@@ -41,16 +41,23 @@ FULL = (64, resource.RLIM_INFINITY)
 
 
 @dataclass
-class Found:
+class Found(rounds.Found):
     """What the rounds showed."""
 
-    rounds: int = 0
+    killed: int = 0
     acknowledged: int = 0
     lost: int = 0
     refused: int = 0
     lines: int = 0
     torn: int = 0
-    complaints: list[str] = field(default_factory=list)
+
+    def sentence(self) -> str:
+        """All of it."""
+        return (
+            f"{self.killed} robot processes killed: {self.acknowledged} acknowledged actions,"
+            f" {self.lost} of them not in the log, {self.refused} refused, {self.lines} lines,"
+            f" {self.torn} torn at the end"
+        )
 
 
 def run(lab: Lab, rounds: int, seed: int, *, full: bool = False) -> Found:
@@ -100,7 +107,7 @@ def _judge(lab: Lab, session: str, acknowledged: list[str], found: Found) -> Non
     lines, damage = Log(path).whole()
     requested = {line.fields["run"] for line in lines if line.kind == "action.requested"}
     lost = [run for run in acknowledged if run not in requested]
-    found.rounds += 1
+    found.killed += 1
     found.acknowledged += len(acknowledged)
     found.lost += len(lost)
     found.lines += len(lines)
@@ -116,23 +123,5 @@ def _judge(lab: Lab, session: str, acknowledged: list[str], found: Found) -> Non
         found.complaints.append(f"{session}: gaps in the numbers of its lines")
 
 
-def main() -> int:
-    """Run as a program."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rounds", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=7)
-    parser.add_argument("--full", action="store_true", help="fill all disks before")
-    options = parser.parse_args()
-    with Lab() as lab:
-        found = run(lab, options.rounds, options.seed, full=options.full)
-    sys.stdout.write(
-        f"{found.rounds} robot processes killed: {found.acknowledged} acknowledged actions,"
-        f" {found.lost} of them not in the log, {found.refused} refused, {found.lines} lines,"
-        f" {found.torn} torn at the end, {len(found.complaints)} complaints\n"
-    )
-    sys.stdout.writelines(f"{complaint}\n" for complaint in found.complaints)
-    return 1 if found.complaints else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(rounds.main(run, __doc__, 200, {"full": "fill all disks before"}))

@@ -8,16 +8,16 @@ and its release, and no robot may have confirmed that did not.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import functools
 import random
 import sys
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
+from tests.e2e import rounds
 from tests.e2e.lab import Lab, Log, until
 from tests.e2e.program import Program
 from woz_tui.client.blocking import connect
@@ -52,14 +52,20 @@ Asks = tuple[Callable[[], object], Callable[[], object]]
 
 
 @dataclass
-class Found:
+class Found(rounds.Found):
     """What the rounds showed."""
 
     stops: int = 0
     requests: int = 0
     dispatched: int = 0
     missing: int = 0
-    complaints: list[str] = field(default_factory=list)
+
+    def sentence(self) -> str:
+        """All of it."""
+        return (
+            f"{self.stops} stops by {len(KINDS)} kinds of client among {self.requests} requests and"
+            f" {self.dispatched} commands, {self.missing} confirmations missing"
+        )
 
 
 class Player(threading.Thread):
@@ -212,22 +218,5 @@ def judge(log: Log, found: Found) -> None:
                     found.complaints.append(f"line {line.seq}: confirmed by {sorted(confirmed)}")
 
 
-def main() -> int:
-    """Run as a program."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rounds", type=int, default=370)
-    parser.add_argument("--seed", type=int, default=7)
-    options = parser.parse_args()
-    with Lab() as lab:
-        found = run(lab, options.rounds, options.seed)
-    sys.stdout.write(
-        f"{found.stops} stops by {len(KINDS)} kinds of client among {found.requests} requests and"
-        f" {found.dispatched} commands, {found.missing} confirmations missing,"
-        f" {len(found.complaints)} complaints\n"
-    )
-    sys.stdout.writelines(f"{complaint}\n" for complaint in found.complaints)
-    return 1 if found.complaints else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(rounds.main(run, __doc__, 370))

@@ -169,4 +169,4 @@ def test_with_full_disks_nothing_is_acknowledged_that_a_crash_loses(lab: Lab) ->
 @pytest.mark.safety
 def test_crashes_lose_nothing_that_was_acknowledged(lab: Lab) -> None:
     found = crashes.run(lab, rounds=6, seed=1)
-    assert (found.rounds, found.complaints) == (6, [])
+    assert (found.killed, found.complaints) == (6, [])

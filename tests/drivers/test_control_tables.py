@@ -20,6 +20,7 @@ X = {
     "torque": (64, 1),
     "alarm": (70, 1),
     "watchdog": (98, 1),
+    "startup": (60, 1),
     "speed_limit": (112, 4),
     "goal": (116, 4),
     "load": (126, 2),
@@ -76,7 +77,7 @@ def test_addresses(
     for name, (address, size) in published.items():
         register = getattr(table, name)
         assert (register.address, register.size) == (address, size), name
-    absent = {"alarm", "watchdog", "operating_mode", "drive_mode"} - set(published)
+    absent = {"alarm", "watchdog", "startup", "operating_mode", "drive_mode"} - set(published)
     assert all(getattr(table, name) is None for name in absent)
 
 

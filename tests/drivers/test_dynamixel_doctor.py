@@ -77,6 +77,18 @@ async def test_servos_that_may_not_heed_their_watchdog_are_named(tmp_path: Path)
         assert finding_texts(await examined(bus.link, watchdog=500), "warning") == ""
 
 
+async def test_servos_that_hold_as_soon_as_they_have_power_are_named(tmp_path: Path) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        for servo, bits in ((11, 0x01), (12, 0x03), (13, 0x02)):
+            bus.servo(servo).put(60, 1, bits)
+        findings = await examined(bus.link, watchdog=500)
+        pan, tilt = (one for one in findings if one.level == "warning")
+        assert pan.subject == "pan (id 11)" and "torque on by itself" in pan.text
+        assert "goal" not in pan.text and "(60)" in pan.remedy
+        assert tilt.subject == "tilt (id 12)" and "a goal that was saved" in tilt.text
+        assert bus.writes == []
+
+
 async def test_several_turns_with_a_homing_offset_are_named(tmp_path: Path) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
         bus.servo(11).put(20, 4, -300)

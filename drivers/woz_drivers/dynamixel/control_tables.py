@@ -72,6 +72,7 @@ class ControlTable:
     drive_mode: Register | None = None
     alarm: Register | None = None
     watchdog: Register | None = None
+    startup: Register | None = None
     max_torque: Register | None = None
     torque_limit: Register | None = None
     #: Protocol 1 keeps the sign of the load in bit 10 instead of two's complement.
@@ -140,6 +141,7 @@ X_SERIES = ControlTable(
     homing_offset=Register(20, 4, signed=True),
     high_limit=Register(48, 4, signed=True),
     low_limit=Register(52, 4, signed=True),
+    startup=Register(60, 1),
     torque=Register(64, 1),
     alarm=Register(70, 1),
     watchdog=Register(98, 1, signed=True),
@@ -175,6 +177,9 @@ POSITION_MODES = (3, 4, 5)
 EXTENDED_MODES = (4, 5)
 #: Drive Mode (10), bit 2: Profile Velocity counts milliseconds instead of a speed.
 TIME_PROFILE_BIT = 0x04
+#: Startup Configuration (60), bit 0: torque on with the power; bit 1: what was saved of the rest,
+#: such as the goal, comes back. From firmware 45 on, 46 in the 330 size; without it nothing is set.
+TORQUE_AT_START_BIT, RESTORE_BIT = 0x01, 0x02
 #: Bus Watchdog (98): milliseconds a count, highest count, and what it reads once it has bitten.
 WATCHDOG_UNIT_MS = 20
 WATCHDOG_MAX = 127

@@ -164,6 +164,8 @@ def _condition(
     yield Finding("info", subject, f"{volts:.1f} V, firmware {version}")
     if settings.watchdog and table.watchdog is not None:
         yield from _watchdog_doubts(wire, subject, joint, model, firmware)
+    if table.startup is not None:
+        yield from _startup(wire.number(joint.id, table.startup) or 0, subject)
     yield from _place(wire, subject, joint, model)
     bits = voltage.error if table.alarm is None else wire.number(joint.id, table.alarm) or 0
     for alarm in control_tables.alarms(table, bits):
@@ -175,6 +177,19 @@ def _condition(
             subject,
             f"waits {delay * 2} us before it answers",
             "set `return_delay: 0` to have it answer at once",
+        )
+
+
+def _startup(bits: int, subject: str) -> Iterator[Finding]:
+    """Whether the servo does something by itself as soon as it has power."""
+    if bits & control_tables.TORQUE_AT_START_BIT:
+        goal = ", and may go to a goal that was saved" if bits & control_tables.RESTORE_BIT else ""
+        yield Finding(
+            "warning",
+            subject,
+            f"switches its torque on by itself when it gets power{goal}: no stop and no session"
+            " is there then",
+            "set Startup Configuration (60) to 0 with the maker's tool, DYNAMIXEL Wizard",
         )
 
 

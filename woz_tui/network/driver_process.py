@@ -26,9 +26,9 @@ from woz_tui.drivers.contract import (
     StopReport,
 )
 from woz_tui.network.child_line import ChildLine
-from woz_tui.network.driver_line import DriverLine
 from woz_tui.network.driver_server import OfferedDriver
 from woz_tui.network.remote_driver import RemoteDriver
+from woz_tui.network.shared_child import SharedChild
 
 #: The module that it runs.
 DRIVERS = "woz_tui.session.driver_child"
@@ -49,7 +49,7 @@ class ProcessSetup(msgspec.Struct, frozen=True):
     silence_s: float
 
 
-class DriverProcess:
+class DriverProcess(SharedChild):
     """A process for drivers that work together; it runs from the first that joins to the last.
 
     Args:
@@ -64,6 +64,7 @@ class DriverProcess:
     def __init__(
         self, offers: Sequence[OfferedDriver], folder: Path, silence_s: float = SILENCE_S
     ) -> None:
+        super().__init__()
         self.silence_s = silence_s
         self.name = f"the process of {' and '.join(offer.name for offer in offers)}"
         try:
@@ -72,27 +73,14 @@ class DriverProcess:
             raise ValueError(f"{type(error).__name__}: {error}") from error
         setup = ProcessSetup(drivers, str(folder.absolute()), silence_s)
         self._setup = msgspec.msgpack.encode(setup)
-        self._line: ChildLine | None = None
-        self._users = 0
-        self._lock = asyncio.Lock()
 
-    async def join(self, place: str) -> DriverLine:
-        """The line to it, for one more driver. Raises `LineError`."""
-        async with self._lock:
-            if self._line is None:
-                line = ChildLine(DRIVERS, self._setup, self.name)
-                await line.begin()
-                self._line = line
-            self._users += 1
-            return self._line
+    def _admit(self, place: str) -> None:
+        """All of them may."""
 
-    async def leave(self) -> None:
-        """One driver less; with the last one it ends."""
-        async with self._lock:
-            self._users -= 1
-            if self._users <= 0 and self._line is not None:
-                line, self._line = self._line, None
-                await line.close()
+    async def _opened(self) -> ChildLine:
+        line = ChildLine(DRIVERS, self._setup, self.name)
+        await line.begin()
+        return line
 
     def revoked(self, place: str) -> str:
         """Nobody is kept out."""

@@ -17,6 +17,7 @@ from woz_tui.network.certificates import AccessError, Authority
 from woz_tui.network.child_line import ChildLine
 from woz_tui.network.driver_line import SILENCE_S, LineError, session_key
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
+from woz_tui.network.shared_child import SharedChild
 from woz_tui.network.zenoh_line import MISSING, MISSING_REMEDY
 
 #: The module of the process that listens.
@@ -32,7 +33,7 @@ class RouterSetup(msgspec.Struct, frozen=True):
     silence_s: float
 
 
-class DriverRouter:
+class DriverRouter(SharedChild):
     """Where the computers of a session's drivers come in; opened by the first that needs it.
 
     Args:
@@ -49,6 +50,7 @@ class DriverRouter:
         authority: Authority | None = None,
         silence_s: float = SILENCE_S,
     ) -> None:
+        super().__init__()
         self.listen = listen
         self._at = ListenAddress.read(listen)
         self.silence_s = silence_s
@@ -56,32 +58,12 @@ class DriverRouter:
         self._authority = authority or Authority()
         #: Those of them that could come in when the line was opened.
         self._let_in: set[str] = set()
-        self._line: ChildLine | None = None
-        self._users = 0
-        self._lock = asyncio.Lock()
 
-    async def join(self, place: str) -> ChildLine:
-        """The open line, for one more user: the driver of this computer. Raises `LineError`."""
-        async with self._lock:
-            if why := self.barred(place):
-                raise LineError(why, no_access_remedy(place))
-            if self._line is not None and place not in self._let_in:
-                raise LineError(
-                    f"{place} was given access after the session began", "start it anew"
-                )
-            if self._line is None:
-                self._let_in = {each for each in self.places if not self.barred(each)}
-                self._line = await self._opened()
-            self._users += 1
-            return self._line
-
-    async def leave(self) -> None:
-        """One user less; the last one closes it."""
-        async with self._lock:
-            self._users -= 1
-            if self._users <= 0 and self._line is not None:
-                line, self._line = self._line, None
-                await line.close()
+    def _admit(self, place: str) -> None:
+        if why := self.barred(place):
+            raise LineError(why, no_access_remedy(place))
+        if self._line is not None and place not in self._let_in:
+            raise LineError(f"{place} was given access after the session began", "start it anew")
 
     def barred(self, place: str) -> str:
         """Why this computer cannot come in; empty: it can."""
@@ -113,6 +95,7 @@ class DriverRouter:
         return f"the process that listens for {place} {self._line.why}"
 
     async def _opened(self) -> ChildLine:
+        self._let_in = {each for each in self.places if not self.barred(each)}
         if importlib.util.find_spec("zenoh") is None:
             raise LineError(MISSING, MISSING_REMEDY)
         if not self._at.plain:

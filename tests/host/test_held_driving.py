@@ -201,11 +201,7 @@ def test_the_first_held_key_teaches_how_long_the_keyboard_waits(
     assert held == pytest.approx(2.0 + NEXT_REPEAT_S, abs=0.05)
     assert pressed == pytest.approx(moment, abs=0.002)
     assert wizard.drives() == (4 if delay > FIRST_REPEAT_S else 3)
-    [told] = [
-        line.text
-        for line in wizard.stage.lines
-        if isinstance(line, m.Notice) and "keyboard" in line.text
-    ]
+    [told] = [line.text for line in wizard.of(m.Notice) if "keyboard" in line.text]
     assert f"after {delay:.2f} s" in told
     assert f"{moment:.2f} s" in told
 

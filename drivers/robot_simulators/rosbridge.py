@@ -35,6 +35,7 @@ class RosbridgeSimulator(SimulatedRosRobot):
         calls: Every operation that was carried out: its name, and the message.
         logged: What a real server would only write into its log.
         nonsense: What comes instead of the next answers, as text.
+        replaced: A piece of the text of all that it sends, and what stands there instead.
         busy: Services that answer only when their event is set.
     """
 
@@ -48,6 +49,7 @@ class RosbridgeSimulator(SimulatedRosRobot):
         super().__init__(ros, interface, time, visitors)
         self.logged: list[str] = []
         self.nonsense: list[str] = []
+        self.replaced = ("", "")
         self.busy: dict[str, asyncio.Event] = {}
         self._clients: set[_Client] = set()
         self._rosapi = True
@@ -203,7 +205,9 @@ class _Client:
     def _send(self, message: Message) -> None:
         nonsense = self._robot.nonsense
         answers = message["op"] != "publish"
-        self._outgoing.put_nowait(nonsense.pop(0) if nonsense and answers else json.dumps(message))
+        text = nonsense.pop(0) if nonsense and answers else json.dumps(message)
+        here, instead = self._robot.replaced
+        self._outgoing.put_nowait(text.replace(here, instead) if here else text)
 
     async def _write(self) -> None:
         while True:

@@ -25,6 +25,7 @@ from woz_drivers import child_process, command_lines
 from woz_drivers.child_process import Child, RestartPauses
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.messages import Json
+from woz_tui.system.foreign_json import decode_foreign
 from woz_tui.system.tasks import end_tasks
 
 #: Until it must have loaded, in seconds; large models on a slow card take long.
@@ -267,8 +268,8 @@ class ResidentProgram:
 
     def _heard(self, line: bytes) -> None:
         try:
-            told = msgspec.json.decode(line)
-        except (msgspec.DecodeError, RecursionError):
+            told = decode_foreign(line)
+        except ValueError:
             told = None
         if not isinstance(told, dict):
             self._passed_over = line.decode("utf-8", "replace").strip()[:80] or self._passed_over

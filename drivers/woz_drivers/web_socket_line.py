@@ -22,6 +22,7 @@ import msgspec
 
 from woz_drivers.background import forget_outcome
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Health
+from woz_tui.system.foreign_json import decode_foreign
 from woz_tui.system.retry_pauses import RetryPauses
 from woz_tui.system.tasks import end_tasks, wait_at_most
 
@@ -227,8 +228,8 @@ class WebSocketLine:
         if not body:
             return None
         try:
-            return msgspec.json.decode(body)
-        except (msgspec.DecodeError, RecursionError):
+            return decode_foreign(body)
+        except ValueError:
             raise DriverError(
                 f"{self._shown} answered {path} with something else than JSON",
                 "check the address: is this the robot?",
@@ -372,8 +373,8 @@ class WebSocketLine:
 
     def _deliver(self, data: str | bytes) -> None:
         try:
-            self._on_message(msgspec.json.decode(data))
-        except (ValueError, RecursionError) as error:
+            self._on_message(decode_foreign(data))
+        except ValueError as error:
             log.info("%s sent %.200r: %s", self._shown, data, error)
             if not self._misunderstood:
                 self._misunderstood = True

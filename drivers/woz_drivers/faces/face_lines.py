@@ -6,6 +6,8 @@ from typing import Annotated
 
 import msgspec
 
+from woz_tui.system.foreign_json import decode_foreign
+
 _Angle = Annotated[float, msgspec.Meta(ge=-180.0, le=180.0)]
 _Pixels = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 
@@ -57,7 +59,4 @@ _DECODER = msgspec.json.Decoder(FacesLine)
 
 def decoded_line(line: bytes) -> FacesLine:
     """Raises `ValueError` for anything else."""
-    try:
-        return _DECODER.decode(line)
-    except RecursionError:
-        raise ValueError("it is nested too deeply") from None
+    return decode_foreign(line, _DECODER)

@@ -122,6 +122,14 @@ class Place(msgspec.Struct, frozen=True):
     z: float
 
 
+class Coordinates(msgspec.Struct, frozen=True):
+    """A `Place` as the robot sends it: of what it has not measured it gives no number."""
+
+    x: float | None = None
+    y: float | None = None
+    z: float | None = None
+
+
 class DetectedUser(msgspec.Struct, frozen=True, kw_only=True):
     """Somebody whom the camera sees. Versions of the robot give the place flat or as `location`;
     `attending`: whether they look at the robot, as a flag or as a share.
@@ -131,18 +139,17 @@ class DetectedUser(msgspec.Struct, frozen=True, kw_only=True):
     x: float | None = None
     y: float | None = None
     z: float | None = None
-    location: Place | None = None
+    location: Coordinates | None = None
     distance: float | None = None
     attending: bool | float | None = None
 
     @property
     def place(self) -> Place | None:
         """Where they are, if the robot says so."""
-        if self.location is not None:
-            return self.location
-        if self.x is None or self.z is None:
+        where = self.location or self
+        if where.x is None or where.z is None:
             return None
-        return Place(self.x, self.y or 0.0, self.z)
+        return Place(where.x, where.y or 0.0, where.z)
 
 
 class UsersData(RobotEvent, frozen=True, kw_only=True, tag="response.users.data"):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import aiohttp
-import msgspec
 
 from woz_drivers.answer_times import line_finding
 from woz_drivers.reachy_mini.daemon_link import read_status
@@ -14,6 +13,7 @@ from woz_drivers.simulated_process import SimulatedProcess
 from woz_drivers.speech.doctor import synthesiser_finding, talk_findings
 from woz_drivers.web_socket_line import failure_reason
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Probe
+from woz_tui.system.foreign_json import decode_foreign
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.
 _WITHIN_S = 3.0
@@ -87,4 +87,4 @@ def _held(name: str, base: str, released: bool) -> Finding:
 async def _answer(session: aiohttp.ClientSession, path: str) -> Any:
     async with session.get(path) as answer:
         answer.raise_for_status()
-        return msgspec.json.decode(await answer.read())
+        return decode_foreign(await answer.read())

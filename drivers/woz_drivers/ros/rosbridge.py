@@ -27,6 +27,7 @@ from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
 from woz_drivers.web_socket_line import WebPlace, WebSocketLine, resetting_connector
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 from woz_tui.protocol.messages import Json
+from woz_tui.system.foreign_json import decode_foreign
 
 #: No such service: the server says so at once, and with that how far it has read. One that there is
 #: could hang, and until it answers nothing else of the connection is read. Servers that allow some
@@ -626,7 +627,7 @@ async def _read(opened: aiohttp.ClientWebSocketResponse[bool]) -> Mapping[str, A
         message = await opened.receive()
         if message.type not in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY):
             return None
-        with contextlib.suppress(msgspec.DecodeError, RecursionError):
-            found = msgspec.json.decode(message.data)
+        with contextlib.suppress(ValueError):
+            found = decode_foreign(message.data)
             if isinstance(found, dict):
                 return found

@@ -100,7 +100,11 @@ class VelocityDrive:
             await self.stands(_HALT_S)
         except TimeoutError:
             topic = self._declared.odometry
-            text = f"{topic} is silent" if self._still is None else f"{topic} says that it moves on"
+            text = (
+                f"{topic} does not say so"
+                if self._still is None
+                else f"{topic} says that it moves on"
+            )
             raise DriverError(f"the drive has ended, but {text}", "look at the robot") from None
 
     async def zero(self) -> None:
@@ -132,11 +136,19 @@ class VelocityDrive:
         speed = twist.get("twist") if isinstance(twist, dict) else None
         if not isinstance(speed, dict):
             raise ValueError("odometry without a speed")
-        parts = [speed.get("linear"), speed.get("angular")]
-        values = [each for part in parts if isinstance(part, dict) for each in part.values()]
-        self._still = len(values) > 0 and all(
-            isinstance(value, int | float) and abs(value) < _STILL for value in values
-        )
+        known = {
+            f"{part}.{axis}": value
+            for part in ("linear", "angular")
+            if isinstance(axes := speed.get(part), dict)
+            for axis, value in axes.items()
+            if isinstance(value, int | float)
+        }
+        if any(abs(value) >= _STILL for value in known.values()):
+            self._still = False
+        else:
+            # Of a way in which it cannot move, such as up, it may know nothing.
+            needed = {"linear.x", "angular.z", *(["linear.y"] if self._declared.sideways else [])}
+            self._still = True if needed <= {*known} else None
         self._moved |= self._still is False
         self._message_came.set()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import errno
 import json
+import math
 import os
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -74,6 +75,17 @@ async def test_the_nearest_of_several_counts_and_other_forms_of_a_place_are_read
     assert rig.context.latest("distance") == pytest.approx(0.707, abs=0.001)
     assert rig.context.latest("direction") == pytest.approx(-45.0)
     assert rig.context.latest("gaze") == 1.0
+
+
+async def test_a_user_whose_place_is_no_number_is_somebody(rig: FurhatRig) -> None:
+    rig.robot.person = None
+    await reads(rig, "presence", 0.0)
+    lost = {"id": 1, "location": {"x": math.nan, "y": 0.0, "z": math.inf}, "attending": math.nan}
+    await rig.robot.send_raw(users(lost, {"id": 2, "x": 0.0, "z": 1.0, "distance": -math.inf}))
+    await until(lambda: bool(rig.context.of("people")) and rig.context.latest("people") == 2.0)
+    assert rig.context.latest("presence") == 1.0
+    assert rig.context.latest("distance") == 1.0
+    assert not rig.context.notices
 
 
 async def test_a_robot_that_does_not_say_who_looks_is_taken_as_it_is(rig: FurhatRig) -> None:

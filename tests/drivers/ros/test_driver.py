@@ -387,6 +387,29 @@ async def test_a_base_that_rolls_on_has_not_confirmed(monkeypatch: pytest.Monkey
         assert report == StopReport(missing=("driving",))
 
 
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "nan", "-inf"])
+async def test_a_stop_is_confirmed_by_odometry_with_a_number_that_json_has_not(number: str) -> None:
+    async with connected_ros() as rig:
+        rig.robot.replaced = ('"covariance": [0', f'"covariance": [{number}')
+        assert await rig.driver.stop(Scope.DRIVE) == StopReport(("driving",))
+        assert not rig.context.notices
+
+
+async def test_a_base_that_does_not_know_how_fast_it_is_has_not_confirmed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.3)
+    async with connected_ros() as rig:
+        rig.robot.replaced = ('"x": 0.0', '"x": NaN')
+        assert await rig.driver.stop(Scope.DRIVE) == StopReport(missing=("driving",))
+
+
+async def test_a_service_may_answer_with_a_number_that_json_has_not() -> None:
+    async with connected_ros() as rig:
+        rig.robot.replaced = ('"success": true', '"success": true, "level": NaN')
+        await rig.play("volume", level=0.4)
+
+
 async def test_a_drive_publishes_nothing_behind_a_stop() -> None:
     """Also when the cancellation of its command comes late."""
     async with connected_ros() as rig:

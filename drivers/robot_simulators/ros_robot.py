@@ -237,7 +237,7 @@ class SimulatedRosRobot(WebRobot):
             case "sensor_msgs/Range":
                 message |= {"range": metres, "min_range": 0.02, "max_range": 8.0}
             case "sensor_msgs/LaserScan":
-                count = 360
+                count, ahead = 360, -round(sensor.get("mounted", 0.0))
                 message |= {
                     "angle_increment": math.tau / count,
                     "angle_max": math.tau,
@@ -245,7 +245,7 @@ class SimulatedRosRobot(WebRobot):
                     "range_max": 8.0,
                     # 0 where nothing came back, as the scanner of a TurtleBot says it
                     "ranges": [
-                        metres if at < 12 or at >= count - 12 else 0.0 for at in range(count)
+                        metres if (at - ahead + 12) % count < 24 else 0.0 for at in range(count)
                     ],
                 }
             case "sensor_msgs/BatteryState":

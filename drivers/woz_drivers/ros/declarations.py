@@ -113,9 +113,14 @@ class SensorDeclaration:
 
     subscribe: Annotated[str, Doc("the topic")]
     type_: Annotated[str, _TYPE, Doc("its type")]
-    value: Annotated[str, Doc("where it is: range, twist.twist.linear.x, min(ranges[-15:15])")] = (
-        "data"
-    )
+    value: Annotated[
+        str, Doc("where it is: range, twist.twist.linear.x, min(ranges[-15deg:15deg])")
+    ] = "data"
+    mounted: Annotated[
+        float,
+        Range(-360, 360, "deg"),
+        Doc("of a scan: where the scanner's zero points, to the left from the robot's front"),
+    ] = 0.0
     unit: Annotated[str, Doc("unit of the reading")] = ""
     scale: Annotated[float, Doc("the value is multiplied with this: 57.2958 makes degrees")] = 1.0
     low: Annotated[float | None, Doc("what is below is no value")] = None

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator
+import contextlib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from woz_drivers.answer_times import line_finding
 from woz_drivers.ros import simulated_interface
 from woz_drivers.ros.declarations import TWIST, TWIST_STAMPED
+from woz_drivers.ros.laser_scans import SCAN, nearest_of_quarters
 from woz_drivers.ros.message_types import MessageTypes, plain
 from woz_drivers.ros.rosbridge import Rosbridge
 from woz_drivers.ros.settings import RosSettings, shown
 from woz_drivers.ros.survey import Survey, survey
+from woz_drivers.ros.templates import ValuePath
 from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Health, Probe
 from woz_tui.system.clock import Clock, RealClock
@@ -21,8 +26,13 @@ from woz_tui.system.clock import Clock, RealClock
 #: The robot must be found within so many seconds, looked at within so many more.
 _FOUND_WITHIN_S, _SURVEY_S = 5.0, 8.0
 _QUESTIONS = 10
+#: A scanner turns five times a second or faster; so long its scan is waited for, in seconds.
+_SCANNED_WITHIN_S = 2.0
 #: So many names are listed on a line.
 _LISTED = 12
+_STAND_IN_FRONT = (
+    "stand in front of the robot: if you are seen at -90 deg, its `mounted` is to be 90 more"
+)
 _TUNNEL = (
     "let it listen on 127.0.0.1 (address:=127.0.0.1) and come by ssh -L 9090:127.0.0.1:9090"
     " robot, or put it behind a proxy with wss and a password"
@@ -58,7 +68,8 @@ async def examine(probe: Probe) -> list[Finding]:
 
 
 async def _examined(name: str, settings: RosSettings, folder: Path) -> list[Finding]:
-    line, found = await _visit(settings, folder)
+    scans: dict[str, Mapping[str, Any]] = {}
+    line, found = await _visit(settings, folder, scans)
     findings = [line, *_protected(settings)]
     if found.ros:
         level = "ok" if found.ros == settings.ros else "info"
@@ -66,6 +77,7 @@ async def _examined(name: str, settings: RosSettings, folder: Path) -> list[Find
     findings += [finding for _, finding in found.wrong]
     if not found.wrong:
         findings.append(Finding("ok", name, "all that the file names is there, types fit"))
+    findings += _seen(settings, scans)
     findings += _unchecked(settings, found)
     findings += _listed(found)
     if settings.address != SIMULATED:
@@ -75,8 +87,12 @@ async def _examined(name: str, settings: RosSettings, folder: Path) -> list[Find
     return findings
 
 
-async def _visit(settings: RosSettings, folder: Path) -> tuple[Finding, Survey]:
-    """Connect, look at everything, leave. Raises `DriverError`."""
+async def _visit(
+    settings: RosSettings, folder: Path, scans: dict[str, Mapping[str, Any]]
+) -> tuple[Finding, Survey]:
+    """Connect, look at everything, leave. `scans` gets, by topic, one of each that the file reads.
+    Raises `DriverError`.
+    """
     context = _DoctorContext(folder)
 
     async def ready() -> str:
@@ -89,11 +105,27 @@ async def _visit(settings: RosSettings, folder: Path) -> tuple[Finding, Survey]:
         get_ready=ready,
         on_lost=lambda _: None,
     )
+    awaited = {
+        sensor.subscribe for sensor in settings.sensors.values() if plain(sensor.type_) == SCAN
+    }
+    all_came = asyncio.Event()
+
+    def keep(topic: str, scan: Mapping[str, Any]) -> None:
+        scans[topic] = scan
+        if awaited <= {*scans}:
+            all_came.set()
+
+    for topic in awaited:
+        robot.subscribe(topic, SCAN, partial(keep, topic))
     robot.start()
     try:
         await _until_found(context)
         line = await line_finding(robot.shown, robot.wait_until_processed, _QUESTIONS)
-        return line, await survey(robot, settings, all_services=True)
+        found = await survey(robot, settings, all_services=True)
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_SCANNED_WITHIN_S if awaited else 0.0):
+                await all_came.wait()
+        return line, found
     finally:
         await robot.close()
 
@@ -120,6 +152,33 @@ def _protected(settings: RosSettings) -> Iterator[Finding]:
         return
     text = "asks for no password: whoever reaches it can drive the robot"
     yield Finding("warning", shown(settings.address), text, _TUNNEL)
+
+
+def _seen(settings: RosSettings, scans: Mapping[str, Mapping[str, Any]]) -> Iterator[Finding]:
+    """Where each scanner sees what: whoever stands in front of the robot sees whether it is so."""
+    for name, sensor in settings.sensors.items():
+        if plain(sensor.type_) != SCAN:
+            continue
+        subject = f"sensors.{name}"
+        scan = scans.get(sensor.subscribe)
+        nearest = None if scan is None else nearest_of_quarters(scan, sensor.mounted)
+        if scan is None or nearest is None:
+            silent = "is silent" if scan is None else "does not say at which angles it measures"
+            yield Finding("warning", subject, f"{sensor.subscribe} {silent}", "start its node")
+            continue
+        said = ", ".join(f"{where} {what}" for where, what in nearest.items())
+        yield Finding("info", subject, f"sees {said}", _STAND_IN_FRONT)
+        path = ValuePath.parse(sensor.value, sensor.mounted)
+        looked = path.directions_of(scan)
+        value = path.of(scan)
+        if not looked:
+            what = f"{sensor.value}: {sensor.subscribe} does not look there"
+            yield Finding("error", subject, what, "choose other angles, or correct `mounted`")
+            continue
+        counted = f" looks at {looked[0]:.0f} to {looked[-1]:.0f} deg, and"
+        where = "" if any(step["from"] for step in path.steps) else counted
+        reads = "nothing" if value is None else f"{value:g}"
+        yield Finding("ok", subject, f"{sensor.value}{where} reads {reads}")
 
 
 def _unchecked(settings: RosSettings, found: Survey) -> Iterator[Finding]:
@@ -150,7 +209,7 @@ def _some(names: list[str]) -> str:
 
 async def draft(settings: RosSettings) -> str:
     """A robot file with what the robot offers. Raises `DriverError`."""
-    _, found = await _visit(settings, Path())
+    _, found = await _visit(settings, Path(), {})
     return "\n".join(_drafted(settings, found)) + "\n"
 
 
@@ -190,7 +249,7 @@ def _others(names: list[str], chosen: str) -> str:
 def _drafted_sensors(topics: dict[str, str]) -> Iterator[str]:
     values = {
         "sensor_msgs/Range": ("distance", "value: range, unit: m"),
-        "sensor_msgs/LaserScan": ("distance", "value: 'min(ranges[-15:15])', unit: m"),
+        "sensor_msgs/LaserScan": ("distance", "value: 'min(ranges[-15deg:15deg])', unit: m"),
         "sensor_msgs/BatteryState": ("battery", "value: percentage, scale: 100, unit: '%'"),
     }
     used: set[str] = set()
@@ -200,6 +259,8 @@ def _drafted_sensors(topics: dict[str, str]) -> Iterator[str]:
             mark = "" if name not in used else "# "
             used.add(name)
             yield f"      {mark}{name}: {{subscribe: {topic}, type: {kind}, {value}}}"
+            if kind == SCAN and not mark:
+                yield "      # Is its front not the robot's? woz doctor says it; then: mounted: 90"
 
 
 def _drafted_verbs(found: Survey, topics: dict[str, str]) -> Iterator[str]:

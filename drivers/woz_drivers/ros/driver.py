@@ -612,7 +612,7 @@ class Sensor:
         self._name = name
         self._declared = declared
         self._context = context
-        self._path = ValuePath.parse(declared.value)
+        self._path = ValuePath.parse(declared.value, declared.mounted)
         self._heard = time.monotonic()
         self._is_stale = False
         self._every = max(declared.throttle, declared.every)

@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from woz_drivers.ros.laser_scans import ANGLES
 from woz_drivers.ros.templates import ValuePath
 
 #: Field by field as in the packages common_msgs of ROS 1 (noetic) and common_interfaces of ROS 2
@@ -212,8 +213,10 @@ class MessageTypes:
             missing = [name for name in (step["name"], step["key"]) if name and name not in fields]
             if missing:
                 return f"{plain(base)} has no field {missing[0]!r}{_near(missing[0], fields)}"
+            if (step["from"] or step["toward"]) and not {*ANGLES} <= {*fields}:
+                return f"{plain(base)} does not say at which angles its entries are"
             found = fields[step["name"]]
-            if step["at"] or step["key"]:
+            if step["at"] or step["key"] or step["toward"]:
                 found = found.partition("[")[0]
         return self._end_misfit(path.function, found)
 

@@ -16,7 +16,8 @@ from woz_drivers.ros.declarations import (
     StopDeclaration,
     VerbDeclaration,
 )
-from woz_drivers.ros.message_types import MessageTypes
+from woz_drivers.ros.laser_scans import SCAN
+from woz_drivers.ros.message_types import MessageTypes, plain
 from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
 from woz_drivers.ros.verbs import BRIEF, COMMON, DERIVED, DRIVE, arguments_of
 from woz_drivers.simulated_process import SIMULATED
@@ -26,6 +27,10 @@ from woz_tui.protocol.messages import Json
 
 #: Where rosbridge listens unless it is told otherwise.
 PORT = 9090
+_BY_INDEX = (
+    "counts from where the scanner begins, which is behind the robot for most: say it by angle,"
+    " min(ranges[-15deg:15deg]); `woz doctor` says where it sees what"
+)
 _EXAMPLES = f"write robot.local, 192.168.1.30:{PORT} or wss://robot.local/ros"
 
 
@@ -63,12 +68,18 @@ class RosSettings(Section):
         return [*self._address_problems(), *self.misfits(self.known_types())]
 
     def warnings(self) -> list[tuple[str, str]]:
-        """Verbs that go on after a stop."""
-        return [
+        """Verbs that go on after a stop, and scans that are read where nobody knows."""
+        lasting = [
             (f"verbs.{name}", "cannot be stopped: say how with `stop`")
             for name, verb in self.verbs.items()
             if verb.stop is None and not verb.action and name not in BRIEF and _lasts(verb)
         ]
+        by_index = [
+            (f"sensors.{name}.value", _BY_INDEX)
+            for name, sensor in self.sensors.items()
+            if plain(sensor.type_) == SCAN and _counts(sensor.value)
+        ]
+        return lasting + by_index
 
     def _address_problems(self) -> Iterator[tuple[str, str]]:
         try:
@@ -114,6 +125,15 @@ def url(address: str) -> str:
     place, slash, path = rest.partition("/")
     host, port = host_and_port(place, PORT, _EXAMPLES)
     return f"{scheme or 'ws'}://{joined(host, port)}{slash or '/'}{path}"
+
+
+def _counts(value: str) -> bool:
+    """Whether a value is one of some entries that are counted."""
+    try:
+        steps = ValuePath.parse(value).steps
+    except TemplateError:
+        return False
+    return any(step["colon"] or step["at"] for step in steps)
 
 
 def _lasts(verb: VerbDeclaration) -> bool:

@@ -52,6 +52,7 @@ def _interface(settings: RosSettings) -> dict[str, Any]:
             "topic": sensor.subscribe,
             "type": plain(sensor.type_),
             "joints": [*settings.joints],
+            "mounted": sensor.mounted,
         }
         for name, sensor in settings.sensors.items()
         if sensor.subscribe != odometry

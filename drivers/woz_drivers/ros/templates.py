@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from woz_drivers.ros.laser_scans import DISTANCES, directions, is_echo, lies_within, toward
 from woz_tui.protocol.messages import Json
 
 _PLACEHOLDER = re.compile(
@@ -135,9 +136,12 @@ def _value(found: re.Match[str], values: Mapping[str, Any]) -> Any:
 
 # -- values of messages that came ------------------------------------------------------------------
 
+_DEGREES = r"[+-]?\d+(?:\.\d+)?(?= *(?:deg|°))"
 _STEP = re.compile(
     r"(?P<name>[A-Za-z_]\w*)"
-    r"(?:\[(?:(?P<first>-?\d+)?(?P<colon>:)(?P<last>-?\d+)?|(?P<at>-?\d+)|(?P<key>\w+)=(?P<is>[^\]]+))\])?"
+    r"(?:\[(?:(?P<first>-?\d+)?(?P<colon>:)(?P<last>-?\d+)?|(?P<at>-?\d+)|(?P<key>\w+)=(?P<is>[^\]]+)"
+    rf"|(?P<from>{_DEGREES}) *(?:deg|°):(?P<to>{_DEGREES}) *(?:deg|°)"
+    rf"|(?P<toward>{_DEGREES}) *(?:deg|°))\])?"
 )
 _OF_LIST: Mapping[str, Callable[[Sequence[float]], float | None]] = {
     "min": lambda numbers: min(numbers, default=None),
@@ -149,25 +153,31 @@ FUNCTIONS = (*_OF_LIST, "count")
 
 @dataclass(frozen=True, slots=True)
 class ValuePath:
-    """`twist.twist.linear.x`, `ranges[0]`, `min(ranges[-15:15])`, `position[name=head_pan]`.
+    """`twist.twist.linear.x`, `points[0]`, `min(ranges[-15deg:15deg])`, `position[name=head_pan]`.
 
-    A slice whose first index is negative and whose last is not goes round the end of the list, as a
-    scan goes round the robot. `position[name=head_pan]` is the entry of `position` at the place
-    at which `name` beside it has head_pan. `function`: one of `FUNCTIONS`, or empty.
+    With degrees a slice is what a scan sees from the first direction to the left as far as the
+    last; 0 is the robot's front. By index a slice whose first is negative and whose last is not
+    goes round the end of the list. `position[name=head_pan]` is the entry of `position` at the
+    place at which `name` beside it has head_pan. `function`: one of `FUNCTIONS`, or empty.
+    `mounted`: see `laser_scans.directions`.
     """
 
     steps: tuple[re.Match[str], ...]
     function: str = ""
+    mounted: float = 0.0
 
     @classmethod
-    def parse(cls, text: str) -> ValuePath:
+    def parse(cls, text: str, mounted: float = 0.0) -> ValuePath:
         """Read a path. Raises `TemplateError`."""
         called = re.fullmatch(rf"({'|'.join(FUNCTIONS)})\((.+)\)", text)
         function, inner = called.groups() if called else ("", text)
         steps = [_STEP.fullmatch(part) for part in re.split(r"\.(?![^\[]*\])", inner)]
         if not all(steps):
-            raise TemplateError(f"{text!r} is no path: write field.field, or min(field[0:10])")
-        return cls(tuple(step for step in steps if step is not None), function)
+            raise TemplateError(
+                f"{text!r} is no path: write field.field, min(field[0:10]),"
+                " or of a scan min(ranges[-15deg:15deg])"
+            )
+        return cls(tuple(step for step in steps if step is not None), function, mounted)
 
     def of(self, message: Any) -> Any:
         """The value: a number, a text, true or false; None where the message has none."""
@@ -176,41 +186,54 @@ class ValuePath:
             holder = found
             if not isinstance(holder, dict):
                 return None
-            found = _indexed(step, holder, holder.get(step["name"]))
+            found = self._indexed(step, holder, holder.get(step["name"]))
         if not self.function:
+            if self.steps[-1]["name"] in DISTANCES and not is_echo(found, holder):
+                return None
             return found if isinstance(found, int | float | str) else None
         if not isinstance(found, list):
             return None
         if self.function == "count":
             return len(found)
-        return _OF_LIST[self.function]([item for item in found if _echo(item, holder)])
+        return _OF_LIST[self.function]([item for item in found if is_echo(item, holder)])
 
+    def directions_of(self, scan: Mapping[str, Any]) -> list[float]:
+        """Where it looks in this scan, in degrees; nothing if that cannot be said."""
+        ranges = scan.get("ranges")
+        there = directions(scan, len(ranges), self.mounted) if isinstance(ranges, list) else None
+        if there is None or [step["name"] for step in self.steps] != ["ranges"]:
+            return []
+        looked = self._indexed(self.steps[0], scan, there)
+        return looked if isinstance(looked, list) else [looked] if looked is not None else []
 
-def _indexed(step: re.Match[str], holder: Mapping[str, Any], found: Any) -> Any:
-    if not isinstance(found, list):
-        return found if not step["at"] and not step["colon"] and not step["key"] else None
-    if step["colon"]:
-        first = None if step["first"] is None else int(step["first"])
-        last = None if step["last"] is None else int(step["last"])
-        round_the_end = first is not None and first < 0 and last is not None and last >= 0
-        return found[first:] + found[:last] if round_the_end else found[first:last]
-    if step["key"]:
-        keys = holder.get(step["key"])
-        if not isinstance(keys, list) or step["is"] not in keys:
+    def _indexed(self, step: re.Match[str], holder: Mapping[str, Any], found: Any) -> Any:
+        if not isinstance(found, list):
+            return found if step[0] == step["name"] else None
+        if step["from"] or step["toward"]:
+            return self._seen(step, holder, found)
+        if step["colon"]:
+            first = None if step["first"] is None else int(step["first"])
+            last = None if step["last"] is None else int(step["last"])
+            round_the_end = first is not None and first < 0 and last is not None and last >= 0
+            return found[first:] + found[:last] if round_the_end else found[first:last]
+        if step["key"]:
+            keys = holder.get(step["key"])
+            if not isinstance(keys, list) or step["is"] not in keys:
+                return None
+            at = keys.index(step["is"])
+        elif step["at"]:
+            at = int(step["at"])
+        else:
+            return found
+        return found[at] if -len(found) <= at < len(found) else None
+
+    def _seen(self, step: re.Match[str], scan: Mapping[str, Any], found: list[Any]) -> Any:
+        """What a scan has in one direction, or between two."""
+        there = directions(scan, len(found), self.mounted)
+        if there is None:
             return None
-        at = keys.index(step["is"])
-    elif step["at"]:
-        at = int(step["at"])
-    else:
-        return found
-    return found[at] if -len(found) <= at < len(found) else None
-
-
-def _echo(item: Any, holder: Mapping[str, Any]) -> bool:
-    """Whether an entry of a list is a measurement: a scan says itself between what it measures."""
-    if isinstance(item, bool) or not isinstance(item, int | float) or not math.isfinite(item):
-        return False
-    low, high = holder.get("range_min"), holder.get("range_max")
-    return (not isinstance(low, int | float) or item >= low) and (
-        not isinstance(high, int | float) or item <= high
-    )
+        if step["from"]:
+            contains = lies_within(float(step["from"]), float(step["to"]))
+            return [item for item, way in zip(found, there, strict=True) if contains(way)]
+        at = toward(float(step["toward"]), there, math.degrees(scan["angle_increment"]))
+        return None if at is None else found[at]

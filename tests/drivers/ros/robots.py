@@ -61,7 +61,7 @@ verbs:
 joints: {pan: [-90, 90], tilt: [-20, 40]}
 sensors:
   distance: {subscribe: /sonar, type: sensor_msgs/Range, value: range, unit: m}
-  ahead: {subscribe: /scan, type: sensor_msgs/LaserScan, value: "min(ranges[-15:15])", unit: m}
+  ahead: {subscribe: /scan, type: sensor_msgs/LaserScan, value: "min(ranges[-9deg:9deg])"}
   pan: {subscribe: /joint_states, type: sensor_msgs/JointState, value: "position[name=pan]"}
 types:
   robot_msgs/Gesture_Goal: {name: string}

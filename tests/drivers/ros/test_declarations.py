@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from woz_drivers.ros import doctor
 from woz_drivers.ros.driver import Ros
 from woz_drivers.ros.message_types import MessageTypes, parse_definitions
-from woz_drivers.ros.templates import ValuePath, fill
+from woz_drivers.ros.templates import TemplateError, ValuePath, fill
 
 from tests.drivers.ros.robots import read_robot_settings, settings, simulator
 from woz_tui.config.loading import load
@@ -95,6 +96,8 @@ def test_a_verb_that_cannot_work_is_found_at_its_place(
     [
         ("sensors: {d: {subscribe: /s, type: sensor_msgs/Range, value: rang}}", "value", ["range"]),
         ("sensors: {d: {subscribe: /s, type: sensor_msgs/LaserScan, value: ranges}}", "value", []),
+        ("sensors: {d: {subscribe: /s, type: std_msgs/Float32MultiArray, value: 'data[0deg]'}}", "value", ["angles"]),  # noqa: E501
+        ("sensors: {d: {subscribe: /s, type: sensor_msgs/LaserScan, value: 'ranges[0deg:9deg]'}}", "value", []),  # noqa: E501
         ("sensors: {d: {subscribe: /s, type: sensor_msgs/LaserScan, value: min(range_min)}}", "value", ["min()"]),  # noqa: E501
         ("sensors: {d: {subscribe: /o, type: nav_msgs/Odometry, value: twist.linear.x}}", "value", ["linear"]),  # noqa: E501
         ("sensors: {d: {subscribe: /o, type: nav_msgs/Odometry, value: 'twist('}}", "value", ["path"]),  # noqa: E501
@@ -189,6 +192,8 @@ SCAN = {"ranges": [1.0, 2.0, 3.0, 0.5, None, 0.01], "range_min": 0.1, "range_max
         ("max(ranges[0:2])", SCAN, 2.0),
         ("mean(ranges[:2])", SCAN, 1.5),
         ("min(ranges[4:5])", SCAN, None),
+        ("ranges[5]", SCAN, None),
+        ("range", {"range": 9.0, "min_range": 0.1, "max_range": 4.0}, None),
         ("count(people)", {"people": [{}, {}]}, 2),
         ("position[name=tilt]", {"name": ["pan", "tilt"], "position": [0.1, 0.2]}, 0.2),
         ("position[name=roll]", {"name": ["pan"], "position": [0.1]}, None),
@@ -196,6 +201,65 @@ SCAN = {"ranges": [1.0, 2.0, 3.0, 0.5, None, 0.01], "range_min": 0.1, "range_max
 )
 def test_a_value_is_found_in_a_message(path: str, message: Any, value: object) -> None:
     assert ValuePath.parse(path).of(message) == value
+
+
+def scan(begins: float, person: float, count: int = 640, turn: int = 1) -> dict[str, Any]:
+    """A scan all around, in degrees of its own frame: somebody at 1.2 m, walls at 4 m."""
+    step = turn * math.tau / count
+    at = round(math.radians(person - begins) / step) % count
+    near = {(at + beside) % count for beside in range(-20, 21)}
+    return {
+        "angle_min": math.radians(begins),
+        "angle_increment": step,
+        "range_min": 0.15,
+        "range_max": 12.0,
+        "ranges": [1.2 if one in near else 4.0 for one in range(count)],
+    }
+
+
+@pytest.mark.parametrize("turn", [1, -1], ids=["to the left", "to the right"])
+@pytest.mark.parametrize("begins", [-180.0, 0.0, -90.0, 37.0])
+@pytest.mark.parametrize("mounted", [0.0, 90.0, -90.0, 180.0])
+def test_a_direction_is_found_wherever_a_scanner_begins(
+    begins: float, mounted: float, turn: int
+) -> None:
+    ahead = scan(begins, -mounted, turn=turn)
+    nearest = {
+        slice_: ValuePath.parse(f"min(ranges[{slice_}])", mounted).of(ahead)
+        for slice_ in ("-15deg:15deg", "-15°:15°", "345 deg:375 deg", "30deg:150deg")
+    }
+    assert nearest == {
+        "-15deg:15deg": 1.2,
+        "-15°:15°": 1.2,
+        "345 deg:375 deg": 1.2,
+        "30deg:150deg": 4,
+    }
+    behind = scan(begins, 180.0 - mounted, turn=turn)
+    assert ValuePath.parse("min(ranges[170deg:-170deg])", mounted).of(behind) == 1.2
+    assert ValuePath.parse("ranges[180deg]", mounted).of(behind) == 1.2
+    assert ValuePath.parse("max(ranges[-15.5deg:15.5deg])", mounted).of(behind) == 4.0
+    assert ValuePath.parse("min(ranges[-180deg:180deg])", mounted).of(behind) == 1.2
+
+
+def test_where_a_scanner_does_not_look_there_is_nothing() -> None:
+    narrow = {**scan(-180.0, 0.0), "angle_min": -1.0, "angle_increment": 2.0 / 640}
+    assert ValuePath.parse("min(ranges[-180deg:-90deg])").of(narrow) is None
+    assert ValuePath.parse("ranges[90deg]").of(narrow) is None
+    assert ValuePath.parse("min(ranges[0deg:1deg])").of({"ranges": [1.0, 2.0]}) is None
+
+
+@pytest.mark.parametrize("value", ["min(ranges[-15deg:15])", "min(ranges[:15deg])", "ranges[deg]"])
+def test_half_a_slice_by_angle_is_refused(value: str) -> None:
+    with pytest.raises(TemplateError, match="-15deg:15deg"):
+        ValuePath.parse(value)
+
+
+def test_a_scan_that_is_counted_is_warned_of() -> None:
+    """It is valid still."""
+    line = "{subscribe: /scan, type: sensor_msgs/LaserScan, value: 'min(ranges[-15:15])'}"
+    warnings = dict(settings(f"sensors: {{ahead: {line}}}").warnings())
+    assert "min(ranges[-15deg:15deg])" in warnings["sensors.ahead.value"]
+    assert not dict(settings().warnings()).get("sensors.ahead.value")
 
 
 def test_definitions_of_a_robot_are_understood() -> None:

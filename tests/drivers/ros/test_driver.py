@@ -8,6 +8,7 @@ import asyncio
 import itertools
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from robot_simulators.rosbridge import RosbridgeSimulator
 from woz_drivers.ros import __main__ as draft_program
 from woz_drivers.ros import doctor, velocity_drive
 from woz_drivers.ros.driver import Ros
+from woz_drivers.ros.settings import RosSettings
 
 from tests.drivers.ros.robots import ROBOT, connected_ros, settings, simulator
 from woz_tui.drivers.contract import (
@@ -769,6 +771,46 @@ async def test_the_doctor_lists_what_there_is_and_drafts_a_file(ros: int) -> Non
     assert drafted.drive is not None
     assert drafted.drive.topic == "/cmd_vel"
     assert drafted.verbs["say"].publish == "/tts"
+
+
+def _scanner(value: str, mounted: float = 0.0) -> RosSettings:
+    kind = "type: sensor_msgs/LaserScan"
+    line = f"{{subscribe: /scan, {kind}, value: '{value}', mounted: {mounted}}}"
+    return settings(f"sensors: {{ahead: {line}}}")
+
+
+@pytest.mark.parametrize(
+    ("of", "where", "reads"),
+    [
+        (_scanner("min(ranges[-15deg:15deg])", 90.0), "front", r"15deg\]\) reads \d"),
+        (_scanner("min(ranges[-15deg:15deg])"), "right", r"15deg\]\) reads nothing"),
+        (_scanner("min(ranges[0:20])"), "right", "looks at 0 to 19 deg, and reads nothing"),
+        (_scanner("min(ranges[-95:-85])"), "right", r"looks at -95 to -86 deg, and reads \d"),
+    ],
+)
+async def test_the_doctor_says_where_a_scanner_sees_what(
+    of: RosSettings, where: str, reads: str
+) -> None:
+    """Its zero points to the left, and it sees something in front of the robot alone."""
+    async with simulator(_scanner("min(ranges)", 90.0)) as robot:
+        findings = await doctor.examine(Probe("robot", replace(of, address=robot.address)))
+    about = [finding.text for finding in findings if finding.subject == "sensors.ahead"]
+    assert re.search(rf"{where} \d\.\d\d m at -?\d+ deg", about[0])
+    assert about[0].count("nothing") == 3
+    assert re.search(reads, about[1])
+
+
+async def test_the_doctor_names_a_scanner_that_is_silent_or_looks_elsewhere() -> None:
+    of = _scanner("min(ranges[80deg:100deg])")
+    async with simulator(of) as robot:
+        there = replace(of, address=robot.address)
+        robot.replaced = ('"angle_increment": 0.017', '"angle_increment": 0.000')
+        findings = await doctor.examine(Probe("robot", there))
+        assert any("/scan does not look there" in finding.text for finding in findings)
+        assert any("left not looked at" in finding.text for finding in findings)
+        robot.replaced = ('"topic": "/scan"', '"topic": "/elsewhere"')
+        findings = await doctor.examine(Probe("robot", there))
+    assert any("/scan is silent" in finding.text for finding in findings)
 
 
 async def test_a_draft_without_a_voice_can_be_read() -> None:

@@ -33,9 +33,9 @@ STREAMS = st.one_of(
 )
 
 
-def decoder(name: str, unit: str = "", min_strength: int = 100) -> DistanceDecoder:
+def decoder(name: str, unit: str = "", min_strength: int = 100, column: int = 0) -> DistanceDecoder:
     framing = FRAMINGS[name]
-    return framing.decoder(unit or framing.unit, min_strength)
+    return framing.decoder(unit or framing.unit, min_strength, column)
 
 
 def metres(measurements: list[Measurement]) -> list[float | None]:
@@ -81,6 +81,61 @@ def test_a_lidar_that_doubts_itself_measures_nothing(frame: bytes, why: str) -> 
     (measurement,) = decoder("tfmini").feed(frame)
     assert measurement.metres is None
     assert measurement.why == why
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("Distance (cm): 123", 1.23),
+        ("Distância: 123 cm", 1.23),
+        ("Dist[mm]=812", 0.812),
+        ("distance in inches: 10", 0.254),
+        ("Distance in front: 123", 1.23),
+        ("HC-SR04 = 88 cm", 0.88),
+        ("sensor 1: 98 cm", 0.98),
+        ("The distance is 123 cm.", 1.23),
+        ("Distance\t123,4 cm", 1.234),
+        ("距离: 123 cm", 1.23),
+        ('{"distance":123}', 1.23),
+        ('{"distance_mm": 812, "temp": 21.5, "id": "A4"}', 0.812),
+        ('{"range": "98 cm", "ok": true}', 0.98),
+        ('{"value": 1.23, "unit": "m"}', 1.23),
+    ],
+)
+@pytest.mark.parametrize("coding", ["utf-8", "latin-1"])
+def test_what_people_print_from_an_arduino_is_read(line: str, expected: float, coding: str) -> None:
+    data = line.encode(coding, "ignore")
+    assert metres(decoder("lines").feed(b"\n" + data + b"\r\n")) == [expected]
+
+
+@pytest.mark.parametrize(
+    ("line", "why", "remedy"),
+    [
+        ("150,52", "'150,52' may be two numbers, or one with a decimal comma", "`column`"),
+        ("1000, 87", "several numbers", "`column`"),
+        ("123 98", "several numbers", "`column`"),
+        ("123 cm 48.4 inch", "several numbers", "`column`"),
+        ('{"left":123,"right":98}', "several numbers", "`column`"),
+        ('{"distance":', "not the whole of an object", "print"),
+        ("7134 us", "'7134 us' is no distance", "print"),
+        ("1-23", "'1-23' is no distance", "print"),
+        ("Out of range", "'Out of range' has no distance in it", "print"),
+        ("\x81\x07 123", "is no text", "baud"),
+        ("1" * 500, "no line ends within", "println"),
+    ],
+)
+def test_what_is_no_distance_says_why(line: str, why: str, remedy: str) -> None:
+    one = decoder("lines")
+    assert one.feed(b"\n" + line.encode() + b"\n") == []
+    assert why in one.trouble[0]
+    assert remedy in one.trouble[1]
+
+
+def test_one_number_of_several_is_read_by_its_column() -> None:
+    assert metres(decoder("lines", column=2).feed(b"\n150,52\n1000; 87\n12 13 mm\n7\n")) == [
+        *(0.52, 0.87, 0.013)
+    ]
+    assert metres(decoder("lines", column=1).feed(b'\n150,52,7\n{"a": 90, "b": 1}\n')) == [1.5, 0.9]
 
 
 def test_a_tail_of_a_line_is_no_reading() -> None:

@@ -159,7 +159,7 @@ async def test_examine_says_what_it_hears(
     monkeypatch.setattr(doctor, "_BEGINS_WITHIN_S", 0.5)
     (silent,) = await Rangefinder.examine(Probe("front", settings))
     assert (silent.level, silent.subject) == ("error", "front")
-    assert "no data" in silent.text
+    assert "sends nothing" in silent.text
     monkeypatch.setattr(doctor, "_BEGINS_WITHIN_S", 40.0)  # such as a board that starts anew
     monkeypatch.setattr(doctor, "_LISTEN_S", 5.0)  # what is sent comes in time
     examined = asyncio.ensure_future(Rangefinder.examine(Probe("front", settings)))
@@ -260,3 +260,81 @@ def test_a_lasting_change_always_comes_through(
 ) -> None:
     gates = FilterLimits(0.02, 10.0, None, None, 0.5, confirm, median)
     assert judged_values(gates, [before] * 9 + [after] * (confirm + median))[-1] == after
+
+
+# -- session and doctor ------------------------------------------------------------------------
+
+
+#: What a sensor sends, settings, and why that is no distance.
+NO_DISTANCES: dict[str, tuple[bytes, dict[str, Any], str]] = {
+    "nothing": (b"", {}, "sends nothing"),
+    "zeros": (b"0\r\n", {}, "0.00 m is out of range (0.02 to 10 m): so sensors say"),
+    "minus one": (b"-1\r\n", {}, "-0.01 m is out of range"),
+    "timeout": (b"Distance: 3120 cm\r\n", {}, "31.20 m is out of range"),
+    "39 m": (b"3900\r\n", {}, "39.00 m is out of range"),
+    "R9999": (b"R9999\r", {"framing": "maxbotix", "unit": "mm"}, "nothing is in its range"),
+    "R5000": (b"R5000\r", {"framing": "maxbotix", "unit": "mm"}, "nothing is in its range"),
+    "R765": (b"R765\r", {"framing": "maxbotix", "unit": "cm"}, "nothing is in its range"),
+    "two sensors": (b"150,52\r\n", {}, "may be two numbers, or one with a decimal comma"),
+    "words": (b"Out of range\r\n", {}, "'Out of range' has no distance in it"),
+    "microseconds": (b"7134 us\r\n", {}, "'7134 us' is no distance"),
+    "no end of line": (b"123 ", {}, "println"),
+    "another speed": (b"\x81\x00\xf7\x8f\r\n", {}, "check framing and baud"),
+    "another framing": (b"123 cm\r\n", {"framing": "a02"}, "what comes is not a02 at 9600 baud"),
+    "weak echo": (tfmini(300, strength=3), {"framing": "tfmini"}, "weak echo"),
+    "no echo": (a02(0), {"framing": "a02"}, "no echo"),
+}
+
+
+@pytest.mark.parametrize("name", NO_DISTANCES)
+async def test_the_doctor_refuses_what_a_session_refuses_in_the_same_words(
+    begin: Begin,
+    sensor: PluggedSensor,
+    clock: ManualClock,
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+) -> None:
+    sent, settings, why = NO_DISTANCES[name]
+    wanted = {"framing": "lines", **settings}
+    monkeypatch.setattr(doctor, "_BEGINS_WITHIN_S", 40.0 if sent else 0.2)
+    monkeypatch.setattr(doctor, "_LISTEN_S", 0.2)
+    rangefinder_settings = RangefinderSettings(port=str(sensor.port), **wanted)
+    examined = asyncio.ensure_future(Rangefinder.examine(Probe("it", rangefinder_settings)))
+    await until(lambda: _is_locked(sensor.port))
+    sensor.send(sent * 5)
+    (finding,) = await examined
+    assert finding.level == "error"
+
+    published = await begin(**wanted)
+    await published.first(DriverConnected)
+    sensor.send(sent * 5)
+    await until(lambda: sensor.unread() == 0)
+    clock.advance(1.0)
+    stale = await published.state("distance", "stale")
+    assert why in stale.why
+    assert stale.why.partition(";")[0] in finding.text
+    assert finding.remedy in stale.why
+
+
+async def test_a_ceiling_says_what_nothing_in_range_is_worth(
+    begin: Begin, sensor: PluggedSensor
+) -> None:
+    published = await begin(framing="maxbotix", unit="mm", ceiling=4.5)
+    await published.first(DriverConnected)
+    sensor.send(b"R9999\r")
+    assert (await published.first(Reading)).value == 4.5
+
+
+async def test_the_doctor_warns_of_values_that_come_and_go(
+    sensor: PluggedSensor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "_BEGINS_WITHIN_S", 40.0)
+    monkeypatch.setattr(doctor, "_LISTEN_S", 0.5)
+    settings = RangefinderSettings(port=str(sensor.port))
+    examined = asyncio.ensure_future(Rangefinder.examine(Probe("it", settings)))
+    await until(lambda: _is_locked(sensor.port))
+    sensor.send(b"\r\n152\r\n0\r\n0\r\n" * 5)
+    (finding,) = await examined
+    assert finding.level == "warning"
+    assert "1.52 m" in finding.text
+    assert "10 values refused; 0.00 m is out of range" in finding.text

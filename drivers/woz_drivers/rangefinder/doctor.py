@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 
+from woz_drivers.rangefinder.distance_reader import DistanceReader
 from woz_drivers.rangefinder.settings import RangefinderSettings
-from woz_drivers.rangefinder.wire import Measurement
 from woz_drivers.serial_line import SerialLine
 from woz_tui.drivers.contract import DeviceLostError, Finding, Probe
 from woz_tui.system.tasks import end_tasks
@@ -46,37 +46,23 @@ async def examine(probe: Probe) -> Finding:
         if losing.done():
             error = losing.result()
             return Finding("error", probe.name, error.what, error.remedy)
-        decoder = settings.decoder()
-        found = decoder.feed(bytes(heard))
-        return _finding(probe.name, settings, bytes(heard), found, decoder.bad)
+        return _finding(probe.name, settings, bytes(heard))
     finally:
         await end_tasks(losing, beginning)
         await line.close()
 
 
-def _finding(
-    subject: str,
-    settings: RangefinderSettings,
-    heard: bytes,
-    measurements: list[Measurement],
-    bad: int,
-) -> Finding:
+def _finding(subject: str, settings: RangefinderSettings, heard: bytes) -> Finding:
     where = f"{settings.port}, {settings.framing}, {settings.real_baud} baud"
-    if not heard:
-        return Finding("error", subject, f"{where}: no data", "check the sensor's power and wiring")
-    if not measurements:
-        return Finding(
-            "error",
-            subject,
-            f"{where}: no valid frame in {len(heard)} bytes, which begin with {heard[:16]!r}",
-            "check framing and baud",
-        )
-    distances = [value.metres for value in measurements if value.metres is not None]
-    rate = f"{len(measurements) / _LISTEN_S:.0f} Hz, {bad} bad frames"
+    reader = DistanceReader(settings)
+    distances = [metres for metres, _ in reader.feed(heard)]
     if not distances:
-        return Finding(
-            "warning", subject, f"{where}: {rate}, but {measurements[-1].why}", "point it at a wall"
-        )
-    level = "warning" if bad > len(measurements) / 10 else "ok"
-    remedy = "check cable, ground and baud" if level == "warning" else ""
-    return Finding(level, subject, f"{where}: {distances[-1]:.2f} m at {rate}", remedy)
+        what, remedy = reader.no_distance()
+        return Finding("error", subject, f"{where}: no distance: {what}", remedy)
+    rate = f"{len(distances) / _LISTEN_S:.0f} Hz"
+    lost = f"{reader.malformed} bad frames, {reader.refused} values refused"
+    text = f"{where}: {distances[-1]:.2f} m at {rate}, {lost}"
+    if reader.malformed + reader.refused > len(distances) / 10:
+        what, remedy = reader.main_trouble()
+        return Finding("warning", subject, f"{text}; {what}", remedy)
+    return Finding("ok", subject, text)

@@ -6,8 +6,8 @@ import asyncio
 from typing import Any
 
 from woz_drivers.rangefinder import doctor
+from woz_drivers.rangefinder.distance_reader import DistanceReader
 from woz_drivers.rangefinder.settings import RangefinderSettings
-from woz_drivers.rangefinder.wire import Measurement
 from woz_drivers.serial_line import SerialLine
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -48,12 +48,8 @@ class Rangefinder(PassiveDriver):
 
     def __init__(self, name: str, settings: RangefinderSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
-        self._decoder = settings.decoder()
-        self._filter = settings.filter()
-        self._out_of_range = 0
-        self._accepted = 0
-        self._why = ""
-        self._last_bytes = b""
+        self._reader = DistanceReader(settings)
+        self._counted = 0
         self._valid_us = 0
         self._counted_us = 0
         self._line = SerialLine(
@@ -89,12 +85,8 @@ class Rangefinder(PassiveDriver):
     # -- the port ------------------------------------------------------------------------------
 
     def _opened(self) -> None:
-        self._decoder = self.settings.decoder()
-        self._filter = self.settings.filter()
-        self._out_of_range = 0
-        self._accepted = 0
-        self._why = ""
-        self._last_bytes = b""
+        self._reader = DistanceReader(self.settings)
+        self._counted = 0
         self._valid_us = self._counted_us = self.context.clock.now_us()
         settings = self.settings
         self.context.health(
@@ -108,28 +100,10 @@ class Rangefinder(PassiveDriver):
     # -- values --------------------------------------------------------------------------------
 
     def _received(self, data: bytes) -> None:
-        self._last_bytes = (self._last_bytes + data)[-16:]
-        for measurement in self._decoder.feed(data):
-            self._measured(measurement)
-
-    def _measured(self, measurement: Measurement) -> None:
-        if measurement.metres is None:
-            self._why = measurement.why
-            return
-        verdict = self._filter.judge(measurement.metres)
-        if verdict.metres is None:
-            if verdict.why == "range":
-                self._out_of_range += 1
-                self._why = f"{measurement.metres:.2f} m is out of range"
-            else:
-                self._why = "the distance jumps"
-            return
-        self._accepted += 1
-        self._why = ""
-        self._last_bytes = b""
-        self._valid_us = self.context.clock.now_us()
-        self.context.sensor(SENSOR, "ok")
-        self.context.reading(SENSOR, verdict.metres, unit="m", raw=measurement.raw)
+        for metres, raw in self._reader.feed(data):
+            self._valid_us = self.context.clock.now_us()
+            self.context.sensor(SENSOR, "ok")
+            self.context.reading(SENSOR, metres, unit="m", raw=raw)
 
     async def _watch_for_silence(self) -> None:
         while True:
@@ -141,23 +115,10 @@ class Rangefinder(PassiveDriver):
                 self._publish_rate((now - self._counted_us) / 1_000_000)
                 self._counted_us = now
             if now - self._valid_us >= self.settings.stale_after * 1_000_000:
-                self.context.sensor(SENSOR, "stale", self._silence())
+                self.context.sensor(SENSOR, "stale", "; ".join(self._reader.no_distance()))
 
     def _publish_rate(self, seconds: float) -> None:
-        self.context.reading(RATE, self._accepted / seconds, unit="Hz")
-        self.context.reading(BAD, float(self._decoder.bad + self._out_of_range))
-        self._accepted = 0
-
-    def _silence(self) -> str:
-        """Why there is no valid value."""
-        settings = self.settings
-        if not self._last_bytes:
-            return f"{settings.port} sends nothing; check the sensor's power and wiring"
-        if self._why:
-            return self._why
-        if self._decoder.bad:
-            return (
-                f"what comes is not {settings.framing} at {settings.real_baud} baud:"
-                f" {self._last_bytes!r}; check framing and baud"
-            )
-        return "the sensor fell silent"
+        accepted = self._reader.accepted
+        self.context.reading(RATE, (accepted - self._counted) / seconds, unit="Hz")
+        self.context.reading(BAD, float(self._reader.bad))
+        self._counted = accepted

@@ -26,6 +26,11 @@ class RangefinderSettings(Section):
         Doc("unit of the sensor's numbers; auto: the framing's usual one. maxbotix needs it said"),
     ] = "auto"
     baud: Annotated[int, Range(0, 4_000_000), Doc("bits a second; 0: the framing's usual rate")] = 0
+    column: Annotated[
+        int,
+        Range(0, 20),
+        Doc("lines: which number of a line is the distance, from 1; 0: a line has one alone"),
+    ] = 0
     nearest: Annotated[float, Range(0, 100, "m"), Doc("anything nearer is noise")] = 0.02
     farthest: Annotated[float, Range(0, 100, "m"), Doc("anything farther is noise")] = 10.0
     floor: Annotated[
@@ -81,7 +86,7 @@ class RangefinderSettings(Section):
 
     def decoder(self) -> DistanceDecoder:
         """A fresh decoder, for one connection."""
-        return FRAMINGS[self.framing].decoder(self.real_unit, self.min_strength)
+        return FRAMINGS[self.framing].decoder(self.real_unit, self.min_strength, self.column)
 
     def filter(self) -> DistanceFilter:
         """A fresh filter, for one connection."""

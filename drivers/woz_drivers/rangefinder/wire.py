@@ -14,12 +14,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+from woz_drivers.rangefinder.text_lines import LineError, distance_in
+
 #: Metres in one unit.
 METRES: Mapping[str, float] = {"mm": 0.001, "cm": 0.01, "in": 0.0254, "m": 1.0}
 UNITS = tuple(METRES)
 
 #: A line longer than this, in bytes, is noise.
-MAX_LINE = 64
+MAX_LINE = 160
+_LINES_REMEDY = "check framing and baud; an Arduino ends a line with println"
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +30,8 @@ class Measurement:
     """One well-formed frame.
 
     `raw` is the device's number in its own unit, `metres` the same in metres, or None if the
-    frame itself says that nothing was measured; then `why` says so in words.
+    frame itself says that nothing was measured; then `why` says so in words. With both the number
+    stands for nothing in range.
     """
 
     raw: float
@@ -36,9 +40,15 @@ class Measurement:
 
 
 class DistanceDecoder(Protocol):
-    """Bytes in, measurements out; `bad` counts the frames or lines thrown away so far."""
+    """Bytes in, measurements out.
+
+    Attributes:
+        bad: The frames or lines that were thrown away so far.
+        trouble: Why the last of these was, if that can be said, and what to do about it.
+    """
 
     bad: int
+    trouble: tuple[str, str]
 
     def feed(self, data: bytes) -> list[Measurement]:
         """The measurements that `data` completes, in order."""
@@ -48,15 +58,15 @@ class DistanceDecoder(Protocol):
 class LineDecoder:
     """Text that ends with CR, LF or both.
 
-    `pattern` must match a whole line; its group `number` holds the value, an optional group
-    `unit` overrides `unit`. `first_line`: whether the line under way at the moment of connecting
-    can be trusted; a tail such as `23` of `123` cannot be told from a reading.
+    `read(line)` gives what a line says, or raises `LineError`. `first_line`: whether the line under
+    way at the moment of connecting can be trusted; a tail such as `23` of `123` cannot be told from
+    a reading.
     """
 
-    def __init__(self, pattern: re.Pattern[bytes], unit: str, first_line: bool) -> None:
+    def __init__(self, read: Callable[[bytes], Measurement], first_line: bool) -> None:
         self.bad = 0
-        self._pattern = pattern
-        self._unit = unit
+        self.trouble = ("", "")
+        self._read = read
         self._line = bytearray()
         self._skipping = not first_line
 
@@ -71,7 +81,7 @@ class LineDecoder:
             elif not self._skipping:
                 self._line.append(byte)
                 if len(self._line) > MAX_LINE:
-                    self.bad += 1
+                    self._is_bad(f"no line ends within {MAX_LINE} bytes", _LINES_REMEDY)
                     self._line.clear()
                     self._skipping = True
         return found
@@ -84,14 +94,15 @@ class LineDecoder:
             return None
         if not line:
             return None
-        match = self._pattern.fullmatch(line)
-        if match is None:
-            self.bad += 1
+        try:
+            return self._read(line)
+        except LineError as error:
+            self._is_bad(str(error), error.remedy)
             return None
-        groups = match.groupdict()
-        raw = float(groups["number"].replace(b",", b"."))
-        unit = _unit_named(groups.get("unit")) or self._unit
-        return Measurement(raw, raw * METRES[unit])
+
+    def _is_bad(self, what: str, remedy: str) -> None:
+        self.bad += 1
+        self.trouble = (what, remedy)
 
 
 class FrameDecoder:
@@ -108,6 +119,7 @@ class FrameDecoder:
         read: Callable[[bytes], Measurement],
     ) -> None:
         self.bad = 0
+        self.trouble = ("", "")
         self._header = header
         self._length = length
         self._read = read
@@ -147,25 +159,22 @@ class FrameDecoder:
 class Framing:
     """One way of talking: what it is, its usual rate and unit, and how to decode it.
 
-    `decoder(unit, min_strength)` makes a fresh decoder for one connection.
+    `decoder(unit, min_strength, column)` makes a fresh decoder for one connection.
     """
 
     summary: str
     baud: int
     unit: str
-    decoder: Callable[[str, int], DistanceDecoder]
+    decoder: Callable[[str, int, int], DistanceDecoder]
 
 
 # MaxBotix: "R", three digits (LV in inches, XL in cm) or four (HR in mm), on some models followed
 # by the proximity flag " P0" or " P1", then a carriage return.
 _MAXBOTIX = re.compile(rb"R(?P<number>\d{3,4})(?: P[01])?")
 
-# What people print from an Arduino: 123 | 123.4 cm | distance: 1.23 m
-_PLAIN = re.compile(
-    rb"(?:[A-Za-z][A-Za-z _]{0,20}[:=]\s*)?(?P<number>[+-]?\d{1,7}(?:[.,]\d{1,6})?)"
-    rb"\s*(?P<unit>mm|cm|m|in|inch|inches|\")?",
-    re.IGNORECASE,
-)
+#: What these say when they see nothing, in their units: HRXL up to 5 and to 10 m, XL, LV.
+_MAXBOTIX_NOTHING = {"mm": (5000, 9999), "cm": (765, 1068), "in": (254, 255)}
+NOTHING = "nothing is in its range"
 
 #: Strengths that mean "saturated" in the TFmini family.
 _SATURATED = 0xFFFF
@@ -173,22 +182,27 @@ _SATURATED = 0xFFFF
 _LIDAR_ERRORS = 0xFFFC
 
 
-def _unit_named(word: bytes | None) -> str:
-    if word is None:
-        return ""
-    name = word.decode("ascii").lower()
-    return "in" if name in ("inch", "inches", '"') else name
+def _maxbotix(unit: str, _min_strength: int, _column: int) -> DistanceDecoder:
+    def read(line: bytes) -> Measurement:
+        match = _MAXBOTIX.fullmatch(line)
+        if match is None:
+            raise LineError("", "")
+        raw = int(match["number"])
+        nothing = raw in _MAXBOTIX_NOTHING.get(unit, ())
+        return Measurement(raw, raw * METRES[unit], NOTHING if nothing else "")
+
+    return LineDecoder(read, first_line=True)
 
 
-def _maxbotix(unit: str, _min_strength: int) -> DistanceDecoder:
-    return LineDecoder(_MAXBOTIX, unit, first_line=True)
+def _plain(unit: str, _min_strength: int, column: int) -> DistanceDecoder:
+    def read(line: bytes) -> Measurement:
+        number = distance_in(line, column)
+        return Measurement(number.value, number.value * METRES[number.unit or unit])
+
+    return LineDecoder(read, first_line=False)
 
 
-def _plain(unit: str, _min_strength: int) -> DistanceDecoder:
-    return LineDecoder(_PLAIN, unit, first_line=False)
-
-
-def _tfmini(unit: str, min_strength: int) -> DistanceDecoder:
+def _tfmini(unit: str, min_strength: int, _column: int) -> DistanceDecoder:
     scale = METRES[unit]
 
     def read(frame: bytes) -> Measurement:
@@ -205,7 +219,7 @@ def _tfmini(unit: str, min_strength: int) -> DistanceDecoder:
     return FrameDecoder(b"\x59\x59", 9, read)
 
 
-def _a02(unit: str, _min_strength: int) -> DistanceDecoder:
+def _a02(unit: str, _min_strength: int, _column: int) -> DistanceDecoder:
     scale = METRES[unit]
 
     def read(frame: bytes) -> Measurement:

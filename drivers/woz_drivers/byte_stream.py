@@ -29,6 +29,7 @@ class StreamCommand:
         nothing: What it delivers while it is silent, such as "no sound".
         remedy: What to do when it ended or had to be given up.
         least: It has begun to deliver once so many bytes of a run have come.
+        advise: What to do about the words with which it ended; empty: `remedy`.
         fed: It reads what is written to it, and answers: its silence counts from the first of what
             it has not answered.
         name: What it is called in sentences; without one, as its program.
@@ -39,6 +40,7 @@ class StreamCommand:
     nothing: str
     remedy: str
     least: int = 1
+    advise: Callable[[str], str] | None = None
     fed: bool = False
     name: str = ""
 
@@ -156,7 +158,9 @@ class ByteStream:
         if stuck:
             return DriverError(f"{program} ran, but delivered {command.nothing}", command.remedy)
         status = await running.wait()
-        return DriverError(f"{program} ended: {running.reason(status)}", command.remedy)
+        reason = running.reason(status)
+        advice = command.advise(reason) if command.advise is not None else ""
+        return DriverError(f"{program} ended: {reason}", advice or command.remedy)
 
     async def _until_end(self, running: Child) -> bool:
         """Whether it had to be given up because nothing came."""

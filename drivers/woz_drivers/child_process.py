@@ -157,11 +157,18 @@ class Child(asyncio.SubprocessProtocol):
         return not self._exited.is_set()
 
     @property
-    def last_line(self) -> str:
-        """The last line it wrote to stderr, or ''. Progress that overwrites itself counts once."""
-        lines = self._stderr.replace(b"\r", b"\n").split(b"\n")
-        spoken = [line.strip() for line in lines if line.strip()]
-        return spoken[-1].decode("utf-8", "replace")[:300] if spoken else ""
+    def last_words(self) -> str:
+        """The last line it wrote to stderr, or ''; with the list that it ends with, if it does, and
+        what stands before that. Progress that overwrites itself counts once.
+        """
+        written = self._stderr.replace(b"\r", b"\n").decode("utf-8", "replace")
+        lines = [line.rstrip() for line in written.split("\n") if line.strip()]
+        items: list[str] = []
+        while lines and lines[-1].lstrip().startswith("- "):
+            items.insert(0, lines.pop().strip().removeprefix("- "))
+        of_list = len(items) > 0 and len(lines) > 1 and lines[-1].endswith(":")
+        said = [line.strip() for line in lines[-2 if of_list else -1 :]]
+        return " ".join(["; ".join(said), ", ".join(items)]).strip()[:300]
 
     def send_text(self, text: str) -> None:
         """Give it `text` (UTF-8) on stdin and close that."""
@@ -207,7 +214,7 @@ class Child(asyncio.SubprocessProtocol):
 
     def reason(self, status: int) -> str:
         """Why it ended with this exit status: the last thing it said, or the status itself."""
-        return self.last_line or f"exit status {status}"
+        return self.last_words or f"exit status {status}"
 
     async def output_ended(self) -> bool:
         """Whether everything that it wrote to stdout has come; waits a moment for the rest. It has

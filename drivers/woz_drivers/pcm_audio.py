@@ -87,10 +87,14 @@ def one_channel(samples: Samples, channel: int) -> Samples:
 
 
 def rms(samples: Samples) -> float:
-    """Root of the mean square, 0 to 1 of full scale (a full-scale square wave is 1)."""
+    """Root of the mean square about the mean, 0 to 1 of full scale (a full-scale square wave is 1).
+
+    What does not change makes no sound: some converters add a constant.
+    """
     if samples.size == 0:
         return 0.0
     flat = samples.reshape(-1)
+    flat = flat - flat.mean(dtype=np.float64).astype(np.float32)
     return min(1.0, math.sqrt(float(np.dot(flat, flat)) / flat.size))
 
 

@@ -114,7 +114,7 @@ class SimulatedProcess:
         finally:
             ending.cancel()
         if not line.done() or line.cancelled():
-            reason = running.last_line or "it says nothing"
+            reason = running.last_words or "it says nothing"
             raise DeviceLostError(f"the simulated robot does not start: {reason}", remedy)
         try:
             return str(json.loads(line.result())["address"])

@@ -34,8 +34,32 @@ async def test_output_stdin_status_and_last_words(tmp_path: Path) -> None:
     assert await running.wait() == 3
     await running.end()
     assert output.decode() == "hällo\n"
-    assert running.last_line == "last words"
+    assert running.last_words == "last words"
     assert not running.running
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        (
+            "arecord: set_params:1358: Sample format non available\\nAvailable formats:\\n- S24_3LE"
+            "\\n- S32_LE\\n",
+            "arecord: set_params:1358: Sample format non available; Available formats:"
+            " S24_3LE, S32_LE",
+        ),
+        ("Traceback:\\n  File x\\nValueError: no\\n", "ValueError: no"),
+        ("- one\\n- two", "one, two"),
+        ("first\\n- one", "first one"),
+        ("", ""),
+    ],
+)
+async def test_last_words_that_are_a_list_are_told_whole(
+    tmp_path: Path, said: str, words: str
+) -> None:
+    running = await child_process.start(("sh", "-c", f"printf -- '{said}' >&2"), tmp_path)
+    await running.wait()
+    await running.end()
+    assert running.last_words == words
 
 
 async def test_everything_it_started_dies_with_it(tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ async def test_a_stream_split_at_odd_bytes_is_the_same(begin: Begin, pipe: Piped
 async def test_one_channel_of_two_in_24_bits(begin: Begin, pipe: PipedCommand) -> None:
     _, published = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
     await until(pipe.connected)
-    stereo = np.tile(np.array([[0.9, 0.3]], np.float32), (RATE // 10, 1))
+    stereo = np.tile(np.array([[0.9, 0.3], [-0.9, -0.3]], np.float32), (RATE // 20, 1))
     pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
     await published.until(lambda: len(published.values("loudness")) == 1)
     assert published.values("loudness") == pytest.approx([0.3], rel=1e-3)
@@ -315,6 +315,75 @@ async def test_examine_measures_a_second(
     finding = await examined(tmp_path, square(1.5, level))
     assert (finding.level, finding.subject) == (expected, "ear")
     assert words in finding.text
+
+
+#: Constant samples of 1200, as an I2S microphone gives them in silence.
+OFFSET = (1200).to_bytes(2, "little")
+NO_FORMAT = (
+    "arecord: set_params:1358: Sample format non available\n"
+    "Available formats:\n- FLOAT64_LE\n- S24_3LE\n"
+)
+
+
+async def test_an_offset_is_no_speech_and_the_doctor_names_it(
+    begin: Begin, pipe: PipedCommand, tmp_path: Path
+) -> None:
+    _, published = await begin(pipe.command)
+    await until(pipe.connected)
+    pipe.send(OFFSET * RATE)
+    await published.until(lambda: len(published.values("loudness")) == 10)
+    assert published.values("loudness") == pytest.approx([0.0] * 10, abs=1e-6)
+    assert published.states("loudness") == ["quiet"]
+    finding = await examined(tmp_path, OFFSET * 2 * RATE)
+    assert "offset 0.037" in finding.text
+    assert "louder than the threshold" not in finding.text
+
+
+async def test_speech_on_an_offset_is_as_loud_as_without(begin: Begin, pipe: PipedCommand) -> None:
+    samples = np.frombuffer(square(0.2, 0.25), dtype="<i2") + 1200
+    _, published = await begin(pipe.command)
+    await until(pipe.connected)
+    pipe.send(samples.astype("<i2").tobytes())
+    await published.until(lambda: len(published.values("loudness")) == 2)
+    assert published.values("loudness") == pytest.approx([0.25, 0.25], rel=1e-3)
+    assert published.states("loudness")[-1] == "speaking"
+
+
+@pytest.fixture
+def alsa(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Puts an arecord in front that says something and ends."""
+
+    def ends_with(said: str) -> None:
+        program = tmp_path / "bin" / "arecord"
+        program.parent.mkdir()
+        program.write_text(f"#!/bin/sh\ncat >&2 <<'END'\n{said}\nEND\nexit 1\n")
+        program.chmod(0o755)
+        monkeypatch.setenv("PATH", str(program.parent), prepend=":")
+
+    return ends_with
+
+
+@pytest.mark.parametrize(
+    ("said", "device", "told"),
+    [
+        (NO_FORMAT, "hw:2,0", ("Sample format non available", "`format: S24_3LE` beside")),
+        (NO_FORMAT, "hw:2,0", ("formats: FLOAT64_LE, S24_3LE", "`device: plughw:2,0`")),
+        (NO_FORMAT.replace("S24_3LE", "DSD_U8"), "usb", ("DSD_U8", "device: plughw:CARD,DEVICE")),
+        ("arecord: set_params:1377: Channels count non available", "hw:1", ("non", "`channels`")),
+        ("arecord: main:831: audio open error: Device or resource busy", "hw:1", ("", "fuser")),
+    ],
+)
+async def test_doctor_and_session_tell_what_arecord_says_and_what_to_do(
+    begin: Begin, alsa: Callable[[str], None], said: str, device: str, told: tuple[str, str]
+) -> None:
+    alsa(said)
+    settings = MicrophoneSettings(device=device)
+    (finding,) = await Microphone.examine(Probe("ear", settings))
+    _, published = await begin("", device=device)
+    lost = await published.first(DriverLost)
+    assert (finding.level, finding.text, finding.remedy) == ("error", lost.detail, lost.remedy)
+    assert told[0] in lost.detail
+    assert told[1] in lost.remedy
 
 
 async def test_examine_says_why_there_is_no_sound(tmp_path: Path) -> None:

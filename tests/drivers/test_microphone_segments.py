@@ -124,11 +124,12 @@ async def test_of_several_channels_the_one_that_counts_is_kept(
 ) -> None:
     _, published = await begin(pipe, segments=True, format="S24_3LE", channels=2, channel=2)
     levels = np.repeat(np.array([0.0, 0.5, 0.0], np.float32), [320 * 5, 320 * 5, 320 * 6])
-    pipe.send(pcm_audio.encode(np.stack([np.full_like(levels, 0.9), levels], axis=1), "S24_3LE"))
+    levels *= np.resize([1, -1], levels.size)
+    pipe.send(pcm_audio.encode(np.stack([levels[::-1] * 2, levels], axis=1), "S24_3LE"))
     ended = await published.first(SpeechEnded)
     assert (
         np.frombuffer(segment_samples(published, ended), "<i2").tolist()
-        == [0] * 320 * 3 + [16384] * 320 * 5 + [0] * 320 * 5
+        == [0] * 320 * 3 + [16384, -16384] * 160 * 5 + [0] * 320 * 5
     )
 
 
@@ -145,7 +146,7 @@ async def test_what_lies_on_the_threshold_is_no_speech(begin: Begin, pipe: Piped
 async def test_not_a_number_and_zeros_are_quiet(begin: Begin, pipe: PipedCommand) -> None:
     _, published = await begin(pipe, format="FLOAT_LE", silent_after=0.2)
     quiet = np.array([np.nan, 0.0] * (160 * 12), np.float32)
-    loud = np.full(320 * 5, 0.5, np.float32)
+    loud = np.array([0.5, -0.5] * (160 * 5), np.float32)
     pipe.send(np.concatenate([quiet, loud, quiet]).astype("<f4").tobytes())
     ended = await published.first(SpeechEnded)
     assert ended.ended - ended.began == (3 + 5 + 5) * 20_000

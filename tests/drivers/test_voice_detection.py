@@ -31,7 +31,10 @@ LOUD_WITHOUT_A_VOICE = {
     "tone": np.tile(0.3 * np.sin(2 * np.pi * 440 * SECOND), 3),
     "hum": hum(),
     "rising tone": 0.3 * np.sin(2 * np.pi * (100 * SECOND + 900 * SECOND**2)),
-    "clicks": np.tile(np.where(np.arange(RATE // 3) < 3000, 0.8, 0.0), 6) * RANDOM.normal(0, 1),
+    "clicks": np.tile(
+        np.where(np.arange(RATE // 3) < 3000, np.resize([0.8, -0.8], RATE // 3), 0), 6
+    )
+    * RANDOM.normal(0, 1),
     "slammed door": np.concatenate(
         [RANDOM.normal(0, 0.5, RATE // 2) * np.exp(-np.arange(RATE // 2) / 4000), QUIET]
     ),

@@ -7,7 +7,9 @@ import asyncio
 import numpy as np
 
 from woz_drivers import child_process, command_lines, pcm_audio
+from woz_drivers.microphone import arecord_words
 from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
 from woz_drivers.resident_program import ResidentProgram
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
@@ -18,6 +20,8 @@ _PATIENCE_S = 8.0
 _LOAD_PATIENCE_S = 6.0
 #: Below this many dB of full scale, speech at one metre will hardly stand out.
 _VERY_QUIET_DB = -80.0
+#: A mean so far from zero is told, as a part of full scale.
+_OFFSET = 0.005
 
 
 async def examine(probe: Probe) -> list[Finding]:
@@ -80,9 +84,9 @@ async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: P
     try:
         status = await running.wait_or(enough, _PATIENCE_S)
         if status is not None:
-            raise DriverError(
-                f"{words[0]} ended: {running.reason(status)}", await _devices(words[0], probe)
-            )
+            reason = running.reason(status)
+            advice = arecord_words.remedy(settings, reason) or await _devices(words[0], probe)
+            raise DriverError(f"{words[0]} ended: {reason}", advice)
     finally:
         await running.end()
     if not heard:
@@ -115,10 +119,13 @@ def _level(subject: str, settings: MicrophoneSettings, data: bytes) -> Finding:
     samples = settings.samples(data)
     level = pcm_audio.rms(samples)
     peak = float(np.abs(samples).max(initial=0.0))
+    offset = float(samples.mean())
     text = (
         f"{settings.words[0]}: RMS {level:.4f} ({pcm_audio.decibels(level):.0f} dB),"
         f" peak {peak:.2f}, threshold {settings.threshold:.4f}"
     )
+    if abs(offset) >= _OFFSET:
+        text += f", offset {offset:.3f} (taken off)"
     if peak == 0:
         return Finding(
             "error", subject, f"{text}: only zeros", "switch the microphone on, or choose another"
@@ -127,7 +134,7 @@ def _level(subject: str, settings: MicrophoneSettings, data: bytes) -> Finding:
         return Finding("warning", subject, f"{text}: clipping", "turn the gain down: alsamixer")
     if pcm_audio.decibels(level) < _VERY_QUIET_DB:
         return Finding("warning", subject, f"{text}: very quiet", "turn the gain up: alsamixer")
-    if level > settings.threshold:
+    if _is_speech(settings, samples):
         return Finding(
             "warning",
             subject,
@@ -135,3 +142,14 @@ def _level(subject: str, settings: MicrophoneSettings, data: bytes) -> Finding:
             "if nobody spoke, play listen_room or raise threshold",
         )
     return Finding("ok", subject, text)
+
+
+def _is_speech(settings: MicrophoneSettings, samples: pcm_audio.Samples) -> bool:
+    """Whether a session would say that somebody speaks."""
+    detector = SpeechDetector(settings.ear)
+    block = round(settings.rate * BLOCK_S)
+    for at in range(0, samples.size - block + 1, block):
+        detector.judge(samples[at : at + block])
+        if detector.state in ("speaking", "clipping"):
+            return True
+    return False

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from woz_drivers import pcm_audio, room_threshold
 from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
-from woz_drivers.microphone import doctor
+from woz_drivers.microphone import arecord_words, doctor
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
 from woz_drivers.microphone.speech_segments import SpeechSegments
@@ -119,7 +120,9 @@ class Microphone(PassiveDriver):
         self.context.sensor(SPEECH, "ready", "it reports speech by itself")
         settings = self.settings
         command = StreamCommand(
-            settings.words, self.context.folder, "no sound", _CHECK, least=settings.block_bytes
+            *(settings.words, self.context.folder, "no sound", _CHECK),
+            least=settings.block_bytes,
+            advise=partial(arecord_words.remedy, settings),
         )
         listener = StreamListener(self._begun, self._received, self._stale, self._lost)
         self._source = ByteStream(command, self.context.clock, listener)

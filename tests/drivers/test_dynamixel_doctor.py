@@ -9,10 +9,11 @@ import pytest
 from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, doctor, port, wire
 
 from tests.drivers.published_messages import PublishedMessages
-from tests.drivers.servo_rig import HEAD, MISSING_MS, head
+from tests.drivers.servo_rig import HEAD, MISSING_MS, connected_servos, head
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import Finding, Probe
+from woz_tui.protocol.messages import DriverFaulted, DriverLost
 
 pytestmark = pytest.mark.real_clock
 
@@ -58,6 +59,42 @@ async def test_what_is_wrong_is_named(tmp_path: Path, monkeypatch: pytest.Monkey
         assert "id 40: a XL430-W250 answers, but no joint has this id" in warnings
         assert "bus watchdog: is off" in warnings
         assert all(one.remedy for one in findings if one.level == "error")
+
+
+@pytest.mark.parametrize(
+    ("model", "level", "what"),
+    [
+        ("XL330-M288", 0, "answers pings and no reads, as with a Status Return Level"),
+        ("XL330-M288", 1, "answers reads and no writes: its Status Return Level"),
+        ("MX-28", 1, "answers reads and no writes: its Status Return Level"),
+    ],
+)
+@pytest.mark.usefixtures("few_ids")
+async def test_doctor_and_session_name_servos_that_do_not_answer_everything(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: str, level: int, what: str
+) -> None:
+    monkeypatch.setattr(doctor, "USUAL_BAUDS", ())
+    address, protocol = (68, 2) if model.startswith("X") else (16, 1)
+    joints = {"pan": ServoJointSettings(id=7, min=-90, max=90)}
+
+    def quiet(bus: ServoBus) -> None:
+        bus.servo(7).put(address, 1, level)
+        bus.servo(7).put(64 if protocol == 2 else 24, 1, 1)
+
+    changes: dict[str, Any] = {"joints": joints, "protocol": protocol, "reply_timeout": MISSING_MS}
+    with ServoBus([7], tmp_path / "looked-at", model=model) as bus:
+        quiet(bus)
+        findings = await examined(bus.link, **changes)
+        assert bus.writes == []
+    told = [one for one in findings if one.level == "error"]
+    async with connected_servos(
+        tmp_path, ids=[7], model=model, prepare=quiet, ready=level > 0, **changes
+    ) as rig:
+        health = await rig.published.first(DriverFaulted if level else DriverLost)
+        assert not rig.bus.servo(7).torque or level == 0
+    assert [(what in one.text, f"({address})" in one.text) for one in told] == [(True, True)]
+    assert f"pan (id 7) {told[0].text}" in health.detail
+    assert health.remedy == told[0].remedy
 
 
 async def test_servos_that_may_not_heed_their_watchdog_are_named(tmp_path: Path) -> None:

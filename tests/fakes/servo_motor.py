@@ -96,6 +96,11 @@ class Motor:
         return self.memory[24] == 1 and self.get(34, 2) > 0
 
     @property
+    def return_level(self) -> int:
+        """Its Status Return Level: 0 it answers pings, 1 reads too, 2 everything."""
+        return self.memory[68 if self.protocol == 2 else 16]
+
+    @property
     def goal(self) -> int:
         """Goal position in counts."""
         return self.get(116, 4) if self.protocol == 2 else self.get(30, 2)
@@ -123,6 +128,7 @@ class Motor:
             self.put(9, 1, 250)
             self.put(11, 1, 3)
             self.put(48, 4, self.counts - 1)
+            self.put(68, 1, 2)
             self.put(144, 2, 50)
             self.put(146, 1, 32)
         else:
@@ -130,6 +136,7 @@ class Motor:
             self.put(3, 1, self.number)
             self.put(5, 1, 250)
             self.put(8, 2, self.counts - 1)
+            self.put(16, 1, 2)
             self.put(14, 2, 1023)
             self.put(42, 1, 120)
             self.put(43, 1, 34)

@@ -304,7 +304,7 @@ class ServoBus:
             if not (everybody and self.protocol == 1):
                 self._say(motor, 0, self._identity(motor))
         elif code == codec.READ:
-            if not everybody:
+            if not everybody and motor.return_level >= 1:
                 self._say(motor, *self._read(motor, params))
         elif code in (codec.WRITE, codec.REG_WRITE):
             address, data = self._split(params)
@@ -312,7 +312,7 @@ class ServoBus:
                 motor.registered, error = (address, data), 0
             else:
                 error = self._write(motor, address, data)
-            if not everybody:
+            if not everybody and motor.return_level >= 2:
                 self._say(motor, error)
         elif code == codec.ACTION:
             if motor.registered is not None:
@@ -360,7 +360,7 @@ class ServoBus:
         elif self.protocol == 2:
             for number in rest:
                 motor = self.servos.get(number)
-                if motor is not None and self._hears(motor, now):
+                if motor is not None and self._hears(motor, now) and motor.return_level >= 1:
                     self._say(motor, 0, bytes(motor.memory[address : address + size]))
 
     def _write(self, motor: Motor, address: int, data: bytes) -> int:

@@ -17,6 +17,7 @@ from woz_drivers.dynamixel.control_tables import ControlTable
 from woz_drivers.dynamixel.port import slow_answers
 from woz_drivers.dynamixel.servo import (
     MISSES,
+    PINGS_ONLY,
     TORQUE_REMEDY,
     Servo,
     ServoStatus,
@@ -128,6 +129,10 @@ class ServoChain(ServoUpkeep):
         ids = {servo.joint.id for servo in self.servos.values()}
         found = self.wire.scan(ids)
         where = f"{self.settings.port} at {self.settings.baud} baud"
+        deaf = [one for one in self.servos.values() if one.trouble.startswith(PINGS_ONLY)]
+        if deaf:
+            labels = ", ".join(one.label for one in deaf)
+            return DeviceLostError(f"{labels} {deaf[0].trouble}", deaf[0].remedy)
         if ids & found.keys():
             late = ", ".join(map(str, sorted(ids & found.keys())))
             return DeviceLostError(

@@ -58,6 +58,7 @@ class ControlTable:
     protocol: int
     firmware: Register
     return_delay: Register
+    return_level: Register
     low_limit: Register
     high_limit: Register
     torque: Register
@@ -136,6 +137,7 @@ X_SERIES = ControlTable(
     protocol=2,
     firmware=Register(6, 1),
     return_delay=Register(9, 1),
+    return_level=Register(68, 1),
     drive_mode=Register(10, 1),
     operating_mode=Register(11, 1),
     homing_offset=Register(20, 4, signed=True),
@@ -158,6 +160,7 @@ PROTOCOL_1 = ControlTable(
     protocol=1,
     firmware=Register(2, 1),
     return_delay=Register(5, 1),
+    return_level=Register(16, 1),
     low_limit=Register(6, 2),
     high_limit=Register(8, 2),
     max_torque=Register(14, 2),
@@ -175,6 +178,8 @@ PROTOCOL_1 = ControlTable(
 #: Operating Mode (11) of the X series: position, extended position, current-based position.
 POSITION_MODES = (3, 4, 5)
 EXTENDED_MODES = (4, 5)
+#: Status Return Level: a servo answers pings alone, reads as well, everything.
+ANSWERS_PINGS, ANSWERS_READS, ANSWERS_ALL = 0, 1, 2
 #: Drive Mode (10), bit 2: Profile Velocity counts milliseconds instead of a speed.
 TIME_PROFILE_BIT = 0x04
 #: Startup Configuration (60), bit 0: torque on with the power; bit 1: what was saved of the rest,

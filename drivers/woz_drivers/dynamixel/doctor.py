@@ -152,6 +152,12 @@ def _condition(
     model: control_tables.ServoModel,
 ) -> Iterator[Finding]:
     table = model.table
+    try:
+        servos.check_answers(servos.ServoRegisters(wire, joint.id, table))
+    except (servos.SilentError, servos.UnfitError) as error:
+        yield Finding("error", subject, error.what, error.remedy)
+        if isinstance(error, servos.SilentError):
+            return
     voltage = wire.read(joint.id, table.voltage)
     if voltage is None:
         yield Finding(

@@ -22,8 +22,12 @@ class UnfitError(DriverError):
 class SilentError(DriverError):
     """It did not answer."""
 
-    def __init__(self) -> None:
-        super().__init__("does not answer", "check its cable, its power and its id")
+    def __init__(
+        self,
+        what: str = "does not answer",
+        remedy: str = "check its cable, its power and its id",
+    ) -> None:
+        super().__init__(what, remedy)
 
 
 # -- calibration ----------------------------------------------------------------------------------
@@ -147,6 +151,7 @@ HOLDABLE = 2.0
 #: No joint gets so far while its torque goes on, in turns of the servo: it has changed its count. A
 #: servo with a homing offset in position mode was seen to do so (ROBOTIS forum, thread 7814).
 TURNED = 0.5
+PINGS_ONLY = "answers pings and no reads"
 TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`torque: on`)"
 #: Of a servo that shut itself down; one of protocol 1 cannot be restarted over the wire.
 X_REMEDY = "remove the load and let it cool, then `reboot` and `torque: on`"
@@ -280,8 +285,14 @@ def check(wire: ServoWire, servo: Servo, settings: ServoSettings, *, fresh: bool
     # Before anything is judged: a servo found turning like a wheel must not go on doing so.
     status = wire.read(servo.joint.id, table.status_block())
     if status is None:
+        check_answers(line)
         raise SilentError()
     keep = servo.torque and not fresh and still_holds(servo, table, status.data)
+    try:
+        check_answers(line)
+    except UnfitError:
+        wire.write(servo.joint.id, table.torque, 0)  # it takes it, and says nothing
+        raise
     if torque_enabled(table, status.data) and not keep:
         line.write(table.torque, 0)
         servo.torque = False
@@ -302,6 +313,29 @@ def check(wire: ServoWire, servo: Servo, settings: ServoSettings, *, fresh: bool
     servo.torque = keep
     servo.misses = 0
     servo.status, servo.trouble, servo.remedy = ServoStatus.READY, "", ""
+
+
+def check_answers(line: ServoRegisters) -> None:
+    """Whether a servo that has answered a ping answers the rest; writes nothing.
+
+    Raises:
+        SilentError: It does not even answer reads.
+        UnfitError: It answers no writes, so that nobody would know whether it took them.
+    """
+    register = line.table.return_level
+    level = line.wire.number(line.servo, register)
+    called = f"Status Return Level ({register.address})"
+    if level is None:
+        raise SilentError(
+            f"{PINGS_ONLY}, as with a {called} of {control_tables.ANSWERS_PINGS}",
+            f"set it to {control_tables.ANSWERS_ALL} with the maker's tool; if that is what it"
+            " is, check its cable",
+        )
+    if level < control_tables.ANSWERS_ALL:
+        raise UnfitError(
+            f"answers reads and no writes: its {called} is {level}",
+            f"set it to {control_tables.ANSWERS_ALL} with the maker's tool",
+        )
 
 
 def read_calibration(

@@ -8,7 +8,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, chain
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, chain, port, servo
 
 from tests.drivers.published_messages import PublishedMessages, until
 from tests.drivers.servo_rig import HEAD, MISSING_MS, SILENT_MS, ServoRig, connected_servos, head
@@ -190,6 +190,22 @@ async def test_one_dead_servo_slows_nobody(tmp_path: Path) -> None:
         rig.bus.servo(12).silent = False
         await rig.noticed("tilt (id 12) answers again and still holds")
         assert (await rig.do("pose", joints={"tilt": 0.0}, seconds=0.1))["joints"] == {"tilt": 0.0}
+
+
+async def test_a_computer_that_is_too_busy_to_listen_is_not_told_as_a_broken_cable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with connected_servos(tmp_path, patience_ms=SILENT_MS) as rig:
+        open_port = await rig.port()
+        monkeypatch.setattr(port, "EXPLAINS_MS", 3_600_000.0)
+        open_port._delayed_at, open_port._longest_delay_ms = open_port.getCurrentTime(), 300.0
+        rig.bus.servo(12).silent = True
+        await rig.ticks(servo.MISSES + 2)
+        assert not isinstance(rig.health()[-1], DriverFaulted)
+        await rig.noticed("tilt (id 12) no longer answers, but this computer was too busy")
+        faulted = await rig.published.first(DriverFaulted)
+        assert "stood still for 300 ms" in faulted.detail
+        assert faulted.remedy.startswith("end other programs")
 
 
 async def test_servo_missing_from_the_start(

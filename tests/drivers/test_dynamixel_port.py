@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 import os
+import time
 import tty
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from serial.serialutil import Timeout
@@ -65,6 +67,63 @@ def test_an_answer_that_came_while_this_process_stood_still_is_read(
     os.write(far, b"answer")
     port.packet_start_time -= 1000.0
     assert port.readPort(6) == b"answer"
+
+
+class LateTurns:
+    """A clock, and a poll after which this process gets its turn so much later."""
+
+    def __init__(self, poll: Any, late_ms: float) -> None:
+        self._poll = poll
+        self.late_ms = late_ms
+        self._ahead_ns = 0
+
+    def poll(self, timeout: float) -> Any:
+        ready = self._poll.poll(timeout)
+        self._ahead_ns += round(self.late_ms * 1e6)
+        return ready
+
+    def monotonic_ns(self) -> int:
+        return time.monotonic_ns() + self._ahead_ns
+
+
+@pytest.fixture
+def late(line: tuple[ServoPort, int], monkeypatch: pytest.MonkeyPatch) -> LateTurns:
+    port, _ = line
+    turns = LateTurns(port._poll, late_ms=300.0)
+    port._poll = turns  # type: ignore[assignment]
+    monkeypatch.setattr(module, "time", turns)
+    return turns
+
+
+@pytest.mark.usefixtures("late")
+def test_the_time_in_which_this_process_stood_still_is_nobodys_delay(
+    line: tuple[ServoPort, int],
+) -> None:
+    port, far = line
+    port.patience_ms = 100.0
+    port.setPacketTimeout(6)
+    os.write(far, b"ans")
+    assert port.readPort(6) == b"ans"
+    assert not port.isPacketTimeout()
+    os.write(far, b"wer")
+    assert port.readPort(3) == b"wer"
+    assert port.longest_ms < 100.0
+
+
+def test_a_silence_is_put_down_to_a_computer_that_was_late(
+    line: tuple[ServoPort, int], late: LateTurns
+) -> None:
+    port, _ = line
+    cable = ("does not answer", "check its cable")
+    assert port.blame(*cable) == cable
+    port.setPacketTimeout(6)
+    assert port.readPort(6) == b""
+    what, remedy = port.blame(*cable)
+    assert "this computer was too busy to listen (it stood still for 300 ms)" in what
+    assert remedy.startswith("end other programs")
+    late.late_ms = 0.0
+    late._ahead_ns += 2_000_000_000
+    assert port.blame(*cable) == cable
 
 
 def test_a_line_that_never_falls_silent_is_given_up(line: tuple[ServoPort, int]) -> None:

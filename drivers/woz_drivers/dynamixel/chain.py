@@ -16,6 +16,7 @@ from woz_drivers.dynamixel.body_following import BodyFollower
 from woz_drivers.dynamixel.control_tables import ControlTable
 from woz_drivers.dynamixel.port import slow_answers
 from woz_drivers.dynamixel.servo import (
+    LATE_MISSES,
     MISSES,
     PINGS_ONLY,
     TORQUE_REMEDY,
@@ -120,7 +121,7 @@ class ServoChain(ServoUpkeep):
         try:
             servos.check(self.wire, servo, self.settings, fresh=fresh)
         except SilentError as silent:
-            servo.lose(silent.what, silent.remedy)
+            servo.lose(*self.wire.port.blame(silent.what, silent.remedy))
         except UnfitError as unfit:
             servo.lose(unfit.what, unfit.remedy, ServoStatus.UNFIT)
         return servo.status is not ServoStatus.SILENT
@@ -135,21 +136,23 @@ class ServoChain(ServoUpkeep):
             return DeviceLostError(f"{labels} {deaf[0].trouble}", deaf[0].remedy)
         if ids & found.keys():
             late = ", ".join(map(str, sorted(ids & found.keys())))
-            return DeviceLostError(
+            told = self.wire.port.blame(
                 f"the servos on {where} are there (ids {late}), but their answers come late or not"
                 " at all",
                 "raise `reply_timeout`; `woz doctor` looks at adapter and servos",
             )
+            return DeviceLostError(*told)
         if found:
             others = ", ".join(map(str, sorted(found)))
             return DeviceLostError(
                 f"none of the configured servos answers on {where}; ids that do: {others}",
                 "correct the ids in the robot file",
             )
-        return DeviceLostError(
+        told = self.wire.port.blame(
             f"no servo answers on {where}",
             "check their power and `baud`; `woz doctor` tries the other speeds",
         )
+        return DeviceLostError(*told)
 
     # -- what the asyncio side asks for --------------------------------------------------------
 
@@ -324,10 +327,12 @@ class ServoChain(ServoUpkeep):
 
     def _count_miss(self, servo: Servo) -> None:
         servo.misses += 1
-        if servo.misses >= MISSES:
-            self._take_over(servo.name, "no longer answers")
-            servo.lose("no longer answers", "check its cable and its power")
-            self._context.notice("error", f"{servo.label} no longer answers", servo.remedy)
+        port = self.wire.port
+        if servo.misses >= (LATE_MISSES if port.is_late else MISSES):
+            what, remedy = port.blame("no longer answers", "check its cable and its power")
+            self._take_over(servo.name, what)
+            servo.lose(what, remedy)
+            self._context.notice("error", f"{servo.label} {what}", remedy)
 
     def _advance(self, now: float, elapsed: float) -> None:
         if self._following is not None:

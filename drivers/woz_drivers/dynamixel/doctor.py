@@ -123,9 +123,8 @@ def _joint(
 ) -> Iterator[Finding]:
     subject = f"{name} (id {joint.id})"
     if number is None:
-        yield Finding(
-            "error", subject, "does not answer", "check its cable, its power, its id and its baud"
-        )
+        told = wire.port.blame("does not answer", "check its cable, its power, its id and its baud")
+        yield Finding("error", subject, *told)
         return
     model = control_tables.by_number(settings.protocol, number)
     if model is None:
@@ -155,14 +154,15 @@ def _condition(
     try:
         servos.check_answers(servos.ServoRegisters(wire, joint.id, table))
     except (servos.SilentError, servos.UnfitError) as error:
-        yield Finding("error", subject, error.what, error.remedy)
-        if isinstance(error, servos.SilentError):
+        silent = isinstance(error, servos.SilentError)
+        told = (error.what, error.remedy)
+        yield Finding("error", subject, *(wire.port.blame(*told) if silent else told))
+        if silent:
             return
     voltage = wire.read(joint.id, table.voltage)
     if voltage is None:
-        yield Finding(
-            "error", subject, "stopped answering", "check its cable, or raise `reply_timeout`"
-        )
+        told = wire.port.blame("stopped answering", "check its cable, or raise `reply_timeout`")
+        yield Finding("error", subject, *told)
         return
     volts = table.voltage.decode(voltage.data) * control_tables.VOLT
     firmware = wire.number(joint.id, table.firmware)

@@ -33,6 +33,11 @@ AMPLE_MS = 100.0
 BABBLE_MS = 50.0
 #: Where this process stood still for that long, what came meanwhile is taken in so many reads.
 LATE_READS = 3
+#: A wait that takes so much longer than it was told to is this process's own delay, in ms.
+OWN_DELAY_MS = 20.0
+#: A delay of its own explains a silence of the servos for so long, in milliseconds.
+EXPLAINS_MS = 1000.0
+BUSY_REMEDY = "end other programs on this computer, or let it do less"
 #: A line that takes nothing for so long is broken, in milliseconds.
 STUCK_MS = 200.0
 #: USB serial adapters as the kernel knows them.
@@ -48,6 +53,8 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         waits: How often it slept for bytes, for tests and figures.
         patience_ms: How long it waits for an answer, beside the time its bytes take.
         longest_ms: The longest wait for bytes that came, since somebody set this to 0.
+        own_delay_ms: How much of the wait for the present packet this process stood still itself:
+            that counts as nobody's delay.
     """
 
     def __init__(self, path: str, baud: int, reply_timeout_ms: float | None = None) -> None:
@@ -56,6 +63,9 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.is_open = False
         self.ser: serial.Serial | None = None
         self.waits = 0
+        self.own_delay_ms = 0.0
+        self._awake_at = self._delayed_at = float("-inf")
+        self._longest_delay_ms = 0.0
         self._late_reads = 0
         self.low_latency = False
         self.patience_ms = reply_timeout_ms or answer_timeout_ms(LATENCY_MS)
@@ -117,6 +127,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         """At most `length` bytes; none if nothing came within 2 ms."""
         if length <= 0:
             return b""
+        self._notice_delay()
         elapsed = self.getTimeSinceStart()
         if elapsed > self.packet_timeout + BABBLE_MS:
             self._late_reads += 1
@@ -139,7 +150,9 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         return sent
 
     def _wait_and_read(self, length: int) -> bytes:
-        if not self._poll.poll(WAIT_MS):
+        ready = self._poll.poll(WAIT_MS)
+        self._notice_delay()
+        if not ready:
             return b""
         data = os.read(self._open().fileno(), length)
         if not data:
@@ -155,14 +168,41 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         """Begin to wait for so many milliseconds."""
         super().setPacketTimeoutMillis(msec)
         self._late_reads = 0
+        self.own_delay_ms, self._awake_at = 0.0, self.getCurrentTime()
 
     def getCurrentTime(self) -> float:  # noqa: N802
         """Milliseconds of the monotonic clock."""
         return time.monotonic_ns() / 1e6
 
     def getTimeSinceStart(self) -> float:  # noqa: N802
-        """Milliseconds since the wait for a packet began."""
-        return self.getCurrentTime() - float(self.packet_start_time)
+        """Milliseconds since the wait for a packet began, in which this process was awake."""
+        return self.getCurrentTime() - float(self.packet_start_time) - self.own_delay_ms
+
+    def _notice_delay(self) -> None:
+        """Between two looks at the line pass 2 ms at the most, if this process gets its turn."""
+        now = self.getCurrentTime()
+        delay = now - self._awake_at - WAIT_MS
+        self._awake_at = now
+        if delay > OWN_DELAY_MS:
+            self.own_delay_ms += delay
+            recently = now - self._delayed_at < EXPLAINS_MS
+            self._longest_delay_ms = max(delay, self._longest_delay_ms if recently else 0.0)
+            self._delayed_at = now
+
+    @property
+    def is_late(self) -> bool:
+        """Whether this process was itself too late lately to judge a silence."""
+        return self.getCurrentTime() - self._delayed_at < EXPLAINS_MS
+
+    def blame(self, what: str, remedy: str) -> tuple[str, str]:
+        """A silence and its remedy as they are told: this computer is to blame where it was late."""
+        if not self.is_late:
+            return what, remedy
+        late = f"it stood still for {self._longest_delay_ms:.0f} ms"
+        return (
+            f"{what}, but this computer was too busy to listen ({late})",
+            f"{BUSY_REMEDY}; if that does not help: {remedy}",
+        )
 
     def _open(self) -> serial.Serial:
         if self.ser is None:

@@ -151,6 +151,8 @@ HOLDABLE = 2.0
 #: No joint gets so far while its torque goes on, in turns of the servo: it has changed its count. A
 #: servo with a homing offset in position mode was seen to do so (ROBOTIS forum, thread 7814).
 TURNED = 0.5
+#: And so many where this process itself was too late to hear them: then a cable is not the cause.
+LATE_MISSES = 25
 PINGS_ONLY = "answers pings and no reads"
 TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`torque: on`)"
 #: Of a servo that shut itself down; one of protocol 1 cannot be restarted over the wire.

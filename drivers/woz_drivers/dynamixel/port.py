@@ -195,7 +195,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         return self.getCurrentTime() - self._delayed_at < EXPLAINS_MS
 
     def blame(self, what: str, remedy: str) -> tuple[str, str]:
-        """A silence and its remedy as they are told: this computer is to blame where it was late."""
+        """A silence and its remedy as they are told: a computer that was late blames itself."""
         if not self.is_late:
             return what, remedy
         late = f"it stood still for {self._longest_delay_ms:.0f} ms"

@@ -1,18 +1,23 @@
-"""`woz doctor` for a panel: looks, opens, and lets go again; nothing is sent."""
+"""`woz doctor` for a panel: looks, opens, listens, and lets go again; nothing is sent."""
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import os
 from pathlib import Path
 
 from woz_drivers.midi import devices
 from woz_drivers.midi.panel_layouts import LAYOUTS
-from woz_drivers.midi.resolved_map import mapped_controls
+from woz_drivers.midi.resolved_map import PanelSignals, mapped_controls
 from woz_drivers.midi.settings import MidiSettings
+from woz_drivers.midi.wire import MidiDecoder
 from woz_tui.drivers.contract import DeviceLostError, Finding
 
 #: Names of free controls that are worth telling.
 _SHOWN = 12
+#: So long it is listened to, in seconds, and so much is read.
+_LISTEN_S, _MOST = 1.5, 1 << 16
 
 
 def examine(
@@ -28,6 +33,34 @@ def examine(
         _opened(subject, settings, folder, dev, proc),
         *_free_controls(subject, settings),
     ]
+
+
+async def listen(subject: str, settings: MidiSettings, folder: Path) -> list[Finding]:
+    """Whether what the panel sends meanwhile is what its controls send. Never raises."""
+    panel = settings.panel
+    wanted = settings.device or panel.device or LAYOUTS[panel.layout].device
+    try:
+        path, fd, _ = devices.open_one(wanted, folder)
+    except DeviceLostError:
+        return []  # which `examine` has told
+    try:
+        await asyncio.sleep(_LISTEN_S)
+        with contextlib.suppress(OSError):  # nothing came, or it was unplugged
+            return _heard(subject, path, settings, os.read(fd, _MOST))
+    finally:
+        os.close(fd)
+    return [Finding("info", subject, f"{path} sent nothing", "move a control while this listens")]
+
+
+def _heard(subject: str, path: str, settings: MidiSettings, data: bytes) -> list[Finding]:
+    signals = PanelSignals(settings, mapped_controls(settings))
+    senders = [signals.control_of(message) for message in MidiDecoder().feed(data)]
+    if signals.other_mode:
+        return [Finding("error", subject, f"{path}: {signals.other_mode}", signals.own_mode)]
+    names = dict.fromkeys(it.name for it in senders if it is not None)
+    if not names:
+        return []
+    return [Finding("ok", subject, f"{path} sent {', '.join([*names][:_SHOWN])}")]
 
 
 def _devices(subject: str, dev: Path, proc: Path) -> list[Finding]:

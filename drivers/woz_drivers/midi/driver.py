@@ -11,7 +11,7 @@ from woz_drivers.midi import doctor
 from woz_drivers.midi.devices import MidiPort
 from woz_drivers.midi.learning import MapLearning, begin_learning, map_text
 from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelModel
-from woz_drivers.midi.resolved_map import controls_by_signal, mapped_controls, signal_of
+from woz_drivers.midi.resolved_map import PanelSignals, mapped_controls, signal_of
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import (
     CC,
@@ -51,7 +51,7 @@ class MidiPanel(ControlPanel):
     def __init__(self, name: str, settings: MidiSettings, context: DriverContext) -> None:
         controls = mapped_controls(settings)
         super().__init__(name, settings, context, controls)
-        self._by_signal = controls_by_signal(controls)
+        self._signals = PanelSignals(settings, controls)
         layout = LAYOUTS[settings.panel.layout]
         self._layout = layout
         self._with_lights = settings.lights
@@ -102,7 +102,11 @@ class MidiPanel(ControlPanel):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Which devices there are, whether this one may be used, what its map leaves free."""
-        return doctor.examine(probe.name, probe.settings, probe.folder)
+        name, settings, folder = probe.name, probe.settings, probe.folder
+        return [
+            *doctor.examine(name, settings, folder),
+            *await doctor.listen(name, settings, folder),
+        ]
 
     # -- the bus -------------------------------------------------------------------------------
 
@@ -122,6 +126,7 @@ class MidiPanel(ControlPanel):
 
     def _opened(self) -> None:
         self._decoder = MidiDecoder()
+        self._signals.other_mode = ""  # whoever changes the mode plugs it in anew
         self._lights.forget()
         self.context.health(Health.CONNECTED, self._port.path)
         if self._with_lights:
@@ -140,10 +145,10 @@ class MidiPanel(ControlPanel):
             self._compare_and_show()
 
     def _handle(self, message: MidiMessage) -> None:
-        signal = MidiSignal(message.kind, message.number, message.channel)
-        it = self._by_signal.get(signal) or self._by_signal.get(
-            MidiSignal(message.kind, message.number)
-        )
+        told, it = self._signals.other_mode, self._signals.control_of(message)
+        if not told and self._signals.other_mode:
+            what = f"{self._port.path}: {self._signals.other_mode}"
+            self.context.health(Health.FAULTED, what, self._signals.own_mode)
         if it is not None:
             self._turned(it.name, message.value)
             if message.kind == PROGRAM and it.pressed:  # nothing comes when it is let go

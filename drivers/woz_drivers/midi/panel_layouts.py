@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from woz_drivers.control_functions import BUTTON, KNOB, SLIDER, PanelControl
-from woz_drivers.midi.wire import CC
+from woz_drivers.midi.wire import BEND, CC, NOTE
 
 #: Native mode on and off (section 3, "Native mode In/Out request"): the lights then belong to us.
 #: 0x40 is the device on its first global channel, where it is when it comes from the factory.
@@ -52,6 +52,8 @@ class PanelModel:
         controls: By name.
         begin: Sent after it was opened, so that its lights can be switched.
         end: Sent before it is let go.
+        other_modes: Kinds of message that its controls send in modes for other programs alone.
+        own_mode: How it gets back into the mode that is read here.
         lamp_channel: Channel on which lights are switched; 0: each on its control's own.
     """
 
@@ -60,6 +62,8 @@ class PanelModel:
     begin: bytes = b""
     end: bytes = b""
     lamp_channel: int = 0
+    other_modes: tuple[str, ...] = ()
+    own_mode: str = ""
 
 
 def _row(
@@ -111,6 +115,8 @@ NANOKONTROL2 = PanelModel(
     begin=_NATIVE_ON,
     end=_NATIVE_OFF,
     lamp_channel=16,
+    other_modes=(NOTE, BEND),
+    own_mode="hold SET MARKER and CYCLE while you plug it in: that is its CC mode",
 )
 
 #: Panels that are known; `none` knows no control, a map then tells each one's numbers.

@@ -8,6 +8,7 @@ from woz_drivers.control_functions import BUTTON, MappedControl
 from woz_drivers.midi.panel_layouts import LAYOUTS, MidiControl, MidiSignal
 from woz_drivers.midi.panel_maps import ControlMapping, PanelMap, kind_of
 from woz_drivers.midi.settings import MidiSettings
+from woz_drivers.midi.wire import BEND, NOTE, MidiMessage
 
 #: Columns of the picture for controls that no layout gives a place.
 COLUMNS = 8
@@ -65,3 +66,32 @@ def signal_of(it: MappedControl) -> MidiSignal:
 def controls_by_signal(controls: tuple[MappedControl, ...]) -> dict[MidiSignal, MappedControl]:
     """Controls by what they send."""
     return {signal_of(it): it for it in controls}
+
+
+class PanelSignals:
+    """What the controls of a panel send: for session and `woz doctor` alike.
+
+    Attributes:
+        other_mode: That the panel sends what it sends in a mode for other programs; empty: not so
+            far.
+        own_mode: How it gets back.
+    """
+
+    def __init__(self, settings: MidiSettings, controls: tuple[MappedControl, ...]) -> None:
+        layout = LAYOUTS[settings.panel.layout]
+        self._name, self._other_modes = settings.panel.layout, layout.other_modes
+        self._by_signal = controls_by_signal(controls)
+        self.own_mode = layout.own_mode
+        self.other_mode = ""
+
+    def control_of(self, message: MidiMessage) -> MappedControl | None:
+        """The control that sent this; None if no control sends it."""
+        signal = MidiSignal(message.kind, message.number, message.channel)
+        found = self._by_signal.get(signal) or self._by_signal.get(replace(signal, channel=0))
+        if found is None and message.kind in self._other_modes:
+            sent = {NOTE: "notes", BEND: "pitch bends"}.get(message.kind, message.kind)
+            self.other_mode = (
+                f"it sends {sent}, as a {self._name} does in a mode for a music program (DAW):"
+                " its controls do nothing here"
+            )
+        return found

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.control_requests import RequestQueue
-from woz_drivers.midi import MidiPanel
+from woz_drivers.midi import MidiPanel, doctor
 from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.midi.panel_rig import PanelContext, connected_panel
 from tests.drivers.published_messages import until
-from woz_tui.drivers.contract import Ask, Health, RejectedError, Scope
+from woz_tui.drivers.contract import Ask, Health, Probe, RejectedError, Scope
 from woz_tui.testing import PlainJob
 
 
@@ -149,6 +149,56 @@ async def test_unplugged_in_mid_use_and_put_back(tmp_path: Path) -> None:
 
 
 @pytest.mark.toolkit("K1")
+@pytest.mark.parametrize(
+    ("sent", "kind"),
+    [(b"\xe0\x00\x08\xe0\x00\x10", "pitch bends"), (b"\x90\x5e\x7f\x90\x5e\x00", "notes")],
+)
+async def test_doctor_and_session_name_a_panel_in_a_mode_for_music_programs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sent: bytes, kind: str
+) -> None:
+    async with connected_panel(tmp_path) as rig:
+        rig.panel.send(sent)
+        await until(lambda: rig.context.healths[-1][0] is Health.FAULTED)
+        _, detail, remedy = rig.context.healths[-1]
+        assert f"it sends {kind}, as a nanokontrol2 does in a mode for a music program" in detail
+        assert "SET MARKER and CYCLE" in remedy
+        rig.panel.send(sent)
+        rig.panel.turn(16, 127)  # knobs send the same numbers in these modes
+        await rig.wait_until_shown(knob_1=127)
+        assert [state for state, *_ in rig.context.healths].count(Health.FAULTED) == 1
+        rig.panel.unplug()
+        await until(lambda: rig.context.healths[-1][0] is Health.LOST)
+        rig.panel.plug()
+        await until(lambda: rig.context.healths[-1][0] is Health.CONNECTED)
+
+    monkeypatch.setattr(doctor, "_LISTEN_S", 0.0)
+    recording = tmp_path / "recording"
+    recording.write_bytes(sent)
+    settings = MidiSettings(device=str(recording))
+    *_, finding = await MidiPanel.examine(Probe("panel", settings, tmp_path))
+    assert (finding.level, finding.remedy) == ("error", remedy)
+    assert finding.text.removeprefix(str(recording)) == detail.removeprefix(str(rig.panel.port))
+
+
+async def test_a_map_may_read_a_panel_in_such_a_mode(tmp_path: Path) -> None:
+    play = ControlMapping(note=0x5E, kind="button", stop="all")
+    panel = PanelMap(layout="nanokontrol2", controls={"play": play})
+    async with connected_panel(tmp_path, map=panel) as rig:
+        rig.panel.send(b"\x90\x5e\x7f\x90\x5e\x00")
+        await rig.wait_for_requests(1)
+        assert Health.FAULTED not in [state for state, *_ in rig.context.healths]
+
+
+async def test_the_doctor_names_the_controls_that_moved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "_LISTEN_S", 0.0)
+    (tmp_path / "recording").write_bytes(b"\xb0\x10\x40\x29\x7f\x29\x00")
+    settings = MidiSettings(device="./recording")
+    *_, finding = await MidiPanel.examine(Probe("panel", settings, tmp_path))
+    assert (finding.level, finding.text.endswith("sent knob-1, play")) == ("ok", True)
+
+
 async def test_unknown_messages_and_free_controls_do_nothing(tmp_path: Path) -> None:
     async with connected_panel(tmp_path, map="thesis") as rig:
         rig.panel.send(bytes.fromhex("f0 42 40 10 7f f7 c0 05 e0 00 40 90 3c 7f fe f8 f2 10 7f"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -292,6 +293,25 @@ async def test_the_doctor_measures_and_leaves_the_picture_alone(
     face.unplug()
     gone = await examined(face)
     assert (gone.level, bool(gone.remedy)) == ("error", True)
+
+
+async def test_the_doctor_tells_a_busy_computer_from_a_slow_face(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "_ANSWER_S", 20.0)
+    monkeypatch.setattr(doctor, "_PATIENCE_S", 20.0)
+    looks = itertools.count()
+
+    def now() -> tuple[float, float]:
+        """From one look to the next pass 90 ms, of which it has waited 80 for a processor."""
+        look = next(looks)
+        return 0.09 * look, 0.08 * look
+
+    face = PluggedFace(tmp_path / "face")
+    finding = await doctor.examine("face", LedFaceSettings(port=str(face.port)), now)
+    assert (finding.level, "baud" in finding.remedy) == ("warning", False)
+    assert "for 80 ms of them this computer was too busy" in finding.text
+    face.unplug()
 
 
 async def test_the_doctor_names_a_face_that_says_nothing(

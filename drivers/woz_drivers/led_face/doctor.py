@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import statistics
 
+from woz_drivers.answer_times import BUSY_REMEDY, AnswerTimes, Now
 from woz_drivers.led_face.conversation import mismatch
 from woz_drivers.led_face.settings import LedFaceSettings
 from woz_drivers.led_face.wire import (
@@ -19,6 +19,8 @@ from woz_drivers.led_face.wire import (
 )
 from woz_drivers.serial_line import SerialLine
 from woz_tui.drivers.contract import DeviceLostError, Finding
+from woz_tui.system.processor_time import ProcessorWaits
+from woz_tui.system.tasks import end_tasks, wait_at_most
 
 #: Boards that start anew when their port is opened need two seconds until they answer.
 _PATIENCE_S = 3.0
@@ -28,12 +30,12 @@ _HELLOS = 20
 _SLOW_MS = 50.0
 
 
-async def examine(subject: str, settings: LedFaceSettings) -> Finding:
+async def examine(subject: str, settings: LedFaceSettings, now: Now | None = None) -> Finding:
     """Version, size and latency of the face, or what is wrong. Never raises."""
     face = _OpenFace(settings)
     try:
         await face.next_event()  # the port is open, or cannot be
-        return await _examined(subject, settings, face)
+        return await _examined(subject, settings, face, now)
     except DeviceLostError as error:
         return Finding("error", subject, error.what, error.remedy)
     finally:
@@ -67,23 +69,28 @@ class _OpenFace:
             raise event
         return event
 
-    async def hello(self) -> tuple[FaceDevice, float] | None:
-        """What the face says of itself and after how many seconds; None: nothing."""
+    async def hello(self) -> FaceDevice | None:
+        """What the face says of itself; None: nothing."""
         self._number += 1
-        loop = asyncio.get_running_loop()
-        begun = loop.time()
         self.line.write(b"\0" + Packet(HELLO, self._number, bytes((VERSION,))).encoded())
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(_ANSWER_S):
-                while True:
-                    packet = await self.next_event()
-                    if packet is not None and (packet.type, packet.number) == (HERE, self._number):
-                        with contextlib.suppress(DamagedPacketError):
-                            return FaceDevice.of_payload(packet.payload), loop.time() - begun
-        return None
+        answer = asyncio.ensure_future(self._answer(self._number))
+        try:
+            await wait_at_most([answer], _ANSWER_S)
+            return answer.result() if answer.done() else None
+        finally:
+            await end_tasks(answer)
+
+    async def _answer(self, number: int) -> FaceDevice:
+        while True:
+            packet = await self.next_event()
+            if packet is not None and (packet.type, packet.number) == (HERE, number):
+                with contextlib.suppress(DamagedPacketError):
+                    return FaceDevice.of_payload(packet.payload)
 
 
-async def _examined(subject: str, settings: LedFaceSettings, face: _OpenFace) -> Finding:
+async def _examined(
+    subject: str, settings: LedFaceSettings, face: _OpenFace, now: Now | None
+) -> Finding:
     where = f"{settings.port} at {settings.baud} baud"
     first = None
     for _ in range(round(_PATIENCE_S / _ANSWER_S)):
@@ -98,28 +105,32 @@ async def _examined(subject: str, settings: LedFaceSettings, face: _OpenFace) ->
             f"{where}: no face answers{heard}",
             "check the port and baud, and that drivers/firmware/led_face is on the board",
         )
-    device = first[0]
-    wrong = mismatch(device, settings.wired)
+    wrong = mismatch(first, settings.wired)
     if wrong:
         return Finding("error", subject, f"{where}: {wrong[0]}", wrong[1])
-    answers = [answer for _ in range(_HELLOS) if (answer := await face.hello())]
-    return _finding(
-        subject, where, device, [seconds for _, seconds in answers], face.reader.damaged
-    )
+    missing = 0
+    with contextlib.closing(ProcessorWaits()) as waits:
+        times = AnswerTimes(now or waits.now)
+        for _ in range(_HELLOS):
+            with times.measured():
+                missing += await face.hello() is None
+    return _finding(subject, where, first, times, (missing, face.reader.damaged))
 
 
 def _finding(
-    subject: str, where: str, device: FaceDevice, latencies: list[float], damaged: int
+    subject: str, where: str, device: FaceDevice, times: AnswerTimes, lost: tuple[int, int]
 ) -> Finding:
-    missing = _HELLOS - len(latencies)
-    milliseconds = statistics.median(latencies) * 1000 if latencies else 0.0
     text = (
         f"{where}: {device.name}, {device.width} x {device.height}, protocol {device.version},"
-        f" answers in {milliseconds:.1f} ms"
+        f" answers in {times.median_ms:.1f} ms"
     )
+    if busy_ms := times.busy_ms(_SLOW_MS):
+        text += f"; for {busy_ms:.0f} ms of them this computer was too busy to listen"
+        return Finding("warning", subject, text, BUSY_REMEDY)
+    missing, damaged = lost
     if missing or damaged:
-        lost = f"; {missing} of {_HELLOS} hellos unanswered, {damaged} packets damaged"
-        return Finding("warning", subject, text + lost, "check cable, ground and baud")
-    if milliseconds > _SLOW_MS:
+        text += f"; {missing} of {_HELLOS} hellos unanswered, {damaged} packets damaged"
+        return Finding("warning", subject, text, "check cable, ground and baud")
+    if times.median_ms > _SLOW_MS:
         return Finding("warning", subject, text, "set a higher baud here and in board.h")
     return Finding("ok", subject, text)

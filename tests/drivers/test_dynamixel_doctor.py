@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +75,7 @@ async def test_doctor_and_session_name_servos_that_do_not_answer_everything(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: str, level: int, what: str
 ) -> None:
     monkeypatch.setattr(doctor, "USUAL_BAUDS", ())
-    monkeypatch.setattr(port, "EXPLAINS_MS", 0.0)  # however busy this machine is
+    monkeypatch.setattr(port, "BUSY_MS", math.inf)  # however busy this machine is
     address, protocol = (68, 2) if model.startswith("X") else (16, 1)
     joints = {"pan": ServoJointSettings(id=7, min=-90, max=90)}
 

@@ -197,14 +197,14 @@ async def test_a_computer_that_is_too_busy_to_listen_is_not_told_as_a_broken_cab
 ) -> None:
     async with connected_servos(tmp_path, patience_ms=SILENT_MS) as rig:
         open_port = await rig.port()
-        monkeypatch.setattr(port, "EXPLAINS_MS", 3_600_000.0)
-        open_port._delayed_at, open_port._longest_delay_ms = open_port.getCurrentTime(), 300.0
+        monkeypatch.setattr(port, "BUSY_WITHIN_MS", 3_600_000.0)
+        open_port._delays.append((open_port.getCurrentTime(), 3000.0))
         rig.bus.servo(12).silent = True
         await rig.ticks(servo.MISSES + 2)
         assert not isinstance(rig.health()[-1], DriverFaulted)
         await rig.noticed("tilt (id 12) no longer answers, but this computer was too busy")
         faulted = await rig.published.first(DriverFaulted)
-        assert "stood still for 300 ms" in faulted.detail
+        assert "stood still for 3" in faulted.detail
         assert faulted.remedy.startswith("end other programs")
 
 

@@ -119,7 +119,9 @@ def test_a_silence_is_put_down_to_a_computer_that_was_late(
     port.setPacketTimeout(6)
     assert port.readPort(6) == b""
     what, remedy = port.blame(*cable)
-    assert "this computer was too busy to listen (it stood still for 300 ms)" in what
+    assert (
+        "this computer was too busy to listen (it stood still for 300 ms within a second)" in what
+    )
     assert remedy.startswith("end other programs")
     late.late_ms = 0.0
     late._ahead_ns += 2_000_000_000

@@ -108,7 +108,8 @@ class ServoChain(ServoUpkeep):
         silent = self._silent()
         longest = self.wire.measure(servo.joint.id for servo in silent) if silent else None
         if longest is not None:
-            self._context.notice("warning", *slow_answers(self.settings.port, longest))
+            slow = slow_answers(self.settings.port, longest)
+            self._context.notice("warning", *self.wire.port.blame(*slow))
             for servo in silent:
                 self._check(servo, fresh=True)
         if len(self._silent()) == len(self.servos):

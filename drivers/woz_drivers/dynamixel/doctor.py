@@ -93,7 +93,8 @@ def _servos(wire: ServoWire, settings: ServoSettings) -> Iterator[Finding]:
     ids = [joint.id for joint in settings.joints.values()]
     longest = wire.measure(ids)
     if longest is not None:
-        yield Finding("warning", settings.port, *slow_answers(settings.port, longest))
+        slow = slow_answers(settings.port, longest)
+        yield Finding("warning", settings.port, *wire.port.blame(*slow))
     found = wire.scan(ids)
     # The broadcast can lose answers on a noisy line: ask the configured ones by name.
     for servo in ids:

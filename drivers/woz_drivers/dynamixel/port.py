@@ -13,6 +13,7 @@ import math
 import os
 import select
 import time
+from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -34,9 +35,9 @@ BABBLE_MS = 50.0
 #: Where this process stood still for that long, what came meanwhile is taken in so many reads.
 LATE_READS = 3
 #: A wait that takes so much longer than it was told to is this process's own delay, in ms.
-OWN_DELAY_MS = 20.0
-#: A delay of its own explains a silence of the servos for so long, in milliseconds.
-EXPLAINS_MS = 1000.0
+OWN_DELAY_MS = 2.0
+#: Delays of its own that are together so long within so long explain a silence, in milliseconds.
+BUSY_MS, BUSY_WITHIN_MS = 50.0, 1000.0
 BUSY_REMEDY = "end other programs on this computer, or let it do less"
 #: A line that takes nothing for so long is broken, in milliseconds.
 STUCK_MS = 200.0
@@ -64,8 +65,9 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.ser: serial.Serial | None = None
         self.waits = 0
         self.own_delay_ms = 0.0
-        self._awake_at = self._delayed_at = float("-inf")
-        self._longest_delay_ms = 0.0
+        self._awake_at = float("-inf")
+        #: Its own delays of late: when each ended, and how long it was.
+        self._delays: deque[tuple[float, float]] = deque()
         self._late_reads = 0
         self.low_latency = False
         self.patience_ms = reply_timeout_ms or answer_timeout_ms(LATENCY_MS)
@@ -185,20 +187,25 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self._awake_at = now
         if delay > OWN_DELAY_MS:
             self.own_delay_ms += delay
-            recently = now - self._delayed_at < EXPLAINS_MS
-            self._longest_delay_ms = max(delay, self._longest_delay_ms if recently else 0.0)
-            self._delayed_at = now
+            self._delays.append((now, delay))
+
+    def _delayed_ms(self) -> float:
+        """How long this process stood still itself within the last second."""
+        now = self.getCurrentTime()
+        while self._delays and now - self._delays[0][0] > BUSY_WITHIN_MS:
+            self._delays.popleft()
+        return sum(delay for _, delay in self._delays)
 
     @property
     def is_late(self) -> bool:
         """Whether this process was itself too late lately to judge a silence."""
-        return self.getCurrentTime() - self._delayed_at < EXPLAINS_MS
+        return self._delayed_ms() >= BUSY_MS
 
     def blame(self, what: str, remedy: str) -> tuple[str, str]:
         """A silence and its remedy as they are told: a computer that was late blames itself."""
         if not self.is_late:
             return what, remedy
-        late = f"it stood still for {self._longest_delay_ms:.0f} ms"
+        late = f"it stood still for {self._delayed_ms():.0f} ms within a second"
         return (
             f"{what}, but this computer was too busy to listen ({late})",
             f"{BUSY_REMEDY}; if that does not help: {remedy}",

@@ -68,6 +68,15 @@ async def test_nonsense_is_answered_and_harms_nothing(
         await other.hello()
 
 
+async def test_the_refusal_of_a_number_that_json_has_not_finds_its_request(tmp_path: Path) -> None:
+    async with served_session(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        peer.writer.write(b'{"kind":"action","action":"Hello","args":{"x":NaN},"ref":7000}\n')
+        reply = await peer.kind("reply")
+        assert (reply["ok"], reply["ref"]) == (False, 7000)
+
+
 async def test_a_line_without_end_is_cut_off(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
         peer = await host.connect()

@@ -12,6 +12,7 @@ import msgspec
 from woz_tui.protocol.messages import AnyMessage, Message
 from woz_tui.protocol.requests import AnyAnswer, AnyRequest, Request
 from woz_tui.system.addresses import may_tell_secrets, without_passwords
+from woz_tui.system.foreign_json import decode_foreign
 
 #: A longer line is refused; a client cannot make the host hoard memory.
 MAX_LINE = 1 << 20
@@ -161,9 +162,10 @@ def decode_unknown(line: bytes) -> dict[str, Any]:
 def ref_of(line: bytes) -> int:
     """The `ref` of a request that may otherwise be nonsense, so that its refusal finds it; or 0."""
     try:
-        ref = decode_unknown(line).get("ref", 0)
-    except WireError:
+        fields = decode_foreign(line)
+    except ValueError:
         return 0
+    ref = fields.get("ref", 0) if isinstance(fields, dict) else 0
     return ref if type(ref) is int else 0
 
 

@@ -17,7 +17,8 @@ class SeenFace(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     `left` ... `bottom`: its box in pixels. `width`: of the face itself between its sides, in
     pixels. Angles in degrees: yaw to the right of the picture, pitch down, roll clockwise, of the
-    head; `eyes_yaw` of the eyes in it. Without yaw and pitch nobody knows where it looks.
+    head; `eyes_yaw` of the eyes in it, where they are seen. Without yaw and pitch nobody knows
+    where it looks.
     `points`: column and row of both eyes (left one in the picture first), the tip of the nose and
     both corners of the mouth. Without them nobody knows whose it is.
     """
@@ -31,7 +32,7 @@ class SeenFace(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     yaw: _Angle | None = None
     pitch: _Angle | None = None
     roll: _Angle | None = None
-    eyes_yaw: _Angle = 0.0
+    eyes_yaw: _Angle | None = None
     points: Annotated[list[tuple[_Pixels, _Pixels]], msgspec.Meta(max_length=5)] = []
 
 

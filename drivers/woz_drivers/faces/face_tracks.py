@@ -152,7 +152,7 @@ def gaze_of(face: SeenFace) -> tuple[float, float] | None:
     """Yaw and pitch of head and eyes together, in degrees; None where it does not tell."""
     if face.yaw is None or face.pitch is None:
         return None
-    return face.yaw + face.eyes_yaw, face.pitch
+    return face.yaw + (face.eyes_yaw or 0.0), face.pitch
 
 
 def judge_gaze(track: FaceTrack, neutral: tuple[float, float], within: float) -> None:

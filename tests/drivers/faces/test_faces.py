@@ -370,6 +370,17 @@ while os.path.exists(sys.argv[1]):
 """
 
 
+@pytest.mark.parametrize("number", ["NaN", "null"])
+def test_an_angle_that_is_no_number_leaves_the_face_and_the_others(number: str) -> None:
+    box = '"left": 1, "top": 1, "right": 9, "bottom": 9, "width": 8'
+    angles = f'"yaw": {number}, "pitch": 4, "roll": {number}, "eyes_yaw": {number}'
+    found = decoded_line(f'{{"faces": [{{{box}, {angles}}}, {{{box}, "yaw": 2}}]}}'.encode())
+    assert [(face.yaw, face.roll, face.eyes_yaw) for face in found.faces] == [
+        (None, None, None),
+        (2.0, None, None),
+    ]
+
+
 def test_a_line_that_is_nested_without_end_is_no_answer() -> None:
     with pytest.raises(ValueError, match="nested"):
         decoded_line(b'{"more":' * 10_000 + b"1" + b"}" * 10_000)

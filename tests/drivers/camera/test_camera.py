@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.camera import Camera
+from woz_drivers.camera import Camera, doctor
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import PipedCamera, picture, planes, with_block
@@ -235,6 +235,21 @@ async def test_doctor_names_what_is_wrong(
     else:  # a burst, then nothing: far more pictures a second than announced
         assert finding.level == "warning"
         assert "pictures a second" in finding.text
+
+
+@pytest.mark.parametrize(("busy_s", "busy"), [(0.0, False), (30.0, True)])
+async def test_doctor_tells_a_busy_computer_from_pictures_of_another_size(
+    tmp_path: Path, busy_s: float, busy: bool
+) -> None:
+    waited = iter((0.0, busy_s))
+    few = "[(out.write(bytes(900)), out.flush(), time.sleep(0.4)) for _ in range(150)]"
+    command = (sys.executable, "-c", f"import sys, time; out = sys.stdout.buffer; {few}")
+    settings = CameraSettings(command=command, **SMALL)  # type: ignore[arg-type]
+    (finding,) = await doctor.examine(Probe("eye", settings, tmp_path), lambda: (0.0, next(waited)))
+    assert finding.level == "warning"
+    assert "pictures a second" in finding.text
+    assert ("too busy to take them" in finding.text) is busy
+    assert ("size, format" in finding.remedy) is not busy
 
 
 async def test_doctor_names_the_package_of_a_missing_program(tmp_path: Path) -> None:

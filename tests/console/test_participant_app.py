@@ -12,7 +12,7 @@ import pytest
 from textual.pilot import Pilot
 
 from tests.console import scenes, study_scene
-from tests.console.piloting import PATIENCE
+from tests.console.piloting import PATIENCE, work_through
 from tests.console.scripted_feed import ScriptedFeed
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.message_feed import Incoming
@@ -40,7 +40,7 @@ class ParticipantPilot:
 
     async def settle(self) -> None:
         for _ in range(3):
-            await self.pilot.pause(0)
+            await work_through(self.pilot)
 
     async def tell(self, *messages: Incoming) -> None:
         await asyncio.to_thread(self.feed.deliver, *messages)

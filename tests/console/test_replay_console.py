@@ -16,7 +16,7 @@ from textual.keys import _character_to_key, key_to_character
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
-from tests.console.piloting import screen_text
+from tests.console.piloting import screen_text, work_through
 from tests.console.scripted_feed import ScriptedFeed
 from tests.replay.logs import PLAN, SECOND, START, KeptSamples, recording_of, stamped, story
 from woz_tui.console.cells import Cells
@@ -67,7 +67,7 @@ class ReplayPilot:
 
     async def settle(self) -> None:
         for _ in range(3):
-            await self.pilot.pause(0)
+            await work_through(self.pilot)
 
     async def press(self, *keys: str) -> None:
         for key in keys:

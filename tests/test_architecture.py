@@ -71,7 +71,13 @@ UNLOADED = [
         },
     ),
     ("woz_tui.cli", {"textual", "rich", "numpy", "serial", "msgspec", "woz_drivers"}),
-    ("woz_tui.console.app", {"numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"}),
+    (
+        "woz_tui.console.app",
+        {
+            *("numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"),
+            *("woz_tui.bus", "woz_tui.config.experiment_file", "woz_tui.session.action_runner"),
+        },
+    ),
     ("woz_tui.drivers.plugins", {"textual", "numpy", "serial", "woz_drivers"}),
     ("woz_tui.client.blocking", {"textual", "numpy", "yaml", "woz_drivers", "woz_tui.drivers"}),
 ]

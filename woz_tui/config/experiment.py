@@ -213,7 +213,7 @@ class Panel:
 
     `covers`: verbs that nobody's hand may send by itself either while the panel is locked: not by
     the console's own keys, not from the palette, a control panel or a program.
-    `parts`: whose it is where several wizards play (see `session.part_limits`); none: it names
+    `parts`: whose it is where several wizards play (see `protocol.panel_players`); none: it names
     nobody.
     """
 

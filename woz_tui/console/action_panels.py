@@ -19,8 +19,7 @@ from woz_tui.console.key_caps import KeyCap, caption
 from woz_tui.console.number_text import time_left
 from woz_tui.console.remedy_text import button_of
 from woz_tui.console.view_models import ButtonState, ButtonView
-from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.session.typed_actions import PANEL as TYPED
+from woz_tui.protocol.panels import TYPED, ActionView, PanelView
 
 #: Cells of a column: below, labels suffer; above, the eye has too far to go.
 NARROW, COMFORTABLE, BEST, WIDE = 18, 24, 32, 38

@@ -32,10 +32,10 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.codec import WireError, decode_message
+from woz_tui.protocol.panel_players import panel_players, part_names, verb_players
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import Allowance, WelcomeSettings
-from woz_tui.session.part_limits import panel_players, part_names, verb_players
 from woz_tui.session.redactor import PerceptionFilter, Redactor
 from woz_tui.timeline.episodes import LostDriverEpisode, StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState

@@ -15,7 +15,7 @@ from woz_tui.console.number_text import millis, seconds
 from woz_tui.console.replay.replay_state import wall_time
 from woz_tui.console.robot_settings.settings_status import driver_trouble
 from woz_tui.console.view_models import DriverView
-from woz_tui.session.part_limits import part_names
+from woz_tui.protocol.panel_players import part_names
 from woz_tui.system.text_cleaning import elapsed
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).

@@ -25,6 +25,7 @@ from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.panel_players import player_names
 from woz_tui.protocol.requests import (
     OLDEST_PROTOCOL,
     PROTOCOL,
@@ -37,7 +38,6 @@ from woz_tui.protocol.requests import (
     Reply,
     Welcome,
 )
-from woz_tui.session.part_limits import player_names
 from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.redactor import ParticipantRedactor, Redactor, sees_everything
 from woz_tui.session.session import Session

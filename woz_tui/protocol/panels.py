@@ -6,6 +6,9 @@ from collections.abc import Iterable
 
 import msgspec
 
+#: The title of the panel of sentences that a wizard has typed.
+TYPED = "Typed"
+
 
 class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """An action as the console shows it; `key` is the chord as the experiment file has it, in the

@@ -25,10 +25,9 @@ from woz_tui.config.file_additions import (
     write_copy,
 )
 from woz_tui.config.reload_changes import compare
+from woz_tui.protocol.panels import TYPED
 from woz_tui.session.participant_identity import RequestError
 
-#: The title of their panel.
-PANEL = "Typed"
 #: So many are kept; the first make way.
 MOST = 40
 #: Letters of a sentence on its button and in its name.
@@ -47,12 +46,12 @@ def with_typed(experiment: Experiment, typed: Sequence[Action]) -> Experiment:
     title, or on one behind all others.
     """
     panels = without_typed(experiment).panels
-    own = next((panel for panel in panels if panel.title == PANEL), None)
+    own = next((panel for panel in panels if panel.title == TYPED), None)
     if typed and own is not None:
         more = replace(own, actions=(*own.actions, *typed))
         panels = tuple(more if panel is own else panel for panel in panels)
     elif typed:
-        panels = (*panels, Panel(PANEL, tuple(typed), NOWHERE))
+        panels = (*panels, Panel(TYPED, tuple(typed), NOWHERE))
     return replace(experiment, panels=panels)
 
 
@@ -60,7 +59,7 @@ def without_typed(experiment: Experiment) -> Experiment:
     """The experiment as its file has it."""
     panels = tuple(
         replace(panel, actions=tuple(one for one in panel.actions if one.place is not NOWHERE))
-        if panel.title == PANEL
+        if panel.title == TYPED
         else panel
         for panel in experiment.panels
         if panel.place is not NOWHERE
@@ -74,7 +73,7 @@ def with_sentence(
     """`typed` with a button for this sentence of `driver`, on `key` if that is free; as it is, if
     there is one, or one on the file's own panel of this title.
     """
-    own = [each for panel in experiment.panels if panel.title == PANEL for each in panel.actions]
+    own = [each for panel in experiment.panels if panel.title == TYPED for each in panel.actions]
     if any(_says(action, text, driver) for action in (*own, *typed)):
         return typed
     used = {action.name for panel in experiment.panels for action in panel.actions}
@@ -84,7 +83,7 @@ def with_sentence(
         name, number = f"{NAME}{label} ({number})", number + 1
     call = Call("say", {"text": text}, driver)
     key = _free_key(experiment, key)
-    action = Action(name, label, key, PANEL, (ParallelCalls((call,)),), NOWHERE, help="typed")
+    action = Action(name, label, key, TYPED, (ParallelCalls((call,)),), NOWHERE, help="typed")
     return (*typed, action)[-MOST:]
 
 
@@ -127,7 +126,7 @@ def copy_with_sentences(path: Path, typed: Sequence[Action], read: Reader) -> Ex
         return ExperimentCopy(path, 0)
     copy = next((name for name in copy_names(path) if not os.path.lexists(name)), path)
     try:
-        result = append_actions(data, PANEL, [_line(base, action) for action in actions])
+        result = append_actions(data, TYPED, [_line(base, action) for action in actions])
     except AppendError as error:
         raise RequestError(str(error)) from error
     _check(base, actions, result.data, read)

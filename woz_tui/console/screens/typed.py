@@ -10,8 +10,9 @@ from textual.binding import Binding, BindingType
 from woz_tui.console.cells import Row
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.screens.dialog import ReportDialog
+from woz_tui.protocol.panels import TYPED
 from woz_tui.protocol.requests import AskKeepTyped, Reply
-from woz_tui.session.typed_actions import NAME, PANEL
+from woz_tui.session.typed_actions import NAME
 
 _LOOKS = {"+++": "muted", "---": "muted", "@@ ": "muted"}
 
@@ -21,7 +22,7 @@ def has_typed(state: ConsoleState) -> bool:
     return any(
         action.name.startswith(NAME)
         for panel in state.panels
-        if panel.title == PANEL
+        if panel.title == TYPED
         for action in panel.actions
     )
 

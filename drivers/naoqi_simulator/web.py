@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import re
-import urllib.error
 import urllib.parse
-import urllib.request
 from dataclasses import dataclass
 
 #: Real seconds for an address, and how much of it is read.
@@ -30,6 +28,10 @@ def fetch(url: str) -> tuple[Fetched, bytes]:
     """Fetch an address; how it ended, and its bytes. Never raises, blocks for `PATIENCE_S`."""
     if not url.startswith(("http://", "https://")):
         return Fetched(url, 0, "", 0, "not an address that begins with http:// or https://"), b""
+    # A tenth of the simulator's start, and few robots fetch anything.
+    import urllib.error  # noqa: PLC0415
+    import urllib.request  # noqa: PLC0415
+
     # What a robot at a wizard's computer fetches never goes through a proxy.
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
     try:

@@ -31,6 +31,8 @@ from woz_tui.session.session import Session
 
 GUIDE = EXPERIMENTS / "guide.yaml"
 SECONDS = 240.0
+#: Of a log that is only to be found, opened and told of.
+SHORT_SECONDS = 60.0
 WIZARD = RequestOrigin("key", "k", "con1")
 
 Path_ = list[tuple[str, str, str, str, str, str, bool]]
@@ -80,15 +82,15 @@ async def _meddle(session: Session, seed: int) -> None:
             continue
 
 
-def record_guide(folder: Path, seed: int | None = None) -> Path:
+def record_guide(folder: Path, seed: int | None = None, seconds: float = SECONDS) -> Path:
     """The log of the guide alone with its visitors, or with a wizard who meddles."""
 
     async def scenario(rig: SessionRig) -> None:
         if seed is None:
-            await asyncio.sleep(SECONDS)
+            await asyncio.sleep(seconds)
         else:
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(_meddle(rig.session, seed), SECONDS)
+                await asyncio.wait_for(_meddle(rig.session, seed), seconds)
 
     drivers, stem = catalogue(), "2026-03-01T10-00-00_G01_S01"
     who = SessionIdentity(participant="G01", condition="alone", wizard="W1", seed=1)
@@ -100,6 +102,12 @@ def record_guide(folder: Path, seed: int | None = None) -> Path:
 def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The guide alone with its visitors for four minutes; the experiment lies beside the logs."""
     return record_guide(tmp_path_factory.mktemp("museum"))
+
+
+@pytest.fixture(scope="module")
+def short_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same for a minute."""
+    return record_guide(tmp_path_factory.mktemp("museum"), seconds=SHORT_SECONDS)
 
 
 def settings() -> EngagementSettings:
@@ -128,8 +136,8 @@ def test_whatever_the_wizard_does_the_path_is_the_same(tmp_path: Path, seed: int
     assert path_of(log_rerun.computed) == path_of(log_rerun.recorded)
 
 
-def test_lines_have_the_fields_of_rows(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["engagement", str(log), "--experiment", str(GUIDE)]) == 0
+def test_lines_have_the_fields_of_rows(short_log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["engagement", str(short_log), "--experiment", str(GUIDE)]) == 0
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert lines[0]["state"] == "PersonDetected"
     assert list(lines[0])[:8] == [
@@ -171,7 +179,7 @@ def of_an_earlier_version(log: Path, folder: Path) -> Path:
 
 @pytest.mark.parametrize("folder", [EXPERIMENTS, EXPERIMENTS.parent], ids=["it", "above it"])
 def test_without_a_word_the_settings_are_those_of_the_session(
-    log: Path,
+    short_log: Path,
     folder: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -179,7 +187,7 @@ def test_without_a_word_the_settings_are_those_of_the_session(
 ) -> None:
     """The file that the session names is taken if it is found and is still the same."""
     monkeypatch.chdir(folder)
-    old = of_an_earlier_version(log, tmp_path)
+    old = of_an_earlier_version(short_log, tmp_path)
     assert cli.main(["engagement", str(old), "--compare"]) == 0
     captured = capsys.readouterr()
     assert "no difference" in captured.out
@@ -187,10 +195,13 @@ def test_without_a_word_the_settings_are_those_of_the_session(
 
 
 def test_an_experiment_that_is_not_there_or_another_is_told(
-    log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    short_log: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    log = of_an_earlier_version(log, tmp_path)
+    log = of_an_earlier_version(short_log, tmp_path)
     assert cli.main(["engagement", str(log)]) == 0
     assert "guide.yaml is not beside the log; the defaults are used" in capsys.readouterr().err
     (tmp_path / "guide.yaml").write_text("title: [")
@@ -199,7 +210,10 @@ def test_an_experiment_that_is_not_there_or_another_is_told(
 
 
 def test_an_experiment_that_was_edited_afterwards_changes_nothing(
-    log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    short_log: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
 ) -> None:
     """E5: the log has the settings itself; options stand above them."""
     monkeypatch.chdir(tmp_path)
@@ -207,11 +221,11 @@ def test_an_experiment_that_was_edited_afterwards_changes_nothing(
         "engagement:", "engagement:\n  samples: 1", 1
     )
     (tmp_path / "guide.yaml").write_text(edited, encoding="utf-8")
-    assert cli.main(["engagement", str(log), "--compare"]) == 0
+    assert cli.main(["engagement", str(short_log), "--compare"]) == 0
     captured = capsys.readouterr()
     assert "no difference" in captured.out
     assert captured.err == ""
-    assert cli.main(["engagement", str(log), "--compare", "--samples", "1"]) == 0
+    assert cli.main(["engagement", str(short_log), "--compare", "--samples", "1"]) == 0
     assert "first difference" in capsys.readouterr().out
 
 
@@ -248,9 +262,9 @@ def test_what_moved_over_something_else_is_two_lines() -> None:
 
 
 def test_the_samples_of_a_log_are_the_log_too(
-    log: Path, capsys: pytest.CaptureFixture[str]
+    short_log: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    samples = log.with_name(log.name.replace(".jsonl", ".samples.jsonl"))
+    samples = short_log.with_name(short_log.name.replace(".jsonl", ".samples.jsonl"))
     assert cli.main(["engagement", str(samples), "--experiment", str(GUIDE)]) == 0
     assert capsys.readouterr().out
     assert m.FORMAT == "woz-session"
@@ -258,13 +272,13 @@ def test_the_samples_of_a_log_are_the_log_too(
 
 @pytest.mark.parametrize("start", [b"", b"\n", b'{"kind":"session.st\n', b"\x00\xff\n[]\n"])
 def test_a_log_is_one_whatever_has_become_of_its_first_line(
-    log: Path, tmp_path: Path, start: bytes, capsys: pytest.CaptureFixture[str]
+    short_log: Path, tmp_path: Path, start: bytes, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    first, rest = log.read_bytes().split(b"\n", 1)
-    (tmp_path / log.name).write_bytes(start + rest)
-    samples = log.with_name(log.name.replace(".jsonl", ".samples.jsonl"))
+    first, rest = short_log.read_bytes().split(b"\n", 1)
+    (tmp_path / short_log.name).write_bytes(start + rest)
+    samples = short_log.with_name(short_log.name.replace(".jsonl", ".samples.jsonl"))
     (tmp_path / samples.name).write_bytes(samples.read_bytes())
-    words = ["engagement", str(tmp_path / log.name), "--experiment", str(GUIDE), "--compare"]
+    words = ["engagement", str(tmp_path / short_log.name), "--experiment", str(GUIDE), "--compare"]
     assert cli.main(words) == 0
     assert "no difference" in capsys.readouterr().out
     assert b"session.start" in first

@@ -13,8 +13,8 @@ from woz_tui.analysis.figures import LogIntegrity, SessionFigures
 from woz_tui.analysis.people_times import PeopleTimes
 from woz_tui.analysis.timeline_lanes import SensorCurves, TimelineDrawing, drawing_of
 from woz_tui.log.file_names import FileName
+from woz_tui.log.log_opening import open_log
 from woz_tui.log.log_reader import Damage, LogFiles, LogLine, files_of, messages
-from woz_tui.log.opened_log import open_log
 from woz_tui.log.verify import verify
 from woz_tui.protocol import codec
 from woz_tui.protocol.codec import is_sample

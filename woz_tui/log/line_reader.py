@@ -11,7 +11,7 @@ from typing import Any, get_args
 import msgspec
 
 from woz_tui.log.damage import Damage
-from woz_tui.log.opened_log import encoding_of, open_log
+from woz_tui.log.log_opening import encoding_of, open_log
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import SCHEMA, AnyMessage, Segment
 

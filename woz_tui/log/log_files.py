@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.log.file_names import FileName, fallback_folders, unique_paths, why_no_log
-from woz_tui.log.opened_log import open_log
+from woz_tui.log.log_opening import open_log
 from woz_tui.protocol import codec
 
 #: The last line of a file is looked for in so many bytes.

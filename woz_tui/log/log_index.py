@@ -31,8 +31,8 @@ from woz_tui.log.damage import Damage
 from woz_tui.log.line_order import SequenceChecker, count_falls, is_rising, seq_of, t_of
 from woz_tui.log.line_reader import KINDS, LineChunk, LogLine, chunks_of
 from woz_tui.log.log_files import LogFiles, files_of, sizes_of
+from woz_tui.log.log_opening import open_log
 from woz_tui.log.log_reader import LogItem, batches, items_in
-from woz_tui.log.opened_log import open_log
 from woz_tui.log.sample_blocks import (
     QuickReading,
     SampleBlock,

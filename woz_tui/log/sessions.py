@@ -14,7 +14,7 @@ from typing import Any
 
 from woz_tui.log.file_names import CODINGS, FileName, session_code, why_no_log
 from woz_tui.log.log_files import files_of
-from woz_tui.log.opened_log import open_log
+from woz_tui.log.log_opening import open_log
 from woz_tui.protocol import codec
 
 #: Bytes at the beginning of a log in which a redacted copy is compared with it.

@@ -15,7 +15,7 @@ from woz_tui.config.study import OVER
 from woz_tui.log.file_names import FileName, session_code
 from woz_tui.log.line_order import seq_of
 from woz_tui.log.log_files import files_of
-from woz_tui.log.opened_log import open_log
+from woz_tui.log.log_opening import open_log
 from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m

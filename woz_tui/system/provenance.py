@@ -10,6 +10,8 @@ from importlib import metadata
 from pathlib import Path
 
 _PACKAGE = "woz-tui"
+#: Of the kernel's release the numbers: what a distribution or a provider adds is nobody's affair.
+_KERNEL = re.compile(r"[0-9.]*[0-9]|")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
@@ -21,12 +23,14 @@ def software(drivers: str) -> dict[str, str]:
     """
     from woz_tui import __version__  # noqa: PLC0415 - the package imports nothing
 
+    found = _KERNEL.match(platform.release())
+    kernel = found[0] if found is not None else ""
     return {
         "name": _PACKAGE,
         "version": __version__,
         **({"commit": commit} if (commit := _commit()) else {}),
         "python": f"{platform.python_implementation()} {platform.python_version()}",
-        "machine": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "machine": f"{platform.system()} {kernel} {platform.machine()}",
         "libraries": ", ".join(_libraries(drivers)),
     }
 

@@ -11,7 +11,7 @@ from tools import replaced
 from woz_tui.console.theme import DARK
 from woz_tui.sensing.state_machine import EDGES, ENGAGED, Edge, State
 
-WIDTH, HEIGHT = 1280, 600
+WIDTH, HEIGHT = 1380, 600
 #: Where the states stand: the middles of their boxes.
 PLACES: Mapping[State, tuple[int, int]] = {
     State.STOP: (115, 90),
@@ -37,8 +37,8 @@ LABELS: Mapping[tuple[State, State], tuple[float, float, float]] = {
     (State.REPLIES, State.KNOWN): (0.34, 0, 6),
 }
 
-#: Where the arrows of `timeouts.absent` leave a state: right of its middle, and up or down. They
-#: all go to Wait, and are drawn short so that they cross nothing.
+#: Where the arrows of a visitor who has left leave a state: right of its middle, and up or down.
+#: They are drawn as one that is short, so that it crosses nothing.
 LEAVES: Mapping[State, tuple[int, int]] = {
     State.HANDSHAKE: (60, -1),
     State.USER_SPEAKS: (60, -1),
@@ -48,7 +48,9 @@ LEAVES: Mapping[State, tuple[int, int]] = {
 }
 SHORT = 34
 
-ABSENT = "nobody has been there for `timeouts.absent`, where it is set"
+ABSENT = "nobody is there; where `timeouts.absent` is set, for so long"
+REPLACED = "identity has another name than that of whoever spoke"
+UNENGAGED = "not engaged, for `timeouts.unengaged` at least"
 #: The conditions in words, by the state left and the outcome, in the table's order.
 CONDITIONS: Mapping[str, tuple[str, ...]] = {
     "Wait end": ("somebody ends it by hand",),
@@ -71,13 +73,16 @@ CONDITIONS: Mapping[str, tuple[str, ...]] = {
     "EngagedWithKnown listening": ("somebody begins to speak",),
     "EngagedWithKnown speaking": ("the robot begins to speak",),
     "UserSpeaks done": ("the speech has ended",),
-    "UserSpeaks error": ("nothing was understood", "`timeouts.listening` has passed"),
+    "UserSpeaks error": (
+        *("nothing was understood", "`timeouts.listening` has passed"),
+        *(REPLACED, UNENGAGED),
+    ),
     "UserSpeaks human_absence": (ABSENT,),
     "RobotThinks done": ("the answer begins",),
-    "RobotThinks error": ("`timeouts.thinking` has passed",),
+    "RobotThinks error": ("`timeouts.thinking` has passed", REPLACED, UNENGAGED),
     "RobotThinks human_absence": (ABSENT,),
     "RobotReplies done": ("the answer is over, spoken or stopped",),
-    "RobotReplies error": ("`timeouts.talking` has passed",),
+    "RobotReplies error": ("`timeouts.talking` has passed", REPLACED, UNENGAGED),
     "RobotReplies human_absence": (ABSENT,),
     "RobotSpeaks done": ("its sentence is over, spoken or stopped",),
     "RobotSpeaks error": ("`timeouts.talking` has passed",),
@@ -133,10 +138,11 @@ class Arrow:
 
 
 def arrows() -> Iterator[Arrow]:
-    """One arrow for each pair of states."""
+    """One arrow for each pair of states; one for a visitor who has left, wherever it leads."""
     pairs: dict[tuple[State, State], list[Edge]] = {}
     for edge in EDGES:
-        pairs.setdefault((edge.source, edge.target), []).append(edge)
+        target = State.WAIT if edge.unnamed else edge.target
+        pairs.setdefault((edge.source, target), []).append(edge)
     for (source, target), edges in pairs.items():
         begin, end = PLACES[source], PLACES[target]
         if all(edge.unnamed for edge in edges):
@@ -182,7 +188,12 @@ def label(arrow: Arrow) -> str:
     first = arrow.edges[0]
     if first.unnamed:
         x, y = arrow.at(0.7)
-        return f'<text class="{origin(first)}" x="{x + 8:.0f}" y="{y + 4:.0f}">to Wait</text>'
+        targets = dict.fromkeys(edge.target for edge in arrow.edges)
+        return "".join(
+            f'<text class="{origin(first)}" x="{x + 8:.0f}" y="{y + 4 + 15 * row:.0f}">'
+            f"{'or' if row else 'to'} {target}</text>"
+            for row, target in enumerate(targets)
+        )
     share, right, below = LABELS.get((first.source, first.target), (0.5, 0.0, 0.0))
     x, y = arrow.at(share)
     across, down = arrow.end[0] - arrow.begin[0], arrow.end[1] - arrow.begin[1]
@@ -237,7 +248,7 @@ def key() -> str:
     rows = (
         ("paper", "in the paper's figure, with its letter"),
         ("program", "only in the published program"),
-        ("ours", "added here; those to Wait with timeouts.absent"),
+        ("ours", "added here; the short ones for a visitor who has left"),
     )
     return "".join(
         f'<path class="{kind}" d="M30 {HEIGHT - 78 + 24 * row}h46"/>'

@@ -92,6 +92,8 @@ EXAMPLES: dict[str, Any] = {
     **{f"engagement.{sign}": {"samples": 10} for sign in SIGNS},
     **{f"engagement.{sign}.sensor": f"left.{sign}" for sign in SIGNS},
     "engagement.*.rate": 5,
+    "engagement.turns": "paper",
+    "engagement.timeouts.absent": "5 s",
     "engagement.joint": {"glance": 0.7},
     "engagement.sound": {"hang_over": "0.8 s"},
     "engagement.sound.threshold": 0.05,

@@ -227,7 +227,8 @@ def test_the_engagement_model_in_a_few_lines(
     assert told["distance"] == "median of 9, no driver gives it"
     assert told["identity"] == "fifo 7 of 10, by 'Who'"
     assert told["speech"] == "loudness (eye), above the learnt threshold, 1 s of silence end it"
-    assert told["timeouts"] == "lost 3 s, talking 120 s"
+    assert told["timeouts"] == "lost 3 s, talking 120 s, unengaged 10 s"
+    assert told["turns"] == "end when whoever spoke has gone or was replaced"
     assert told["handshake"] == "led by the robot, asks 2 times within 60 s"
     assert told["starts"] == "running"
     assert told["on Wait"] == (
@@ -246,7 +247,15 @@ def test_the_engagement_model_in_a_few_lines(
         ("loudness", "sound: {threshold: 0.1}", "louder than 0.1,"),
         ("presence", "handshake: {by: nobody}", "visitors without a name stay without one"),
         ("presence", "handshake: {by: wizard}", "led by the wizard, 60 s at most"),
-        ("presence", "timeouts: {listening: null, talking: null}", "timeouts none"),
+        (
+            "presence",
+            "timeouts: {listening: null, talking: null, unengaged: null}",
+            "timeouts none",
+        ),
+        (
+            *("presence", "turns: paper"),
+            "turns last until they are over, as in the paper timeouts listening 60 s, talking",
+        ),
         ("presence", "start: off", "switched off"),
         ("presence", "signs: [gaze]", "engaged who looks"),
         (

@@ -18,7 +18,7 @@ from tools.demo_session import catalogue
 from woz_tui import cli
 from woz_tui.cli.engagement_compare import MOVED, ONLY_COMPUTED, ONLY_RECORDED, SAME, paired
 from woz_tui.cli.engagement_log import rerun
-from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement import PAPER, VISITOR, EngagementSettings
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
@@ -82,7 +82,9 @@ async def _meddle(session: Session, seed: int) -> None:
             continue
 
 
-def record_guide(folder: Path, seed: int | None = None, seconds: float = SECONDS) -> Path:
+def record_guide(
+    folder: Path, seed: int | None = None, turns: str = VISITOR, seconds: float = SECONDS
+) -> Path:
     """The log of the guide alone with its visitors, or with a wizard who meddles."""
 
     async def scenario(rig: SessionRig) -> None:
@@ -94,7 +96,11 @@ def record_guide(folder: Path, seed: int | None = None, seconds: float = SECONDS
 
     drivers, stem = catalogue(), "2026-03-01T10-00-00_G01_S01"
     who = SessionIdentity(participant="G01", condition="alone", wizard="W1", seed=1)
-    rig = SessionRig(folder, (), who, drivers, load(GUIDE, drivers), stem=stem)
+    guide = load(GUIDE, drivers)
+    assert guide.engagement is not None
+    settings = replace(guide.engagement.settings, turns=turns)
+    guide = replace(guide, engagement=replace(guide.engagement, settings=settings))
+    rig = SessionRig(folder, (), who, drivers, guide, stem=stem)
     return rig.run(scenario).recorder.path
 
 
@@ -108,6 +114,14 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def short_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same for a minute."""
     return record_guide(tmp_path_factory.mktemp("museum"), seconds=SHORT_SECONDS)
+
+
+@pytest.fixture(scope="module")
+def old_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same by a version that had the paper's turns alone, and told no settings."""
+    folder = tmp_path_factory.mktemp("old")
+    log = record_guide(folder / "new", turns=PAPER, seconds=SHORT_SECONDS)
+    return of_an_earlier_version(log, folder)
 
 
 def settings() -> EngagementSettings:
@@ -179,16 +193,14 @@ def of_an_earlier_version(log: Path, folder: Path) -> Path:
 
 @pytest.mark.parametrize("folder", [EXPERIMENTS, EXPERIMENTS.parent], ids=["it", "above it"])
 def test_without_a_word_the_settings_are_those_of_the_session(
-    short_log: Path,
+    old_log: Path,
     folder: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
 ) -> None:
     """The file that the session names is taken if it is found and is still the same."""
     monkeypatch.chdir(folder)
-    old = of_an_earlier_version(short_log, tmp_path)
-    assert cli.main(["engagement", str(old), "--compare"]) == 0
+    assert cli.main(["engagement", str(old_log), "--compare"]) == 0
     captured = capsys.readouterr()
     assert "no difference" in captured.out
     assert "defaults" not in captured.err

@@ -67,6 +67,12 @@ def test_every_setting_is_there_but_the_path() -> None:
     assert settings_from_json(told) == EngagementSettings()
 
 
+def test_turns_of_a_log_that_knows_of_none_are_the_papers() -> None:
+    told = settings_to_json(EngagementSettings())
+    del told["turns"]
+    assert settings_from_json(told) == EngagementSettings(turns="paper")
+
+
 def test_settings_of_another_version_are_read() -> None:
     told = {**settings_to_json(EVERYTHING), "telepathy": True}
     del told["rate"]

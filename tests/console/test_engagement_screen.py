@@ -168,6 +168,17 @@ def test_a_state_that_its_visitor_has_left_says_when_it_ends() -> None:
     )
 
 
+def test_a_turn_says_when_it_ends_as_its_visitor_turned_away() -> None:
+    def away(state: str) -> m.EngagementShown:
+        return msgspec.structs.replace(engagement_scene.engagement_shown(state), engaged=False)
+
+    ends = "ends 10 s after they turned away"
+    assert ends in screen_text(away("RobotThinks"), unengaged=10.0)
+    assert ends not in screen_text(away("RobotThinks"))
+    assert ends not in screen_text(away("Handshake"), unengaged=10.0)
+    assert ends not in screen_text(engagement_scene.engagement_shown("RobotThinks"), unengaged=10.0)
+
+
 def test_by_hand_and_stale_are_said_in_words() -> None:
     found = engagement_scene.signs()
     hand = msgspec.structs.replace(found["presence"], raw=None, forced=True)

@@ -33,6 +33,7 @@ from woz_tui.sensing.bench.bench_figures import (
     steady,
     swept,
     takes,
+    turns,
     windows,
 )
 from woz_tui.sensing.bench.bench_scenes import CALM, SCENES, STAYING, SceneRun, played
@@ -238,6 +239,15 @@ def test_an_experiments_own_filters_compete(settings: EngagementSettings, own: b
     assert delays(last, films("arriving", 3), engaged=True).worst < 5
 
 
+@pytest.mark.parametrize("candidate", candidates_for(EngagementSettings()), ids=lambda one: one.key)
+def test_with_nobody_there_nobody_is_engaged_once_presence_says_so(candidate: Candidate) -> None:
+    found = turns(candidate, films("asking", 12), films("staying", 12))
+    assert found.alone == 0.0
+    assert found.paper > 70.0
+    assert found.ends.worst < 3.0
+    assert found.kept > 80.0
+
+
 def test_a_goal_that_few_runs_cannot_tell_is_open() -> None:
     assert Goal("x", 98.0, 98.0, 50).met
     few, many = Goal("x", 97.0, 98.0, 50), Goal("x", 95.0, 98.0, 5000)
@@ -246,6 +256,7 @@ def test_a_goal_that_few_runs_cannot_tell_is_open() -> None:
     late = Goal("x", 0.68, 0.67, 0)
     assert (late.met, late.open) == (False, False)
     assert Goal("x", 0.6749, 0.67, 0).met
+    assert not Goal("x", 0.1, 0.0, 0, rare=True).met
 
 
 # -- bursts of errors ------------------------------------------------------------------------------

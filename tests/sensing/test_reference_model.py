@@ -66,15 +66,27 @@ class Plain:
 class Machine:
     """The table of the paper as a function; a handshake is begun three times at most.
 
-    `absent`: the limit of the extension in seconds; None: the paper's table alone.
+    `absent`: the limit of the extension in seconds; None: `turns` says whether at once or never.
     """
 
-    def __init__(self, absent: Fraction | None = None) -> None:
+    def __init__(self, absent: Fraction | None, turns: str) -> None:
         self.state = "Wait"
         self.failed = 0
-        self.absent = absent
+        self.absent, self.turns = absent, turns
         self.seen: Fraction | None = None
         self.gone = Fraction(0)
+        self.name = self.face = self.visitor = ""
+        self.replaced = False
+
+    def recognise(self, name: str) -> None:
+        """Whose turn it is stays so, whoever is recognised in it."""
+        self.name = name = name if name != UNKNOWN else ""
+        if name and name != self.face:
+            self.face = name
+            self.replaced = self.state in TURN and self.visitor not in ("", name)
+            self.visitor = self.visitor if self.replaced else name
+        elif self.state == "Wait" or not self.visitor:
+            self.face = self.visitor = name
 
     def look(self, t: Fraction, present: bool) -> None:
         """For how long nobody has been there by now; before the first row, all the time."""
@@ -89,6 +101,10 @@ class Machine:
         if found is None:
             return None
         outcome, self.state = found
+        if self.replaced and self.state not in TURN:
+            self.replaced, self.visitor = False, self.face
+        if self.state in ("Wait", "EngagedWithUnknown"):
+            self.visitor = self.name
         self.failed += outcome == "eng2unknow"
         if self.state in ("Wait", "PersonDetected"):
             self.failed = 0
@@ -128,10 +144,17 @@ class Machine:
         for holds, outcome, to in by_signs.get(self.state, ()):
             if holds:
                 return outcome, to
-        over = self.absent is not None and not present and self.gone >= self.absent
-        return ("human_absence", "Wait") if over and self.state in BUSY else None
+        if self.absent is None:
+            over = self.turns == "visitor" and not present
+        else:
+            over = not present and self.gone >= self.absent
+        if over and self.state in BUSY:
+            return "human_absence", "Wait"
+        another = self.turns == "visitor" and self.replaced and self.state in TURN
+        return ("error", "PersonDetected") if another else None
 
 
+TURN = ("UserSpeaks", "RobotThinks", "RobotReplies")
 BUSY = ("Handshake", "UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks")
 
 
@@ -177,19 +200,20 @@ class Visitors:
     st.integers(1, 6),
     st.sampled_from(["0", "0.1", "0.3", "0.5", "0.7", "1"]),
     st.sampled_from(["zero-fill", "partial", "hold"]),
-    st.sampled_from([None, "0.1", "2", "7.5"]),
+    st.tuples(st.sampled_from([None, "0.1", "2", "7.5"]), st.sampled_from(["visitor", "paper"])),
 )
 def test_the_model_says_what_the_plain_one_says(
-    seed: int, n: int, threshold: str, start_up: str, absent: str | None
+    seed: int, n: int, threshold: str, start_up: str, ends: tuple[str | None, str]
 ) -> None:
-    """Without `timeouts.absent` there is the paper's table and nothing else."""
-    limit = Timeouts(absent=None if absent is None else float(absent))
+    """With `turns: paper` and without `timeouts.absent` there is the paper's table alone."""
+    absent, turns = ends
+    limits = Timeouts(absent=None if absent is None else float(absent), unengaged=None)
     settings = EngagementSettings(
-        samples=n, threshold=float(threshold), start_up=start_up, timeouts=limit
+        samples=n, threshold=float(threshold), start_up=start_up, turns=turns, timeouts=limits
     )
     model = SampleRowReader(settings)
     plain = {key: Plain(n, threshold, start_up) for key in ODD}
-    machine = Machine(None if absent is None else Fraction(absent))
+    machine = Machine(None if absent is None else Fraction(absent), turns)
     visitors = Visitors(random.Random(seed))
     for _ in range(150):
         row = visitors.row()
@@ -198,6 +222,7 @@ def test_the_model_says_what_the_plain_one_says(
             sign.hear(Fraction(visitors.milliseconds, 1000), _meant(key, row[key]))
         verdicts = {key: plain[key].verdict() for key in ("presence", "gaze", "distance")}
         name = plain["id"].name()
+        machine.recognise(name)
         machine.look(Fraction(visitors.milliseconds, 1000), verdicts["presence"] == 1)
         outcomes = [
             machine.step(event, verdicts["presence"] == 1, all(verdicts.values()), name != UNKNOWN)

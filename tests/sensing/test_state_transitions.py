@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -42,7 +43,8 @@ PAPER = {
     ("UserSpeaks", "EngagedWithKnown", "error"),
     ("Wait", "stop", "end"),
 }
-#: What this model adds: time limits that are off or long, and a name where nobody greets.
+#: What this model adds: time limits that are off or long, a name where nobody greets, and that a
+#: turn ends whose visitor has left it.
 BEYOND = {
     ("RobotThinks", "EngagedWithKnown", "error"),
     ("RobotReplies", "EngagedWithKnown", "error"),
@@ -52,6 +54,7 @@ BEYOND = {
         (busy, "Wait", "human_absence")
         for busy in ("Handshake", "UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks")
     ),
+    *((turn, "PersonDetected", "error") for turn in ("UserSpeaks", "RobotThinks", "RobotReplies")),
 }
 
 
@@ -185,8 +188,8 @@ BUSY = {
 
 
 @pytest.mark.parametrize("state", BUSY)
-def test_whoever_leaves_while_they_talk_is_noticed_afterwards(state: State) -> None:
-    visit = Visit().engage()
+def test_in_the_paper_whoever_leaves_while_they_talk_is_noticed_afterwards(state: State) -> None:
+    visit = Visit(turns="paper").engage()
     for event in BUSY[state]:
         visit.event(event)
     assert visit.model.state is state
@@ -201,16 +204,103 @@ def test_whoever_leaves_while_they_talk_is_noticed_afterwards(state: State) -> N
     ]
 
 
-@pytest.mark.parametrize("state", [State.HANDSHAKE, *BUSY])
-def test_no_state_outlives_its_visitor_where_the_file_says_so(state: State) -> None:
-    visit = Visit(timeouts=Timeouts(absent=10.0))
+def busy(state: State, **settings: Any) -> Visit:
+    """Anna, or a stranger who is asked for a name, in one of the states that last."""
+    visit = Visit(**settings)
     if state is State.HANDSHAKE:
-        visit.meet()
-    else:
-        visit.engage()
-        for event in BUSY[state]:
-            visit.event(event)
+        return visit.meet()
+    visit.engage()
+    for event in BUSY[state]:
+        visit.event(event)
     assert visit.model.state is state
+    return visit
+
+
+@pytest.mark.parametrize("state", [State.HANDSHAKE, *BUSY])
+def test_nobody_is_engaged_who_has_gone(state: State) -> None:
+    """Where the file says nothing: with the sample by which presence says 0."""
+    visit = busy(state)
+    (change,) = visit.see(**GONE)
+    assert arrow(change) == (state.value, "Wait", "human_absence")
+    assert change.why == "nobody is there any more: nobody is there"
+    assert not change.forced
+
+
+TURNS = [State.USER_SPEAKS, State.THINKS, State.REPLIES]
+
+
+@pytest.mark.parametrize("state", TURNS)
+def test_a_turn_is_not_handed_on_to_somebody_else(state: State) -> None:
+    visit = busy(state)
+    assert visit.wait(20, **WITH, identity="Unknown") == [], "a face that is not seen is nobody"
+    assert visit.model.shown().visitor == "Anna"
+    left, met = visit.see(2, **WITH, identity="Bert")
+    assert arrow(left) == (state.value, "PersonDetected", "error")
+    assert left.why.startswith("somebody else is there: ")
+    assert arrow(met) == ("PersonDetected", "EngagedWithKnown", "recognized")
+    assert (left.visitor, met.visitor) == ("Bert", "Bert")
+
+
+@pytest.mark.parametrize("state", TURNS)
+def test_a_turn_ends_whose_visitor_attends_to_something_else(state: State) -> None:
+    away = {**WITH, "gaze": 0}
+    visit = busy(state, timeouts=Timeouts(unengaged=10.0))
+    assert visit.wait(9, **away) == []
+    assert visit.see(**WITH) == [], "a glance back, and the time begins anew"
+    assert visit.wait(9, **away) == []
+    (change,) = visit.wait(2, **away)
+    assert arrow(change) == (state.value, "PersonDetected", "error")
+    assert change.why.startswith("not engaged any more: ")
+
+
+def test_in_a_turn_nobody_is_lost_sooner_than_out_of_one() -> None:
+    visit = busy(State.THINKS, timeouts=Timeouts(unengaged=5.0, lost=10.0))
+    assert visit.wait(9, **{**WITH, "gaze": 0}) == []
+    assert len(visit.wait(2, **{**WITH, "gaze": 0})) == 1
+
+
+@pytest.mark.parametrize("state", TURNS)
+def test_in_the_paper_a_turn_is_over_when_it_is_over_and_names_whoever_spoke(state: State) -> None:
+    visit = busy(state, turns="paper", timeouts=Timeouts(talking=None, listening=None))
+    assert visit.wait(30, **{**WITH, "gaze": 0}) == visit.wait(30, **WITH, identity="Bert") == []
+    assert visit.wait(30, **GONE) == []
+    assert visit.model.shown().visitor == "Anna"
+
+
+def test_after_the_answer_the_visitor_is_whoever_is_there() -> None:
+    visit = busy(State.REPLIES, turns="paper")
+    visit.see(**WITH, identity="Bert")
+    change = visit.event(Event.REPLY_DONE)
+    assert change is not None
+    assert (change.now, change.visitor) == ("EngagedWithKnown", "Bert")
+
+
+def test_a_name_that_the_wizard_corrects_is_not_somebody_else() -> None:
+    visit = busy(State.THINKS)
+    visit.model.override("identity", "Bert")
+    assert visit.see(2, **WITH) == []
+    visit.model.take_name("Carla")
+    assert visit.see(2, **WITH) == []
+    assert visit.model.shown().visitor == "Carla"
+
+
+def test_whom_the_wizard_has_put_there_may_ask_and_get_an_answer() -> None:
+    """No sensor sees anybody; the signs count again once they say something else than then."""
+    visit = Visit()
+    visit.see(**GONE)
+    visit.model.force("EngagedWithKnown")
+    for event in BUSY[State.REPLIES]:
+        assert visit.event(event) is not None
+        assert visit.wait(20, **GONE) == []
+    visit.see(**WITH)
+    assert [arrow(change) for change in visit.see(2, **GONE)] == [
+        ("RobotReplies", "Wait", "human_absence")
+    ]
+
+
+@pytest.mark.parametrize("state", [State.HANDSHAKE, *BUSY])
+def test_a_state_may_outlive_its_visitor_by_as_long_as_the_file_says(state: State) -> None:
+    visit = busy(state, timeouts=Timeouts(absent=10.0))
     assert visit.wait(9, **GONE) == []
     assert visit.wait(5, **WITH) == [], "they came back, and the limit begins anew"
     assert visit.wait(9, **GONE) == []

@@ -286,19 +286,20 @@ def test_the_absence_of_the_visitor_ends_the_state_and_not_the_sentence(tmp_path
     changes = rig.of(m.EngagementChanged)
     assert [change.t for change in again] == pytest.approx([line.t for line in changes], abs=5000)
     before = EngagementFollower(PLAIN)
-    old = [_without_absent(line) for line in rig.lines]
+    old = [_as_of_before(line) for line in rig.lines]
     found = [change.now for line in old for change in before.apply(line)]
     assert found[-3:] == [KNOWN_STATE, "PersonDetected", "Wait"], "after the answer, as before"
 
 
-def _without_absent(line: m.AnyMessage) -> m.AnyMessage:
-    """The settings as a log has them that was written before there was this one."""
+def _as_of_before(line: m.AnyMessage) -> m.AnyMessage:
+    """The settings as a log has them that was written before any but the paper's ways out."""
     if not isinstance(line, m.EngagementAdopted):
         return line
     limits = line.settings["timeouts"]
     assert isinstance(limits, dict)
-    kept = {name: value for name, value in limits.items() if name != "absent"}
-    return msgspec.structs.replace(line, settings={**line.settings, "timeouts": kept})
+    kept = {name: value for name, value in limits.items() if name not in ("absent", "unengaged")}
+    told = {name: value for name, value in line.settings.items() if name != "turns"}
+    return msgspec.structs.replace(line, settings={**told, "timeouts": kept})
 
 
 def test_another_participant_begins_anew(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from rich.text import Text
 from woz_tui.cli import robot_fit, study_summary
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import keys
-from woz_tui.config.engagement import SIGNS, EngagementSettings, Timeouts
+from woz_tui.config.engagement import SIGNS, VISITOR, EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, signs_given
 from woz_tui.config.experiment import (
     Action,
@@ -509,8 +509,13 @@ def _engagement_lines(experiment: Experiment, engagement: Engagement) -> Iterato
         sources = _sign_sources(experiment, settings, sign)
         yield sign, f"{_filter(shown[sign])}{limit}, {sources}"
     yield "speech", _speech(experiment, settings)
-    timeouts = _active_timeouts(settings.timeouts).items()
-    limits = [f"{name} {seconds:g} s" for name, seconds in timeouts]
+    yield (
+        "turns",
+        "end when whoever spoke has gone or was replaced"
+        if settings.turns == VISITOR
+        else "last until they are over, as in the paper",
+    )
+    limits = [f"{name} {seconds:g} s" for name, seconds in _active_timeouts(settings).items()]
     yield "timeouts", ", ".join(limits) or "none"
     yield "handshake", _handshake(settings)
     yield "starts", {"run": "running", "hold": "on hold", "off": "switched off"}[settings.start]
@@ -538,7 +543,8 @@ def _engagement(experiment: Experiment, engagement: Engagement) -> Json:
         "start": settings.start,
         "social_distance": settings.social_distance,
         "signs": signs,
-        "timeouts": {**_active_timeouts(settings.timeouts)},
+        "turns": settings.turns,
+        "timeouts": {**_active_timeouts(settings)},
         "handshake": settings.handshake.by,
         "on_enter": dict(_effects(engagement, main_arguments(experiment))),
         "verbs": [*map(_verb, engagement_verbs())],
@@ -600,8 +606,8 @@ def _speech(experiment: Experiment, settings: EngagementSettings) -> str:
     return f"{' and '.join(publishers)}, {loud}, {settings.sound.hang_over:g} s of silence end it"
 
 
-def _active_timeouts(timeouts: Timeouts) -> dict[str, float]:
-    return {name: seconds for name, seconds in asdict(timeouts).items() if seconds}
+def _active_timeouts(settings: EngagementSettings) -> dict[str, float]:
+    return {name: seconds for name, seconds in settings.limits.items() if seconds}
 
 
 def _handshake(settings: EngagementSettings) -> str:

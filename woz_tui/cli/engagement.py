@@ -23,6 +23,7 @@ from woz_tui.config.engagement import (
     FILTERS,
     SIGNS,
     START_UPS,
+    TURNS,
     EngagementSettings,
 )
 
@@ -130,6 +131,10 @@ def add_settings(parser: ArgumentParser) -> None:
         help=f"what the condition of engagement uses ({','.join(CONDITION)})",
     )  # fmt: skip
     setting.add_argument(
+        "--turns", choices=TURNS,
+        help="visitor: whoever spoke and has left ends a turn; paper: it lasts until it is over",
+    )  # fmt: skip
+    setting.add_argument(
         "--loud", type=number(0, _LOUDEST), metavar="X",
         help=(
             "sound above this RMS is speech (0.0732, which is 2400 of 32768); above 1: RMS"
@@ -235,7 +240,7 @@ def settings_of(arguments: Namespace) -> EngagementSettings:
 def with_options(arguments: Namespace, settings: EngagementSettings) -> EngagementSettings:
     """Settings with the options above them; `OptionsError` for those that do not go together."""
     numbers = ("samples", "threshold", "filter", "stale")
-    others = ("start_up", "rate", "signs", "social_distance")
+    others = ("start_up", "rate", "signs", "social_distance", "turns")
     changes: dict[str, Any] = {
         name: getattr(arguments, name)
         for name in (*numbers, *others)

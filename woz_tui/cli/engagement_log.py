@@ -10,13 +10,13 @@ from __future__ import annotations
 import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import msgspec
 
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.config.engagement import RUNS, EngagementSettings
+from woz_tui.config.engagement import PAPER, RUNS, EngagementSettings
 from woz_tui.config.engagement_json import settings_from_json, settings_to_json
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.log.log_reader import Damage, LogLine, read
@@ -377,7 +377,11 @@ def planned(
     if arguments.experiment is not None:
         return settings, SettingsOverride.always(settings, named)
     above = SettingsOverride(with_options, named)
-    return (None if _tells_settings(log) else _searched(log, settings, of_experiment)), above
+    if _tells_settings(log):
+        return None, above
+    # A log without settings is of a version that had the paper's turns alone.
+    begin = replace(_searched(log, settings, of_experiment), turns=PAPER)
+    return with_options(begin), above
 
 
 def _named(arguments: Namespace) -> dict[str, frozenset[str]]:

@@ -317,7 +317,7 @@ _ENGAGEMENT = """\
 engagement:                   # is somebody there, and with the robot?
   signals: none
   handshake: {by: nobody}
-  timeouts: {lost: 2 s, absent: 10 s}   # gone for 10 s: nobody waits any more
+  timeouts: {lost: 2 s}
 """
 _REPAIRS = """\
 # Keys that save a dialogue: again, other words, yes, no, I do not know ...

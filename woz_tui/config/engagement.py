@@ -8,7 +8,7 @@ Maniscalco, P. Storniolo, A. Messina, Int. J. of Social Robotics 14, 2022, doi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Annotated
 
 from woz_tui.drivers.fields import Doc, OneOf, Path, Range, Seconds, Section
@@ -32,6 +32,9 @@ UNKNOWN = "Unknown"
 FILTERS = ("fifo", "median", "joint")
 START_UPS = ("zero-fill", "partial", "hold")
 RUNS = ("run", "hold", "off")
+#: What may end a turn of a conversation before it is over: its visitor leaves it; or, as in the
+#: paper, nothing.
+VISITOR, PAPER = TURNS = ("visitor", "paper")
 MODES = ("Unengaged", "FullyEngaged", "SemiEngaged")
 CAMERAS = ("body", "head")
 
@@ -114,9 +117,17 @@ class Timeouts:
         Seconds(0.1, 3600),
         Doc(
             "nobody is there during a handshake, or while somebody speaks or the robot thinks or"
-            " speaks: Wait (beyond the table)"
+            " speaks: Wait; default: at once, with turns: paper never (beyond the table)"
         ),
     ] = None
+    unengaged: Annotated[
+        float | None,
+        Seconds(0.1, 3600),
+        Doc(
+            "whoever spoke has not been engaged for so long, while they speak or the robot thinks"
+            " or replies: they are lost; never with turns: paper (beyond the table)"
+        ),
+    ] = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +210,14 @@ class EngagementSettings(Section):
     identity: SignSettings = field(default_factory=SignSettings)
     joint: JointSettings = field(default_factory=JointSettings)
     sound: SoundSettings = field(default_factory=SoundSettings)
+    turns: Annotated[
+        str,
+        OneOf(TURNS),
+        Doc(
+            "visitor: a turn ends when whoever spoke has gone, was replaced by somebody else, or"
+            " has not been engaged for timeouts.unengaged; paper: not before it is over"
+        ),
+    ] = VISITOR
     timeouts: Timeouts = field(default_factory=Timeouts)
     handshake: HandshakeSettings = field(default_factory=HandshakeSettings)
     attention: AttentionSettings = field(default_factory=AttentionSettings)
@@ -213,6 +232,12 @@ class EngagementSettings(Section):
         """The settings of one sign."""
         settings: SignSettings = getattr(self, name)
         return settings
+
+    @property
+    def limits(self) -> dict[str, float | None]:
+        """The timeouts that count, by name; None: never."""
+        limits = asdict(self.timeouts)
+        return limits if self.turns == VISITOR else {**limits, "unengaged": None}
 
     def problems(self) -> list[tuple[str, str]]:
         """What is wrong between settings: pairs of a setting's name and a sentence."""

@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
-from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement import PAPER, EngagementSettings
 from woz_tui.drivers.fields import OneOf
 from woz_tui.protocol.envelope import Json
 
@@ -29,10 +29,11 @@ def settings_to_json(settings: EngagementSettings) -> dict[str, Json]:
 
 def settings_from_json(values: dict[str, Json]) -> EngagementSettings:
     """The settings again; what a later version has added is passed over, what is missing has its
-    default. Raises `ValueError` with a sentence if they are no settings.
+    default. Only `turns` is missing where a version wrote them that had the paper's alone. Raises
+    `ValueError` with a sentence if they are no settings.
     """
     try:
-        settings = msgspec.convert(values, EngagementSettings)
+        settings = msgspec.convert({"turns": PAPER, **values}, EngagementSettings)
         problems = settings.problems()
     except msgspec.ValidationError as error:
         raise ValueError(str(error)) from error

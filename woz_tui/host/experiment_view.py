@@ -79,7 +79,7 @@ def engagement_limits(experiment: Experiment) -> ModelLimits:
         return ModelLimits()
     settings = experiment.engagement.settings
     handshake = settings.handshake
-    return ModelLimits(asdict(settings.timeouts), handshake.seconds, handshake.attempts)
+    return ModelLimits(settings.limits, handshake.seconds, handshake.attempts)
 
 
 def joint_limits(shown: ExperimentView) -> dict[str, tuple[float, float]]:

@@ -11,13 +11,14 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from woz_tui.config.engagement import RUNS, EngagementSettings
+from woz_tui.config.engagement import RUNS, VISITOR, EngagementSettings
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.messages import EngagementShown
 from woz_tui.sensing.loudness_speech import LoudnessSpeechDetector
 from woz_tui.sensing.model_time import SECOND, ModelClock, microseconds, periods
 from woz_tui.sensing.signs import Signs
 from woz_tui.sensing.state_machine import (
+    TURN,
     Edge,
     Event,
     ModelView,
@@ -80,7 +81,9 @@ class EngagementModel:
         #: What the robot attends to beside the visitor; only shown.
         self.attention = ""
         self._failed = 0
+        #: `visitor`: who it is, in a turn whoever spoke, though somebody else may be there by now.
         self._introduced = self._face = self.visitor = ""
+        self._replaced = False
         self._events: deque[Event] = deque(maxlen=WAITING)
         self._queued: deque[Event] = deque(maxlen=WAITING)
         self._engaged = False
@@ -167,6 +170,7 @@ class EngagementModel:
     def take_name(self, name: str) -> None:
         """The visitor's code, from the handshake or the wizard; forgotten with the visitor."""
         self._introduced = name
+        self._replaced = False
         self.visitor = name or self._recognised()
         self._notice_changes()
 
@@ -303,8 +307,12 @@ class EngagementModel:
         engaged = self.signs.engaged(now)
         recognised = self._recognised()
         if recognised and recognised != self._face:  # somebody else: what was told is over
-            self._face = self.visitor = recognised
-            self._introduced = ""
+            self._face, self._introduced = recognised, ""
+            corrected = self.signs.identity.forced is not None  # the wizard knows better who it is
+            spoke = self.state in TURN and self.visitor not in ("", recognised)
+            self._replaced = spoke and not corrected
+            if not self._replaced:
+                self.visitor = recognised
         elif self.state is State.WAIT or not self.visitor:
             self._face, self.visitor = recognised, self._introduced or recognised
         if engaged != self._engaged:
@@ -330,6 +338,8 @@ class EngagementModel:
             lost_for=0.0 if self._engaged else (now - self._turned) / SECOND,
             nameless_for=(now - self._nameless_since) / SECOND,
             absent_for=0.0 if self._there else (now - self._left) / SECOND,
+            replaced=self._replaced,
+            turns=self.settings.turns,
             tries_left=(1 if shakes.by == "robot" else shakes.attempts) - self._failed,
             timeouts=self.settings.timeouts,
             handshake=shakes,
@@ -358,7 +368,8 @@ class EngagementModel:
         why = by_hand + self.signs.explained(why, self._time.now, self._introduced)
         self.state, self.since = edge.target, self._time.now
         self._trail.append(edge.target.value)
-        self._stands = None
+        if event is None or self.settings.turns != VISITOR:
+            self._stands = None  # else whom the wizard has put there may speak and get an answer
         self._enter(edge)
         return Transition(
             t=self._time.stamp(self.since),
@@ -379,6 +390,9 @@ class EngagementModel:
             self._failed = 0
         if edge.target is State.WAIT:
             self._introduced = ""
+        if self._replaced and edge.target not in TURN:
+            self._replaced = False
+            self.visitor = self._introduced or self._face
         if edge.target in (State.WAIT, State.UNKNOWN):
             self.visitor = self._introduced or self._recognised()
         self.attempt = self._failed + 1 if edge.target is State.HANDSHAKE else 0
@@ -409,5 +423,7 @@ class EngagementModel:
             yield self._left + microseconds(timeouts.absent)
         if not self._engaged:
             yield self._turned + microseconds(timeouts.lost)
+            if timeouts.unengaged is not None:
+                yield self._turned + microseconds(timeouts.unengaged)
         elif not self.has_name:
             yield self._nameless_since + microseconds(timeouts.unrecognized)

@@ -12,7 +12,7 @@ import enum
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from woz_tui.config.engagement import HandshakeSettings, Timeouts
+from woz_tui.config.engagement import VISITOR, HandshakeSettings, Timeouts
 
 
 class State(enum.StrEnum):
@@ -53,7 +53,8 @@ class ModelView:
     while it holds. `nameless_for`: seconds for which E has held without a name. `absent_for`:
     seconds for which nobody has been there, 0 while somebody is. `elapsed`: seconds in this state.
     `tries_left`: handshakes that this visitor may still have. `known`: there is a name.
-    `reason`: what the signs say, in words.
+    `replaced`: it is another one than that of whoever spoke. `reason`: what the signs say, in
+    words.
     """
 
     event: Event | None
@@ -66,6 +67,8 @@ class ModelView:
     nameless_for: float = 0.0
     absent_for: float = 0.0
     tries_left: int = 1
+    replaced: bool = False
+    turns: str = VISITOR
     timeouts: Timeouts = field(default_factory=Timeouts)
     handshake: HandshakeSettings = field(default_factory=HandshakeSettings)
 
@@ -76,7 +79,7 @@ class Edge:
     and `{absence}` for those by which nobody is there.
 
     `letter` is the figure's; an edge without one comes from the published program (`listing`) or
-    is an extension of this one, which only a setting switches on. `unnamed`: nobody means it who
+    is an extension of this one, which a setting switches on or off. `unnamed`: nobody means it who
     names its state or outcome: `force` had its own meaning there before the edge was added.
     """
 
@@ -114,13 +117,38 @@ def _nameless(view: ModelView) -> bool:
 
 def _absent(view: ModelView) -> bool:
     limit = view.timeouts.absent
-    return limit is not None and view.absent_for >= limit
+    if limit is None:
+        return view.turns == VISITOR and not view.presence
+    return view.absent_for >= limit
 
 
 def _nobody_there(state: State) -> Edge:
     """Out of a state that the paper does not leave before it is over, though the visitor has."""
     why = "nobody is there any more: {absence}"
     return Edge(state, State.WAIT, "human_absence", _absent, why, unnamed=True)
+
+
+def _replaced(view: ModelView) -> bool:
+    return view.turns == VISITOR and view.replaced
+
+
+def _unengaged(view: ModelView) -> bool:
+    """For so long, and as long as a visitor may be out of engagement outside of a turn, too."""
+    limit = view.timeouts.unengaged
+    if limit is None or view.turns != VISITOR or view.engaged:
+        return False
+    return view.lost_for >= max(limit, view.timeouts.lost)
+
+
+def _left_by_visitor(state: State) -> tuple[Edge, ...]:
+    """Out of a turn of whoever spoke, who has gone, was replaced, or attends to something else."""
+    another = "somebody else is there: {reason}"
+    lost = "not engaged any more: {reason}"
+    return (
+        _nobody_there(state),
+        Edge(state, State.DETECTED, "error", _replaced, another, unnamed=True),
+        Edge(state, State.DETECTED, "error", _unengaged, lost, unnamed=True),
+    )
 
 
 def _greets(view: ModelView) -> bool:
@@ -182,13 +210,13 @@ EDGES: tuple[Edge, ...] = (
         State.USER_SPEAKS, State.KNOWN, "error",
         _after("listening"), "the speech does not end", listing=True,
     ),
-    _nobody_there(State.USER_SPEAKS),
+    *_left_by_visitor(State.USER_SPEAKS),
     Edge(State.THINKS, State.REPLIES, "done", _on(Event.THINK_DONE), "there is an answer", "n"),
     Edge(State.THINKS, State.KNOWN, "error", _after("thinking"), "nobody has answered"),
-    _nobody_there(State.THINKS),
+    *_left_by_visitor(State.THINKS),
     Edge(State.REPLIES, State.KNOWN, "done", _on(Event.REPLY_DONE), "the answer is over", "o"),
     Edge(State.REPLIES, State.KNOWN, "error", _after("talking"), "the answer does not end"),
-    _nobody_there(State.REPLIES),
+    *_left_by_visitor(State.REPLIES),
     Edge(
         State.ROBOT_SPEAKS, State.KNOWN, "done",
         _on(Event.SAY_DONE), "the robot's sentence is over", "q",
@@ -205,6 +233,8 @@ ENGAGED = frozenset(
         *(State.USER_SPEAKS, State.THINKS, State.REPLIES, State.ROBOT_SPEAKS),
     }
 )
+#: Turns of the visitor who spoke: what they say, and the answer to it.
+TURN = frozenset({State.USER_SPEAKS, State.THINKS, State.REPLIES})
 #: Outcomes by which the wizard may name an edge.
 OUTCOMES = tuple(dict.fromkeys(edge.outcome for edge in EDGES))
 

@@ -31,6 +31,7 @@ from woz_tui.console.number_text import seconds
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import zone
 from woz_tui.sensing.sample_values import FLAGS
+from woz_tui.sensing.state_machine import TURN
 from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
 from woz_tui.system.text_cleaning import elapsed
 
@@ -250,7 +251,7 @@ _SOON = 0.75
 
 
 def running_limits(state: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
-    """`12 of 60 s to speak` for the present state, and that it ends soon as nobody is there."""
+    """`12 of 60 s to speak` for the present state, and that it ends soon as its visitor left."""
     limits = state.settings.engagement
     name, words = _LIMITS.get(shown.state, ("", ""))
     limit = limits.timeouts.get(name)
@@ -264,4 +265,7 @@ def running_limits(state: ConsoleState, shown: m.EngagementShown, now: int) -> l
     absent, presence = limits.timeouts.get("absent"), shown.signs.get("presence")
     if absent and shown.state in _BUSY and presence is not None and presence.verdict == 0:
         pieces.append((f"ends {absent:g} s after the visitor left", "muted"))
+    elif not shown.engaged and shown.state in TURN and limits.timeouts.get("unengaged"):
+        seconds_ = limits.timeouts["unengaged"]
+        pieces.append((f"ends {seconds_:g} s after they turned away", "muted"))
     return pieces

@@ -1,4 +1,4 @@
-"""The bench as a whole: what is measured of which filter, and what is hoped of the joint one."""
+"""The bench as a whole: what is measured of which filter, and what is hoped."""
 
 from __future__ import annotations
 
@@ -8,8 +8,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from woz_tui.config.engagement import CONDITION, SIGNS, EngagementSettings
+from woz_tui.config.engagement import (
+    CONDITION,
+    PAPER,
+    SIGNS,
+    VISITOR,
+    EngagementSettings,
+    HandshakeSettings,
+    JointSettings,
+    SignSettings,
+)
 from woz_tui.sensing.bench.bench_scenes import (
+    ASKING,
     CALM,
     NAME,
     SCENES,
@@ -20,8 +30,10 @@ from woz_tui.sensing.bench.bench_scenes import (
     played,
 )
 from woz_tui.sensing.bench.sensor_errors import TABLE_1, WINDOWS, ErrorModel, fitted, interval
+from woz_tui.sensing.engagement_model import EngagementModel
 from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
 from woz_tui.sensing.joint_filter import JointFilter, JointSign
+from woz_tui.sensing.state_machine import ENGAGED, Event, State
 
 #: Anything that a sign's samples may go through.
 Filter = Fifo | IdentityFifo | JointSign
@@ -58,10 +70,13 @@ class FilterBank:
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A way of filtering: `key` for programs, `label` for readers."""
+    """A way of filtering: `key` for programs, `label` for readers; `settings` with which the whole
+    model filters so.
+    """
 
     key: str
     label: str
+    settings: EngagementSettings
     made: Callable[[], FilterBank] = field(repr=False)
 
 
@@ -81,7 +96,9 @@ def queues(
         }
         return FilterBank(filters)
 
-    return Candidate(key or f"fifo-{samples}", label or f"fifo {samples}", made)
+    distance = SignSettings(filter="median" if median else None)
+    settings = EngagementSettings(samples=samples, social_distance=near, distance=distance)
+    return Candidate(key or f"fifo-{samples}", label or f"fifo {samples}", settings, made)
 
 
 def joint(near: float, glance: float, key: str = "joint", label: str = "joint") -> Candidate:
@@ -91,7 +108,10 @@ def joint(near: float, glance: float, key: str = "joint", label: str = "joint") 
         filter_ = JointFilter(near, glance=glance)
         return FilterBank({sign: filter_.view(sign) for sign in SIGNS})
 
-    return Candidate(key, label, made)
+    settings = EngagementSettings(
+        filter="joint", social_distance=near, joint=JointSettings(glance=glance)
+    )
+    return Candidate(key, label, settings, made)
 
 
 def configured(settings: EngagementSettings) -> Candidate:
@@ -101,7 +121,7 @@ def configured(settings: EngagementSettings) -> Candidate:
         shared = JointFilter(settings.social_distance, glance=settings.joint.glance)
         return FilterBank({sign: _own(settings, sign, shared) for sign in SIGNS})
 
-    return Candidate("experiment", "experiment", made)
+    return Candidate("experiment", "experiment", settings, made)
 
 
 def _own(settings: EngagementSettings, sign: str, shared: JointFilter) -> Filter:
@@ -307,6 +327,93 @@ def _lasted(candidate: Candidate, film: SceneRun) -> dict[str, float]:
     return lasted
 
 
+# Turns: a visitor has asked, and nobody answers. What the whole model makes of it, from its states.
+
+#: What happens until whose turn it is as the visitor leaves; and how long before they do, in
+#: seconds.
+_ASKS = {
+    State.USER_SPEAKS: (Event.SPEECH_START,),
+    State.THINKS: (Event.SPEECH_START, Event.SPEECH_END),
+    State.REPLIES: (Event.SPEECH_START, Event.SPEECH_END, Event.THINK_DONE),
+}
+_ASKS_BEFORE = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Turns:
+    """What became of turns whose visitor left in the middle of them, or stayed.
+
+    Attributes:
+        alone: Per cent of the time with nobody there that counted as engaged although presence
+            said so already; what the filter needs to say so is not in it.
+        paper: The same with `turns: paper`.
+        ends: How long after the visitor had left the turn ended.
+        kept: Per cent of turns of visitors who stay that lasted to the end of the scene.
+    """
+
+    alone: float
+    paper: float
+    ends: Delays
+    kept: float
+
+
+def turns(candidate: Candidate, left: Sequence[SceneRun], stayed: Sequence[SceneRun]) -> Turns:
+    """Turns in films of visitors who leave and of visitors who stay."""
+    ours, paper = (
+        [one for one in (_turn(candidate, turns, *each) for each in enumerate(left)) if one]
+        for turns in (VISITOR, PAPER)
+    )
+    staying = [
+        one for one in (_turn(candidate, VISITOR, *each) for each in enumerate(stayed)) if one
+    ]
+    return Turns(
+        alone=_mean([alone for alone, _ in ours]),
+        paper=_mean([alone for alone, _ in paper]),
+        ends=Delays(tuple(sorted(ended for _, ended in ours))),
+        kept=_mean([100.0 * math.isinf(ended) for _, ended in staying]),
+    )
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values) if values else math.nan
+
+
+def _turn(candidate: Candidate, turns: str, run: int, film: SceneRun) -> tuple[float, float] | None:
+    """Per cent of the time from the moment on in which somebody counted as engaged while presence
+    said that nobody is there; and seconds until the turn ended. None: an error has ended it before,
+    or let it not begin.
+    """
+    settings = replace(candidate.settings, turns=turns, handshake=HandshakeSettings(by="nobody"))
+    model = EngagementModel(settings)
+    state, events = list(_ASKS.items())[run % len(_ASKS)]
+    asks = film.moment - _ASKS_BEFORE * 1e6
+    asked = False
+    alone = watched = 0
+    ended = math.inf
+    before = 0
+    for row in film.rows:
+        if row.t >= film.moment and not asked:
+            return None
+        if row.t > film.moment:
+            since = row.t - max(before, film.moment)
+            watched += since
+            alone += since * (model.state in ENGAGED and not model.signs.present)
+        model.advance(row.t)
+        for sign, value in row.samples:
+            model.sample(sign, value)
+        if not asked and row.t >= asks:
+            asked = [change.now for event in events if (change := model.step(event))][-1:] == [
+                state
+            ]
+        model.step()
+        if asked and math.isinf(ended) and model.state is not state:
+            if row.t < film.moment:
+                return None
+            ended = (row.t - film.moment) / 1e6
+        before = row.t
+    return 100.0 * alone / watched, ended
+
+
 #: The parameters of filters and error model were chosen with other seeds than this one.
 SEED = 2022
 RUNS = 200
@@ -355,6 +462,7 @@ class FilterFigures:
     candidate: Candidate
     steady: dict[str, Steady]
     changes: dict[str, Delays]
+    turns: Turns | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,13 +476,14 @@ class Variation:
 @dataclass(frozen=True, slots=True)
 class Goal:
     """Something hoped of the joint filter: at least `limit` per cent of so many `runs`, or at most
-    `limit` seconds (`runs` is 0 then).
+    `limit` seconds (`runs` is 0 then); with `rare`, at most `limit` per cent of the time.
     """
 
     what: str
     value: float
     limit: float
     runs: int
+    rare: bool = False
 
     @property
     def bounds(self) -> tuple[int, int] | None:
@@ -432,6 +541,7 @@ def measure(settings: EngagementSettings, runs: int = RUNS, seed: int = SEED) ->
 
 def measured(candidate: Candidate, films: dict[str, list[SceneRun]]) -> FilterFigures:
     """One filter in the scenes that there are."""
+    left = films.get(ASKING.name)
     return FilterFigures(
         candidate,
         {
@@ -444,6 +554,7 @@ def measured(candidate: Candidate, films: dict[str, list[SceneRun]]) -> FilterFi
             for name, engaged in CHANGES.items()
             if name in films
         },
+        turns(candidate, left, films[STAYING.name]) if left else None,
     )
 
 
@@ -565,6 +676,8 @@ def _goals(joint_one: FilterFigures) -> Iterator[Goal]:
         yield Goal(name, joint_one.steady[name].share, STABLE, joint_one.steady[name].runs)
     for name, seconds in SOON.items():
         yield Goal(name, joint_one.changes[name].most, seconds, 0)
+    if joint_one.turns is not None:
+        yield Goal("engaged, nobody", joint_one.turns.alone, 0.0, 0, rare=True)
 
 
 def as_json(report: BenchReport) -> dict[str, object]:
@@ -599,7 +712,7 @@ def as_json(report: BenchReport) -> dict[str, object]:
                 "what": goal.what,
                 "value": _number(goal.value),
                 "limit": goal.limit,
-                "unit": "%" if goal.runs else "s",
+                "unit": "%" if goal.runs or goal.rare else "s",
                 "interval": goal.bounds,
                 "met": goal.met,
             }
@@ -609,6 +722,7 @@ def as_json(report: BenchReport) -> dict[str, object]:
 
 
 def _filter(each: FilterFigures) -> dict[str, object]:
+    found = each.turns
     return {
         "filter": each.candidate.key,
         "right": {name: round(found.share, 2) for name, found in each.steady.items()},
@@ -625,6 +739,13 @@ def _filter(each: FilterFigures) -> dict[str, object]:
                 "runs": len(found.seconds),
             }
             for name, found in each.changes.items()
+        },
+        "turns": found
+        and {
+            "engaged_with_nobody": _number(found.alone),
+            "engaged_with_nobody_paper": _number(found.paper),
+            "ends": {"median": _number(found.ends.median), "p95": _number(found.ends.most)},
+            "kept": _number(found.kept),
         },
     }
 

@@ -85,10 +85,12 @@ class Scene:
 
 
 STAYING = Scene("staying", ENGAGED, ENGAGED, named=True)
+#: They have asked something, and leave.
+ASKING = Scene("asking", ENGAGED, NOBODY, named=True)
 SCENES = {
     scene.name: scene
     for scene in (
-        STAYING,
+        *(STAYING, ASKING),
         Scene("short glances", ENGAGED, ENGAGED, SHORT),
         Scene("long glances", ENGAGED, ENGAGED, LONG),
         Scene("nobody", NOBODY, NOBODY, ghosts=True),

@@ -75,7 +75,10 @@ FIELDS: dict[str, tuple[str, str]] = {
     "files_sha256": ("", "name of each file -> its SHA-256"),
     "files": ("", "name of each file -> its text"),
     "floor_us": ("µs", "shortest time from the cue to the robot's action"),
-    "forced": ("", "whether the wizard did it, or set a sign by hand that caused it"),
+    "forced": (
+        "",
+        "whether somebody did it by hand, or set a sign by hand that caused it; `why` says who",
+    ),
     "format": ("", "always `woz-session`"),
     "hidden": ("", "what is hidden"),
     "intensity": ("", "how much of it the face shows, 0 to 1"),

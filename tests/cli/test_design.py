@@ -82,7 +82,7 @@ def test_what_was_used_and_what_comes_next(
     assert ["P01", "1", "4", "of", "4", "A,", "B"] in found
     assert any(row[:7] == ["P02", "2", "0", "of", "4", "B,", "A"] for row in found)
     assert "aborted or excluded: this order can be used again" in printed
-    assert ["P03", "-", "1", "of", "4", "A,", "B", "chosen", "by", "the", "wizard"] in found
+    assert ["P03", "-", "1", "of", "4", "A,", "B", "chosen", "by", "hand"] in found
     assert "from another design" in printed
     assert "P05" not in printed
     assert [row[1] for row in found[-3:]] == ["2", "2", "1"]

@@ -160,11 +160,11 @@ def _numbered(lines: Sequence[m.AnyMessage]) -> Iterator[m.AnyMessage]:
     ("options", "begins", "hint"),
     [
         ([], 5.0, ""),
-        (["--samples", "8"], 6.0, "1 change by the wizard was ignored (at 2.0 s)"),
+        (["--samples", "8"], 6.0, "1 change by hand was ignored (at 2.0 s)"),
         (
             ["--samples", "8", "--social-distance", "1"],
             6.0,
-            "2 changes by the wizard were ignored (the first at 2.0 s)",
+            "2 changes by hand were ignored (the first at 2.0 s)",
         ),
         (["--filter", "fifo"], 5.0, ""),
     ],
@@ -175,7 +175,7 @@ def test_how_many_keys_were_passed_over_is_told(
     assert cli.main(["engagement", str(log), *options]) == 0
     captured = capsys.readouterr()
     assert json.loads(captured.out.splitlines()[0])["t"] == begins
-    assert ("wizard" in captured.err) is bool(hint)
+    assert ("by hand" in captured.err) is bool(hint)
     assert hint in captured.err
     assert "edited" not in captured.err
 

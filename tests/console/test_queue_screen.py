@@ -43,8 +43,8 @@ async def test_the_queue_names_who_waits_where_and_for_how_long() -> None:
         await pilot.press("delete")
         assert isinstance(pilot.feed.asked[-1], r.AskEmptyQueue)
         await pilot.tell(
-            m.Stopped(command="cr2", driver="head", reason="queue emptied by wizard con1", t=NOW),
-            m.ActionStopped(run="r2", action="Map", reason="queue emptied by wizard con1", t=NOW),
+            m.Stopped(command="cr2", driver="head", reason="queue emptied by the wizard", t=NOW),
+            m.ActionStopped(run="r2", action="Map", reason="queue emptied by the wizard", t=NOW),
         )
         assert "Nothing is queued" in pilot.drawn()
 

@@ -303,7 +303,30 @@ async def test_the_rest_of_the_requests(tmp_path: Path) -> None:
         assert "too late" in (await peer.ask("action", action="Hello", stale=True))["reason"]
         assert "too late" in (await peer.ask("action", action="Hello", age_us=9_000_000))["reason"]
         assert (await peer.ask("end"))["ok"]
-        assert await asyncio.wait_for(host.host.serve(), 20) == "wizard"
+        assert await asyncio.wait_for(host.host.serve(), 20) == "program"
+
+
+@pytest.mark.parametrize(
+    ("role", "name", "who"),
+    [
+        ("program", "greeter", "the program greeter"),
+        ("program", "", "the program con1"),
+        ("wizard", "", "the wizard"),
+    ],
+)
+async def test_whoever_cuts_something_short_is_named(
+    tmp_path: Path, role: str, name: str, who: str
+) -> None:
+    async with served_session(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello(role, name=name)
+        said = (await peer.ask("verb", verb="say", args={"text": "a long sentence"}))["run"]
+        waits = (await peer.ask("verb", verb="say", args={"text": "another one"}))["run"]
+        assert (await peer.ask("empty-queue"))["ok"]
+        assert (await peer.ask("cancel", run=said))["ok"]
+        await host.published(lambda line: isinstance(line, m.Stopped) and line.command == said)
+        reasons = {line.command: line.reason for line in host.lines if isinstance(line, m.Stopped)}
+        assert reasons == {waits: f"queue emptied by {who}", said: f"cancelled by {who}"}
 
 
 def test_the_socket_is_private_and_a_dead_one_is_replaced(tmp_path: Path) -> None:

@@ -207,7 +207,59 @@ def test_the_same_participant_said_again_changes_nothing() -> None:
     assert log.state == "EngagedWithKnown"
     log.say(m.SessionChanged(participant="P08"))
     assert log.state == "Wait"
+    began = log.changes[-1]
+    assert (began.outcome, began.why) == ("new_participant", "another participant")
+    assert not began.forced, "nobody has forced it, whoever has set the participant"
+
+
+@pytest.mark.parametrize(
+    ("source", "attached", "who"),
+    [
+        ("key", {"role": "wizard"}, "the wizard"),
+        ("key", {"role": "wizard", "part": "voice"}, "the wizard (voice)"),
+        ("program", {"role": "program", "name": "greeter"}, "the program greeter"),
+        ("key", {"role": "program"}, "the program con7"),
+        ("program", None, "a program"),
+        ("midi", None, "the wizard"),
+        ("replay", None, "the re-run"),
+        ("phase", None, "the experiment"),
+    ],
+)
+@pytest.mark.parametrize("action", [False, True])
+def test_whoever_forces_a_state_is_named(
+    source: str, attached: dict[str, Any] | None, who: str, action: bool
+) -> None:
+    log = Log()
+    if attached is not None:
+        log.say(m.ConsoleAttached(console="con7", **attached))
+    console = "con7" if attached is not None else ""
+    if action:  # then its commands do not tell the connection
+        log.say(m.ActionRequested(run="r1", action="Thinks", source=source, console=console))
+    asked = m.Command(
+        command="x1",
+        run="r1" if action else "",
+        verb="force",
+        args={},
+        driver="engagement",
+        source=source,
+        console="" if action else console,
+    )
+    log.say(asked)
+    done = m.Done(command="x1", sent={"to": "RobotThinks"}, latency_us=0, duration_us=0)
+    log.say(done)
     assert log.changes[-1].forced
+    assert log.changes[-1].why.startswith(f"forced by {who}: ")
+
+
+def test_a_sign_given_by_a_program_is_not_the_wizards() -> None:
+    log = Log()
+    log.say(m.ConsoleAttached(console="con7", role="program", name="greeter"))
+    log.say(m.Command(command="x1", verb="sense", args={}, driver="engagement", source="program",
+                      console="con7"))  # fmt: skip
+    sent: dict[str, m.Json] = {"sign": "presence", "value": "on"}
+    log.say(m.Done(command="x1", sent=sent, latency_us=0, duration_us=0))
+    assert log.state == "PersonDetected"
+    assert "present (program greeter)" in log.changes[-1].why
 
 
 def test_it_does_not_matter_who_looks_when() -> None:

@@ -352,7 +352,9 @@ def test_every_step_follows_an_edge(
 ) -> None:
     model = Visit().model
     if state is not State.WAIT:
-        model.force(state, stands=False)
+        model.override("presence", True)
+        model.force(state)
+        model.override("presence", False)  # the signs have changed: it stands no more
     for sign, verdict in signs.items():
         model.override(sign, verdict, verdict if isinstance(verdict, str) else "")
     change = model.step(event)

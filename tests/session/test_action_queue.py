@@ -30,22 +30,22 @@ def test_the_queue_is_emptied_and_what_runs_goes_on(tmp_path: Path) -> None:
         for name in ("Repeat", "Map", "Hello", "Wave"):
             rig.session.play(name, KEY)
         await asyncio.sleep(0.1)
-        rig.session.empty_queue("wizard con1")
+        rig.session.empty_queue("the wizard")
         with pytest.raises(RequestError, match="nothing is queued"):
-            rig.session.empty_queue("wizard con1")
+            rig.session.empty_queue("the wizard")
 
     rig = scene(tmp_path, play)
     assert spoken_texts(rig) == ["Could you say that again?"]
     over = ends(rig)
     assert isinstance(over["Wave"], m.ActionDone)
     assert isinstance(over["Hello"], m.ActionStopped)
-    assert over["Hello"].reason == "queue emptied by wizard con1"
+    assert over["Hello"].reason == "queue emptied by the wizard"
 
 
 def test_what_was_queued_after_it_is_played(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         await press_actions((0, "Repeat"), (0.1, "Hello"))(rig)
-        rig.session.empty_queue("wizard con1")
+        rig.session.empty_queue("the wizard")
         rig.session.play("Exhibit", KEY)
 
     assert "This is the whale." in spoken_texts(scene(tmp_path, play))

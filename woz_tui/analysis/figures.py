@@ -141,7 +141,7 @@ class EngagementFigures:
         episodes: Lengths of unbroken engagement, clipped to trials.
         states: By name of the state.
         transitions: From -> to -> how often.
-        forced: Transitions by the wizard.
+        forced: Transitions by hand.
     """
 
     on_us: int = 0

@@ -194,7 +194,7 @@ MEASURES: tuple[Measure, ...] = (
             "episode", lambda part: seconds(part.engagement.episodes.median)),
     Measure("transitions", "", "lines `engagement.changed`", "moves",
             lambda part: sum(sum(row.values()) for row in part.engagement.transitions.values())),
-    Measure("transitions_forced", "", "those of them that the wizard forced", "forced",
+    Measure("transitions_forced", "", "those of them that were forced by hand", "forced",
             lambda part: part.engagement.forced),
     Measure(
         "settings_known_s", "s", "time in which a robot that tells its settings (`settings.shown`) "

@@ -544,7 +544,7 @@ _STAY: tuple[Column[VisitRow], ...] = (
         "switched off",
     ),
     _text("visitor", "code of the identified visitor"),
-    _plain("boolean", "forced", "the wizard caused it, or set a sign by hand that caused it"),
+    _plain("boolean", "forced", "somebody caused it by hand, or set a sign that caused it"),
     _text("why", "why it was entered, in words"),
 )
 _CUT = _plain("boolean", "cut", "the log, or the machine, ended before it")

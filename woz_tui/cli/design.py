@@ -167,7 +167,7 @@ def _remark(plan: _Plan, past: ParticipantHistory) -> str:
         return "from another design"
     if not past.counts:
         return "aborted or excluded: this order can be used again"
-    return "chosen by the wizard" if past.method == "hand" else ""
+    return "chosen by hand" if past.method == "hand" else ""
 
 
 def _coming(plan: _Plan, labels: bool) -> Table:

@@ -11,7 +11,7 @@ from woz_tui.cli.engagement_log import LogRerun, OffPeriods, line_of
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.console.text_console import TextConsole
 from woz_tui.protocol.messages import Json
-from woz_tui.sensing.engagement_model import Transition
+from woz_tui.sensing.engagement_model import NEW_PARTICIPANT, Transition
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import ENGAGED, State
 
@@ -19,6 +19,8 @@ from woz_tui.sensing.state_machine import ENGAGED, State
 SAME_US, MOVED_US = 200_000, 2 * SECOND
 #: Seconds without a model that are worth a sentence: a log begins some milliseconds before it.
 _GAP_S = 0.05
+#: That another participant begins anew: in logs of earlier versions, and now.
+_NEW_PARTICIPANT = {"forced", NEW_PARTICIPANT}
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 80
 #: What stands between the two paths.
@@ -80,7 +82,9 @@ def _alike(one: Transition, other: Transition, before: int | None) -> bool:
     come before the later one, or the lines would not stand in the order of time.
     """
     apart = abs(one.t - other.t)
-    same = (one.was, one.now, one.outcome) == (other.was, other.now, other.outcome)
+    same = (one.was, one.now) == (other.was, other.now) and (
+        one.outcome == other.outcome or {one.outcome, other.outcome} == _NEW_PARTICIPANT
+    )
     near = apart <= SAME_US or before is None or before >= max(one.t, other.t)
     return same and near and apart <= MOVED_US
 

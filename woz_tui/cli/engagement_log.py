@@ -484,9 +484,9 @@ def _hints(recount: LogRerun, damage: Damage) -> None:
 def _passed_over(times: Sequence[int]) -> str:
     first = f"{times[0] / SECOND:.1f} s"
     if len(times) == 1:
-        what = f"1 change by the wizard was ignored (at {first})"
+        what = f"1 change by hand was ignored (at {first})"
     else:
-        what = f"{len(times)} changes by the wizard were ignored (the first at {first})"
+        what = f"{len(times)} changes by hand were ignored (the first at {first})"
     return f"{what}: the command line names what was changed"
 
 

@@ -8,7 +8,11 @@ from typing import Any, Protocol
 
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.console.command_text import command_words
-from woz_tui.console.engagement.engagement_text import change_reason, state_sentence
+from woz_tui.console.engagement.engagement_text import (
+    change_reason,
+    forced_by_another,
+    state_sentence,
+)
 from woz_tui.console.engagement.engagement_view import texts
 from woz_tui.console.running_actions import RunOutcome, shown_end
 from woz_tui.console.stop_confirmation import missing_words
@@ -354,7 +358,8 @@ def explained(event: EventLine, message: m.DriverHealth, shown: EventContext) ->
 def _engagement(message: m.EngagementChanged, shown: EventContext) -> EventLine:
     told = state_sentence(message.now, message.visitor)
     if message.forced:
-        return EventLine("forced", told, f"by hand: {change_reason(message)}", model=True)
+        by = "" if forced_by_another(message) else "by hand: "
+        return EventLine("forced", told, f"{by}{change_reason(message)}", model=True)
     return EventLine("info", told, message.why, model=True)
 
 

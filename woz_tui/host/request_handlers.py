@@ -29,6 +29,7 @@ from woz_tui.protocol.messages import (
     Notice,
     Refused,
 )
+from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.requests import (
     OLDEST_PROTOCOL,
     AnyRequest,
@@ -219,9 +220,9 @@ class RequestHandlers:
             case _ if stale and (undone := _undone(request)):
                 session.refuse(undone, stale)
             case AskCancel(run=ended):
-                session.cancel(ended)
+                session.cancel(ended, self._by(client))
             case AskEmptyQueue():
-                session.empty_queue(f"{client.role} {client.name}")
+                session.empty_queue(self._by(client))
             case AskSet(participant=participant, condition=condition, trial=trial):
                 session.set(participant, condition, trial)
             case AskMarker(text=text, at=at):
@@ -247,7 +248,7 @@ class RequestHandlers:
             case AskPhase(phase=phase, source=source, key=key):
                 session.phase(phase, RequestOrigin(source, key, client.name))
             case AskAssign(participant=participant, order=order):
-                study.assign(participant, order)
+                study.assign(participant, order, self._by(client))
             case AskTrial(what=what, text=text):
                 study.trial(what, text, tells)
             case AskQuestionnaire(questionnaire=name, what=what, source=source):
@@ -264,6 +265,10 @@ class RequestHandlers:
             case _:
                 raise RequestError(f"{type(request).__name__} cannot be used here")
         return run
+
+    def _by(self, client: ClientConnection) -> str:
+        """Who it is, in words."""
+        return requester(client.role, self._session.state.consoles.get(client.name))
 
     def _tells(self, client: ClientConnection) -> tuple[str, ...]:
         """What words of this client may tell: one that sees all may write of the condition."""
@@ -485,6 +490,10 @@ def _by_a_client(client: ClientConnection, request: AnyRequest) -> AnyRequest:
         case AskAction() | AskVerb() | AskPhase() | AskRelease() | AskProfile():
             if client.role != "wizard" or request.source in NOT_OF_CLIENTS:
                 return replace(request, source="program")
+        case AskQuestionnaire(source="wizard") if client.role == "program":
+            return replace(request, source="program")
+        case AskEnd(reason="wizard") if client.role == "program":
+            return replace(request, reason="program")
     return request
 
 

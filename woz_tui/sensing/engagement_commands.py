@@ -13,6 +13,7 @@ from woz_tui.config.engagement import CONDITION, SIGNS
 from woz_tui.config.sign_values import SENSOR, argument_problem, identity_of, sign_value
 from woz_tui.config.visitor_names import name_of
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.requesters import WIZARD
 from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.state_machine import Event, State, named_from
 
@@ -113,38 +114,40 @@ _UNDERSTAND: Mapping[str, Callable[[EngagementModel, Args], dict[str, Json]]] = 
 # -- obeyed ------------------------------------------------------------------------------------
 
 
-def apply_command(model: EngagementModel, verb: str, args: Args) -> Transition | None:
-    """Do what was understood; the transition that it brought, if it brought one.
+def apply_command(
+    model: EngagementModel, verb: str, args: Args, by: str = WIZARD
+) -> Transition | None:
+    """Do what was understood; the transition that it brought, if it brought one. `by`: who said so.
 
     Raises `ValueError` if it makes no sense any more.
     """
     match verb:
         case "toggle" | "sense":
-            _give(model, args["sign"], args["value"])
+            _give(model, args["sign"], args["value"], by)
         case "force":
-            return model.force(args["to"])
+            return model.force(args["to"], by)
         case "engagement":
             if args["run"] == _STEP:
-                return model.step_once()
+                return model.step_once(by)
             model.run = args["run"]
         case "filter":
             _configure(model, args)
         case "social_distance":
             model.near_within(args["metres"])
         case "handshake" | "visitor":
-            return _introduced(model, verb, args)
+            return _introduced(model, verb, args, by)
         case _:
             return None
     return model.step()
 
 
-def _give(model: EngagementModel, sign: str, value: str) -> None:
+def _give(model: EngagementModel, sign: str, value: str, by: str) -> None:
     if sign == ALL:
         for each in SIGNS if value == SENSOR else CONDITION:
-            _give(model, each, value)
+            _give(model, each, value, by)
         return
     verdict = sign_value(sign, value)
-    model.override(sign, verdict, verdict if isinstance(verdict, str) else "")
+    model.override(sign, verdict, verdict if isinstance(verdict, str) else "", by)
 
 
 def _configure(model: EngagementModel, args: Args) -> None:
@@ -153,14 +156,14 @@ def _configure(model: EngagementModel, args: Args) -> None:
         model.configure(each, **numbers)
 
 
-def _introduced(model: EngagementModel, verb: str, args: Args) -> Transition | None:
+def _introduced(model: EngagementModel, verb: str, args: Args, by: str) -> Transition | None:
     what = "ok" if verb == "visitor" else args["what"]
     if what == "begin":
-        return None if model.state is State.HANDSHAKE else model.force(State.HANDSHAKE)
+        return None if model.state is State.HANDSHAKE else model.force(State.HANDSHAKE, by)
     if what == "ok" and args.get("code"):
         model.take_name(args["code"])
     if model.state is not State.HANDSHAKE:
         return model.step()
     if model.run != "run":  # the wizard says so: nothing is left to decide
-        return model.force("eng2know" if what == "ok" else "eng2unknow")
+        return model.force("eng2know" if what == "ok" else "eng2unknow", by)
     return model.step(Event.HANDSHAKE_OK if what == "ok" else Event.HANDSHAKE_FAIL)

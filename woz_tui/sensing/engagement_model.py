@@ -11,9 +11,10 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from woz_tui.config.engagement import RUNS, VISITOR, EngagementSettings
+from woz_tui.config.engagement import RUNS, SIGNS, VISITOR, EngagementSettings
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.messages import EngagementShown
+from woz_tui.protocol.requesters import WIZARD
 from woz_tui.sensing.loudness_speech import LoudnessSpeechDetector
 from woz_tui.sensing.model_time import SECOND, ModelClock, microseconds, periods
 from woz_tui.sensing.signs import Signs
@@ -28,6 +29,8 @@ from woz_tui.sensing.state_machine import (
     edges_from,
 )
 
+#: The outcome with which the state of an earlier participant ends; no way of the table.
+NEW_PARTICIPANT = "new_participant"
 #: States of the trail.
 TRAIL = 12
 #: Events that wait while the machine is held, or for the next step.
@@ -47,7 +50,7 @@ class Transition:
     """One edge that was taken, at the stamp `t` in microseconds.
 
     `verdicts`: presence, gaze and distance as 0, 1 or None, identity as a name or "Unknown".
-    `forced`: the wizard moved it, or a verdict that it rests on is the wizard's.
+    `forced`: somebody moved it by hand, or gave a verdict that it rests on.
     """
 
     t: int
@@ -118,13 +121,14 @@ class EngagementModel:
         self._notice_changes()
         return taken
 
-    def override(self, sign: str, value: object | None, name: str = "") -> None:
-        """The wizard's verdict, which no filter delays and which is never stale; None: no more.
+    def override(self, sign: str, value: object | None, name: str = "", by: str = WIZARD) -> None:
+        """The verdict of the wizard, or `by` whom it is, which no filter delays and which is never
+        stale; None: no more.
 
         A truth value or 0/1; for distance a truth value or metres; a name for identity. ValueError
         with a sentence for anything else.
         """
-        self.signs.override(sign, value, name)
+        self.signs.override(sign, value, name, by)
         self._notice_changes()
 
     def configure(
@@ -199,26 +203,38 @@ class EngagementModel:
         edge = self._edge(event)
         return None if edge is None else self._follow(edge, event)
 
-    def step_once(self) -> Transition | None:
-        """In `hold`: take the edge that is pending, by hand."""
+    def step_once(self, by: str = WIZARD) -> Transition | None:
+        """In `hold`: take the edge that is pending, by hand; `by` whom."""
         found = self._waiting()
         if found is None:
             return None
         edge, event = found
         while event is not None and self._queued.popleft() is not event:
             pass
-        return self._follow(edge, event, by_hand="stepped by the wizard: ")
+        return self._follow(edge, event, by_hand=f"stepped by {by}: ")
 
-    def force(self, to: str, *, stands: bool = True) -> Transition:
-        """Go to a state, or along an outcome of the present one; it `stands` until the signs say
+    def force(self, to: str, by: str = WIZARD) -> Transition:
+        """Go to a state, or along an outcome of the present one; it stands until the signs say
         something else than now. ValueError with a sentence if there is no such state or outcome,
         or it is there already.
         """
         edge = edge_to(self.state, to)
         self._queued.clear()
-        change = self._follow(edge, None, by_hand="forced by the wizard: ")
-        self._stands = self._verdict() if stands else None
+        change = self._follow(edge, None, by_hand=f"forced by {by}: ")
+        self._stands = self._verdict()
         return change
+
+    def begin_anew(self) -> Transition | None:
+        """Another participant comes: nobody is there yet, whatever holds of the one before."""
+        for sign in SIGNS:
+            self.override(sign, None)
+        self.take_name("")
+        if self.state is State.WAIT:
+            return None
+        self._queued.clear()
+        return self._follow(
+            Edge(self.state, State.WAIT, NEW_PARTICIPANT, _always, "another participant"), None
+        )
 
     @property
     def pending(self) -> str:
@@ -427,3 +443,7 @@ class EngagementModel:
                 yield self._turned + microseconds(timeouts.unengaged)
         elif not self.has_name:
             yield self._nameless_since + microseconds(timeouts.unrecognized)
+
+
+def _always(view: ModelView) -> bool:
+    return True

@@ -16,7 +16,10 @@ How messages are read:
   machine heard the end of the question (the hang-over) is the answer still.
 * Verbs of the performer `engagement` are obeyed when they are done (`engagement_commands.py`).
 * A recogniser that finds a name during a handshake ends it.
-* Another participant begins anew: overrides are given back, the name is forgotten, Wait.
+* Another participant begins anew: overrides are given back, the name is forgotten, Wait. Nobody
+  has forced that, whoever has set the participant.
+* Whoever asked for a verb, the wizard or a program, is named in the reason: as its connection was
+  told when it came (`console.attached`), and else by the verb's source.
 * `engagement.settings` are the settings from there on.
 """
 
@@ -31,6 +34,7 @@ from woz_tui.config.engagement_json import settings_from_json
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.drivers.contract import SPEECH
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requesters import requester
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.state_machine import Event, State
@@ -64,7 +68,10 @@ class EngagementFollower:
         #: Name of a sensor that counts -> what it is for.
         self.sensors = _sensors(settings)
         self._participant: str | None = None
-        self._asked: dict[str, str] = {}
+        self._asked: dict[str, m.Command] = {}
+        self._attached: dict[str, m.ConsoleAttached] = {}
+        #: Over which connection an action was asked for, by its run.
+        self._runs: dict[str, str] = {}
         self._says: dict[str, m.Command] = {}
         self._speaking: dict[str, str] = {}
         self._stranger: m.Json = UNKNOWN
@@ -199,7 +206,7 @@ class EngagementFollower:
 
     def _command(self, command: m.Command) -> Transition | None:
         if command.driver == ENGAGEMENT:
-            _remember(self._asked, command.command, command.verb)
+            _remember(self._asked, command.command, command)
         elif command.verb in SPEAKING_VERBS:
             _remember(self._says, command.command, command)
         return None
@@ -212,13 +219,16 @@ class EngagementFollower:
         return self._event(_BEGINS)
 
     def _done(self, end: m.Done) -> Transition | None:
-        verb = self._asked.pop(end.command, None)
-        if verb is None:
+        command = self._asked.pop(end.command, None)
+        if command is None:
             return self._ended(end)
+        verb = command.verb
+        console = command.console or self._runs.get(command.run, "")
+        by = requester(command.source, self._attached.get(console))
         if verb == "attend":
             self.mode = str(end.sent.get("mode", self.mode))
         try:
-            change = engagement_commands.apply_command(self.model, verb, end.sent)
+            change = engagement_commands.apply_command(self.model, verb, end.sent, by)
         except (ValueError, KeyError, TypeError, AttributeError):  # a log that was changed
             return None
         return change if change is not None else self._step()
@@ -253,12 +263,7 @@ class EngagementFollower:
         if message.participant is None or message.participant == self._participant:
             return None
         self._participant = message.participant
-        for sign in SIGNS:
-            self.model.override(sign, None)
-        self.model.take_name("")
-        if self.model.state is State.WAIT:
-            return None
-        return self.model.force(State.WAIT, stands=False)
+        return self.model.begin_anew()
 
     def _settings(self, message: m.EngagementAdopted) -> Transition | None:
         """Other settings, at the same place live and in the log. That the section is gone concerns
@@ -266,6 +271,14 @@ class EngagementFollower:
         """
         if message.settings:
             self.adopt(settings_from_json(message.settings))
+        return None
+
+    def _came(self, message: m.ConsoleAttached) -> Transition | None:
+        _remember(self._attached, message.console, message)
+        return None
+
+    def _action(self, message: m.ActionRequested) -> Transition | None:
+        _remember(self._runs, message.run, message.console)
         return None
 
     def _nothing(self, message: m.Message) -> Transition | None:
@@ -282,6 +295,8 @@ _READ: Mapping[type, Callable[[EngagementFollower, Any], Transition | None]] = {
     m.SpeechStarted: EngagementFollower._speech_started,
     m.SpeechEnded: EngagementFollower._speech_ended,
     m.SpeechText: EngagementFollower._speech_text,
+    m.ConsoleAttached: EngagementFollower._came,
+    m.ActionRequested: EngagementFollower._action,
     m.Command: EngagementFollower._command,
     m.Dispatched: EngagementFollower._dispatched,
     m.Done: EngagementFollower._done,

@@ -85,8 +85,9 @@ class FilteredSign(Generic[Q]):
         self.heard_at = now
         #: Whether it was ever heard, and whether that is too long ago.
         self.ever = self.stale = False
-        #: What the wizard says.
+        #: What the wizard says, or whoever it is by.
         self.forced: Any = None
+        self.forced_by = ""
         kind, count, threshold = filter_settings(name, settings)
         self._joint = joint.view(name)
         self._joint.configure(count, threshold)
@@ -244,7 +245,7 @@ class Sign(FilteredSign[Fifo]):
         metres = self.metres
         if self.name == "distance" and metres is not None and math.isfinite(metres):
             said += f" {metres:.1f} m"
-        return said + (" (wizard)" if self.forced is not None else self._share())
+        return said + (f" ({self.forced_by})" if self.forced is not None else self._share())
 
     @property
     def metres(self) -> float | None:
@@ -304,7 +305,7 @@ class IdentitySign(FilteredSign[IdentityFifo]):
         if introduced and not self.has_name:
             return f"known as {introduced}"
         if self.forced is not None:
-            return f"{self.forced if self.has_name else 'no name'} (wizard)"
+            return f"{self.forced if self.has_name else 'no name'} ({self.forced_by})"
         if not self.has_name:
             return "no name"
         return self.name_given + self._share()
@@ -353,12 +354,14 @@ class Signs:
             return self.identity.add(value, name, now)
         return self._sign(sign).add(value, now)
 
-    def override(self, sign: str, value: object | None, name: str) -> None:
-        """What the wizard says; ValueError with a sentence if it makes no sense."""
-        if sign == "identity":
-            self.identity.forced = _name(value, name)
-        else:
-            self._sign(sign).forced = _verdict(sign, value)
+    def override(self, sign: str, value: object | None, name: str, by: str) -> None:
+        """What the wizard says, or another by whom; ValueError with a sentence if it makes no
+        sense.
+        """
+        known = sign == "identity"
+        chosen: FilteredSign[Any] = self.identity if known else self._sign(sign)
+        chosen.forced = _name(value, name) if known else _verdict(sign, value)
+        chosen.forced_by = by.removeprefix("the ").removeprefix("a ")
 
     def configure(
         self, sign: str, kind: str | None, count: int | None, threshold: float | None

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requesters import requester
 from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.session.action_runner import ActionRunner, RequestOrigin, may_speak
 from woz_tui.session.action_texts import ActionTexts, Steps
@@ -63,7 +64,7 @@ class RepairController:
             steps = f"{action.name!r} depends on what was said last: play it now"
         elif action.name == INTERRUPT:
             run, _ = self.runner.play(action, origin, when_busy, steps=[])
-            self._interrupt()
+            self._interrupt(requester(origin.source, self.state.consoles.get(origin.console)))
             return run
         else:
             steps = self._other_words() if action.name == REWORD else self._again()
@@ -93,9 +94,9 @@ class RepairController:
         steps = self.texts.other(action, self._last) if action is not None else None
         return steps or "the last sentence has no other words"
 
-    def _interrupt(self) -> None:
+    def _interrupt(self, by: str) -> None:
         """End what is said or is still to be said; everything else goes on."""
-        why = "interrupted by the wizard"
+        why = f"interrupted by {by}"
         self.runner.cut_speech(why)
         for command in list(self.state.commands.values()):
             if may_speak(command.request):

@@ -28,6 +28,7 @@ from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
+from woz_tui.protocol.requesters import WIZARD
 from woz_tui.session.action_runner import (
     ActionRunner,
     CommandRefusal,
@@ -559,9 +560,9 @@ class Session:
         self.scripts.begin_anew()
         self._play_on_enter(self.phases.begin_anew("trial"), RequestOrigin("phase"))
 
-    def cancel(self, run: str) -> None:
-        """Cut one run short."""
-        if not self.runner.cancel(run, "cancelled by the wizard"):
+    def cancel(self, run: str, by: str = WIZARD) -> None:
+        """Cut one run short. `by`: who wants it."""
+        if not self.runner.cancel(run, f"cancelled by {by}"):
             raise RequestError(f"{run} is not running")
 
     def empty_queue(self, by: str) -> None:

@@ -14,6 +14,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Design
 from woz_tui.config.utterance_template import VISITOR, names
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requesters import WIZARD
 from woz_tui.session.condition_proposal import ConditionProposal, propose
 from woz_tui.session.earlier_sessions import EarlierSessions
 from woz_tui.session.participant_identity import (
@@ -151,8 +152,10 @@ class StudyController:
             )
         return design
 
-    def assign(self, participant: str, order: list[str]) -> None:
-        """This participant gets the conditions in this order, from the next trial on."""
+    def assign(self, participant: str, order: list[str], by: str = WIZARD) -> None:
+        """This participant gets the conditions in this order, from the next trial on. `by`: who
+        says so.
+        """
         design, experiment = self._design(), self._read()
         check_participant(participant, experiment.participant_pattern)
         self._between_trials()
@@ -168,7 +171,7 @@ class StudyController:
                 order=order,
                 method=as_proposed.method if as_proposed else BY_HAND,
                 row=as_proposed.row if as_proposed else -1,
-                why=as_proposed.why if as_proposed else "chosen by the wizard",
+                why=as_proposed.why if as_proposed else f"chosen by {by}",
                 trials=design.trials,
                 over=[*as_proposed.over] if as_proposed else [],
             )

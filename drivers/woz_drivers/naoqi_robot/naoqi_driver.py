@@ -43,6 +43,7 @@ from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import known_by
 from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.system.tasks import wait_at_most
 
@@ -172,7 +173,7 @@ class NaoqiRobot(Driver):
             case "connect":
                 return await self._connect(text(job.args, "robot"))
             case "disconnect":
-                return await self._disconnect()
+                return await self._disconnect(requester(job.source))
         part = self._by_verb.get(job.verb)
         if part is None:
             raise RejectedError(f"{self.settings.model.name} cannot {job.verb!r}")
@@ -286,10 +287,10 @@ class NaoqiRobot(Driver):
         await self._connection.connect(robot)
         return {"robot": self._connection.robot}
 
-    async def _disconnect(self) -> dict[str, Json]:
+    async def _disconnect(self, by: str) -> dict[str, Json]:
         robot = self._connection.robot
         await self._let_go()
-        await self._connection.disconnect()
+        await self._connection.disconnect(by)
         return {"robot": robot}
 
     async def _let_go(self) -> None:

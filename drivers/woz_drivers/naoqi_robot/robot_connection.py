@@ -133,9 +133,9 @@ class RobotConnection:
         first = await self._to_the_end(self._change_to(self.named(robot)))
         await asyncio.shield(first)
 
-    async def disconnect(self) -> None:
-        """Let the robot go, and do not look for it until `connect`."""
-        await self._to_the_end(self._release())
+    async def disconnect(self, by: str) -> None:
+        """Let the robot go, and do not look for it until `connect`. `by`: who wants it."""
+        await self._to_the_end(self._release(by))
 
     def leaving(self, leaves: bool) -> None:
         """Whether this robot is about to be let go: then only what ends something is sent to it."""
@@ -278,11 +278,11 @@ class RobotConnection:
             )
             return self._keep(address)
 
-    async def _release(self) -> None:
+    async def _release(self, by: str) -> None:
         shown = self.robot or "no robot"
         async with self._changing:
             why = DeviceLostError(
-                f"{shown}: disconnected by the wizard", "connect to a robot with `connect`"
+                f"{shown}: disconnected by {by}", "connect to a robot with `connect`"
             )
             await self._let_go(why)
             self._address = None

@@ -113,7 +113,7 @@ async def test_another_robot_is_taken(robot: StandIn, tmp_path: Path) -> None:
 async def test_let_go_it_stays_away(bare: str, tmp_path: Path) -> None:
     async with started_connection(tmp_path, bare) as rig:
         await rig.is_so(Health.CONNECTED)
-        await rig.connection.disconnect()
+        await rig.connection.disconnect("the wizard")
         await rig.is_so(Health.LOST, "disconnected by the wizard", "connect")
         assert rig.went == 1
         assert rig.connection.robot == ""
@@ -130,7 +130,7 @@ async def test_who_waits_for_a_robot_that_is_let_go_is_told(tmp_path: Path) -> N
         async with started_connection(tmp_path) as rig:
             waiting = asyncio.create_task(rig.connection.connect(f"127.0.0.1:{port}"))
             await rig.is_so(Health.CONNECTING)
-            await rig.connection.disconnect()
+            await rig.connection.disconnect("the wizard")
             with pytest.raises(DeviceLostError, match="disconnected by the wizard"):
                 await waiting
 
@@ -149,7 +149,7 @@ async def test_a_mistake_of_this_program_does_not_end_it_in_silence(
         SETTINGS, published.context, on_connected=applied, on_lost=mistaken
     )
     await connection.connect(bare)
-    await connection.disconnect()
+    await connection.disconnect("the wizard")
     driver_faulted = await published.first(DriverFaulted)
     assert "ZeroDivisionError" in driver_faulted.detail
     assert driver_faulted.remedy

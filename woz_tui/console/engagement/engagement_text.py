@@ -54,8 +54,10 @@ USUAL_ATTENTION = MODES[2]
 _SHORT_CELLS = 12
 #: What is not known of identities, as the model calls it.
 _UNKNOWN = ("", "Unknown")
-#: How a change by hand begins in the log.
-_HAND = re.compile("^(forced|stepped) by the wizard: ")
+#: How a change by the wizard's hand begins in the log.
+_HAND = re.compile(r"^(forced|stepped) by the wizard( \([^)]*\))?: ")
+#: And one by somebody else's.
+_OTHER_HAND = re.compile("^(forced|stepped) by (?!the wizard)")
 
 
 class SignVerdict(NamedTuple):
@@ -253,6 +255,11 @@ def condition_row(
 def change_reason(change: m.EngagementChanged) -> str:
     """Why it changed, without who did it in front: for lines that have a mark for that."""
     return _HAND.sub("", change.why) if change.forced else change.why
+
+
+def forced_by_another(change: m.EngagementChanged) -> bool:
+    """Whether not the wizard's hand but a program's or a re-run's has moved the model."""
+    return change.forced and _OTHER_HAND.match(change.why) is not None
 
 
 def visitor_code(shown: m.EngagementShown) -> str:

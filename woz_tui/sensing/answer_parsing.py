@@ -5,13 +5,19 @@ The phrases are those of `LANGUAGES`: words are compared without accents, case a
 which one they will speak. A guess that is wrong costs one question, because
 the robot repeats every name before it learns it; a wrong yes would not, so what is both a yes and
 a no is neither.
+
+What is no name: everyday words; where the recogniser writes capitals, a word without one; several
+words without a phrase such as `my name is` in a question, or beside other sentences (`Hello Ada,
+where is the whale?`); Japanese that is not written as names are.
 """
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from pathlib import Path
 
 from woz_tui.config.visitor_names import key_of, quoted_name
 
@@ -42,7 +48,9 @@ LANGUAGES: dict[str, Phrases] = {
     "en": Phrases(
         before=(
             "my name is", "my name's", "my names", "the name is", "the name's", "name is",
-            "call me", "they call me", "people call me", "i am called", "i'm called",
+            "call me", "my first name is", "they call me", "people call me", "everyone calls me",
+            "everybody calls me",
+            "i am called", "i'm called", "i go by",
         ),
         copulas=("i am", "i'm", "this is", "you are talking to"),
         opening=("it's", "it is", "im"),
@@ -56,7 +64,9 @@ LANGUAGES: dict[str, Phrases] = {
         negations=("not", "isn't", "isnt", "don't", "dont", "never"),
         fillers=(
             "hello", "hi", "hey", "oh", "ah", "er", "erm", "uh", "um", "ehm", "mm", "well",
-            "sorry", "please", "so", "and", "but", "actually", "okay", "ok", "good morning",
+            "sorry", "please", "so", "and", "but", "actually", "okay", "ok", "just", "let me think",
+            "good morning", "good afternoon", "good evening", "good day", "greetings",
+            "nice to meet you", "pleased to meet you",
         ),
         never=(
             "i", "i'm", "me", "my", "you", "your", "he", "she", "we", "they", "it", "it's",
@@ -68,7 +78,10 @@ LANGUAGES: dict[str, Phrases] = {
             "goodbye", "bye", "farewell", "cheers", "welcome",
             "good", "happy", "tired", "very", "too", "just", "going", "way", "another", "problem",
         ),
-        ends=("and", "but", "from", "thanks", "thank", "please", "nice", "what", "who", "how"),
+        ends=(
+            "and", "but", "from", "thanks", "thank", "please", "nice", "what", "who", "how",
+            "pleased",
+        ),
         declines=(
             "i don't want to", "i do not want to", "i'd rather not", "i would rather not",
             "none of your business", "i won't tell", "i will not tell",
@@ -76,10 +89,16 @@ LANGUAGES: dict[str, Phrases] = {
     ),
     "de": Phrases(
         before=(
-            "mein name ist", "mein name lautet", "ich heiße", "man nennt mich", "nenn mich",
-            "nennen sie mich", "der name ist",
+            "mein name ist", "mein vorname ist", "mein name lautet", "ich heiße",
+            "man nennt mich", "nenn mich",
+            "nennen sie mich", "der name ist", "sie nennen mich", "alle nennen mich",
+            "du kannst mich",
+            "sie können mich", "ihr könnt mich",
         ),
-        copulas=("ich bin der", "ich bin die", "ich bin"),
+        copulas=(
+            "ich bin der", "ich bin die", "ich bin", "i bin der", "i bin die", "i bin",
+            "ich bins", "ich bin's",
+        ),
         opening=("das ist",),
         after=("ist mein name", "heiße ich", "bin ich"),
         yes=(
@@ -95,30 +114,35 @@ LANGUAGES: dict[str, Phrases] = {
         no=("nein", "nee", "nö", "falsch"),
         negations=("nicht", "kein", "keine"),
         fillers=(
-            "hallo", "guten tag", "guten morgen", "grüß gott", "servus", "also", "äh", "ähm",
-            "bitte", "sondern",
+            "hallo", "guten tag", "guten morgen", "guten abend", "grüß gott", "servus", "moin",
+            "also",
+            "äh", "ähm", "bitte", "sondern", "einfach", "lass mich überlegen",
+            "freut mich",
         ),
         never=(
             "ich", "du", "sie", "es", "wir", "mich", "mir", "mein", "dein", "ist", "bin",
             "bist", "sind", "hat", "habe", "das", "der", "die", "was", "wie", "wer", "warum",
             "bitte", "danke", "nochmal", "verstehe", "jahre", "ein", "eine", "hier", "gut",
-            "auch", "hallo", "moment", "anders", "müde", "tschüss", "wiedersehen", "ciao",
+            "auch", "hallo", "moment", "müde", "tschüss", "wiedersehen", "ciao",
         ),
-        ends=("und", "aber", "aus", "danke", "bitte", "wie", "wer"),
+        ends=("und", "aber", "aus", "danke", "bitte", "wie", "wer", "freut", "nennen"),
         declines=("das sage ich nicht", "möchte ich nicht", "will ich nicht", "das geht dich"),
     ),
     "it": Phrases(
         before=(
-            "mi chiamo", "il mio nome è", "mio nome è", "chiamami", "mi chiami",
-            "puoi chiamarmi",
+            "mi chiamo", "il mio nome è", "mio nome è", "chiamami", "mi chiami", "mi chiamano",
+            "mi dicono", "puoi chiamarmi", "può chiamarmi", "tutti mi chiamano",
         ),
-        copulas=("io sono",),
-        opening=("sono",),
+        copulas=("io sono", "io sono il", "io sono la"),
+        opening=("sono", "sono il", "sono la"),
         after=("è il mio nome",),
         yes=("sì", "certo", "esatto", "giusto", "corretto", "sono io", "va bene", "è il mio nome"),
         no=("no", "sbagliato"),
         negations=("non",),
-        fillers=("ciao", "buongiorno", "buonasera", "salve", "ehm", "allora", "beh"),
+        fillers=(
+            "ciao", "buongiorno", "buonasera", "salve", "ehm", "allora", "beh", "fammi pensare",
+            "piacere",
+        ),
         never=(
             "lui", "noi", "voi", "ti", "sono", "sei", "è", "il", "un", "una", "qui", "bene",
             "che", "cosa", "come", "chi", "perché", "nome", "grazie", "prego", "capito", "anni",
@@ -130,7 +154,8 @@ LANGUAGES: dict[str, Phrases] = {
     "fr": Phrases(
         before=(
             "je m'appelle", "mon nom est", "mon prénom est", "appelez-moi", "appelez moi",
-            "appelle-moi", "appelle moi",
+            "appelle-moi", "appelle moi", "on m'appelle", "vous pouvez m'appeler",
+            "tu peux m'appeler",
         ),
         copulas=("je suis",),
         opening=("c'est", "moi c'est"),
@@ -138,7 +163,7 @@ LANGUAGES: dict[str, Phrases] = {
         yes=("oui", "ouais", "exactement", "c'est ça", "c'est moi", "d'accord", "c'est mon nom"),
         no=("non", "faux"),
         negations=("pas", "ne"),
-        fillers=("bonjour", "bonsoir", "salut", "euh", "alors"),
+        fillers=("bonjour", "bonsoir", "salut", "coucou", "euh", "alors", "simplement"),
         never=(
             "je", "nous", "vous", "moi", "est", "suis", "mon", "nom", "bonjour", "une", "ici",
             "que", "quoi", "comment", "qui", "pourquoi", "merci", "ça", "c'est", "ans",
@@ -148,14 +173,17 @@ LANGUAGES: dict[str, Phrases] = {
         declines=("je ne veux pas", "je préfère pas", "je préfère ne pas", "je ne dis pas"),
     ),
     "es": Phrases(
-        before=("me llamo", "mi nombre es", "llámame", "llámeme", "puedes llamarme"),
+        before=(
+            "me llamo", "mi nombre es", "llámame", "llámeme", "puedes llamarme",
+            "puede llamarme", "me dicen", "me llaman",
+        ),
         copulas=("yo soy",),
         opening=("soy",),
         after=("es mi nombre",),
         yes=("sí", "claro", "exacto", "correcto", "eso es", "soy yo", "vale"),
         no=("no", "incorrecto"),
         negations=("no", "nunca"),
-        fillers=("hola", "buenos días", "buenas tardes", "eh", "pues", "bueno"),
+        fillers=("hola", "buenos días", "buenas tardes", "buenas noches", "eh", "pues", "bueno"),
         never=(
             "yo", "él", "te", "soy", "eres", "nombre", "qué", "cómo", "quién", "por", "gracias",
             "entiendo", "años", "hola", "aquí", "bien", "adiós", "hasta", "luego",
@@ -163,16 +191,107 @@ LANGUAGES: dict[str, Phrases] = {
         ends=("y", "pero", "gracias", "encantado", "encantada"),
         declines=("no quiero", "prefiero no", "no lo digo"),
     ),
+    "nl": Phrases(
+        before=(
+            "mijn naam is", "mijn voornaam is", "ik heet", "de naam is", "noem me", "noem mij",
+            "ze noemen me",
+            "ze noemen mij", "iedereen noemt me", "je mag me", "je kunt me", "u mag me",
+            "u kunt me",
+        ),
+        copulas=("ik ben", "dit is"),
+        opening=("het is",),
+        after=("is mijn naam", "heet ik", "ben ik"),
+        yes=("ja", "jawel", "jazeker", "klopt", "dat klopt", "precies", "inderdaad", "dat ben ik"),
+        no=("nee", "neen", "fout"),
+        negations=("niet", "geen"),
+        fillers=(
+            "hallo", "hoi", "goedemorgen", "goedemiddag", "goedenavond", "goedendag", "eh", "maar",
+            "even denken", "aangenaam",
+        ),
+        never=("mijn", "jouw", "naam", "waar", "wat", "wie", "hoe", "doei", "tot", "ziens"),
+        ends=("maar", "uit", "noemen", "bedankt", "aangenaam"),
+        declines=("dat zeg ik niet", "liever niet", "wil ik niet"),
+    ),
+    "sv": Phrases(
+        before=(
+            "mitt namn är",
+            "mitt förnamn är", "jag heter", "namnet är", "kalla mig", "du kan kalla mig",
+            "ni kan kalla mig", "de kallar mig", "alla kallar mig", "jag kallas",
+        ),
+        copulas=("jag är", "det här är"),
+        opening=("det är",),
+        after=("är mitt namn", "heter jag"),
+        yes=("ja", "japp", "just det", "precis", "det stämmer", "stämmer", "det är jag"),
+        no=("nej", "nä"),
+        negations=("inte", "ingen"),
+        fillers=(
+            "hej", "hejsan", "hallå", "tjena", "god morgon", "god kväll", "god dag", "öh", "alltså",
+            "låt mig tänka",
+        ),
+        never=("mitt", "ditt", "namn", "var", "vad", "vem", "hur", "hejdå", "adjö"),
+        ends=("och", "men", "från", "tack", "trevligt"),
+        declines=("det säger jag inte", "helst inte", "vill jag inte"),
+    ),
+    "ja": Phrases(
+        before=(
+            "私の名前は", "わたしの名前は", "僕の名前は", "ぼくの名前は", "俺の名前は", "名前は",
+        ),
+        copulas=("私は", "わたしは", "僕は", "ぼくは", "俺は"),
+        opening=(),
+        after=(
+            "です", "でございます", "と申します", "といいます", "と言います", "っていいます",
+            "って言います", "って呼んでください", "と呼んでください", "っていうんだ",
+        ),
+        yes=("はい", "うん", "ええ", "そうです", "その通りです", "合っています"),
+        no=("いいえ", "違います", "ちがいます"),
+        negations=("じゃないです", "ではありません", "じゃありません"),
+        fillers=(
+            "こんにちは", "こんばんは", "おはようございます", "おはよう", "はじめまして",
+            "初めまして", "えっと", "ええと", "あのう", "どうも", "よろしくお願いします",
+            "よろしく",
+        ),
+        never=("です", "か", "ね", "よ", "お名前は", "何ですか"),
+        ends=(
+            "です", "でございます", "と申します", "といいます", "と言います", "っていいます",
+            "って言います", "って呼んでください", "と呼んでください", "っていうんだ",
+        ),
+        declines=("言いたくない", "教えたくない"),
+    ),
 }
-# fmt: on
 
 
-#: A name has no more words than this.
-WORDS = 4
+#: A name has no more words than this, and without a phrase that introduces it than that.
+WORDS, BARE = 4, 3
 #: Whoever says more has not answered.
 LONGEST = 400
 
-_ENDS_CLAUSE = frozenset(",.;:!?…")
+_ENDS_CLAUSE = frozenset(",.;:!?…、。\uff01\uff1f")
+#: They stand within a name without a capital: `de`, `van`, `von`.
+_WITHIN = frozenset({
+    "de", "la", "del", "della", "di", "da", "van", "von", "der", "den", "zu", "ten", "ter", "el",
+    "al", "bin", "ibn", "af", "du", "le",
+})
+#: In front of a name, and not without one.
+_TITLES = frozenset({
+    "mr", "mrs", "ms", "miss", "mister", "dr", "doctor", "doktor", "professor", "prof", "herr",
+    "frau", "signor", "signora", "dottor", "dottoressa", "monsieur", "madame", "docteur", "senor",
+    "senora", "don", "dona", "meneer", "mevrouw",
+})
+# fmt: on
+#: Japanese, which is written without spaces; and how names are written in it, not as verbs are.
+_JAPANESE = re.compile("[ぁ-ゟァ-ヿ]")
+_SIGNS_OF_ASIA = re.compile("[ぁ-ゟァ-ヿ一-鿿々]")
+_WRITTEN_AS_NAMES = re.compile("[ァ-ヿ・]{1,20}|[一-鿿々]{1,5}|[ぁ-ゟ]{2,4}")
+#: Three o'clock, a Frenchman, on a journey.
+_COUNTED_OR_OF_A_KIND = re.compile(
+    "[一二三四五六七八九十百何0-9]+[時分秒年月日円人歳才回階度番]半?|.+[人者員師語駅館国達側]|..+中"
+)
+#: Endings of words for what somebody or something is like.
+_QUALITY = re.compile(
+    ".{3,}(isch|lich|haft|keit|heit|ful|less|able|ible|tion|mente|ssim[oa]|bility|ousness)"
+)
+#: Japanese phrases that are found within a text; shorter ones only between other signs.
+_FOUND_WITHIN = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +339,9 @@ class NameAnswerParser:
         answers: list[_Phrase] = [phrase for phrase in self._yes + self._no if len(phrase) == 1]
         self._leads = self._fillers + answers
         self._never = {word for (word,) in [*_phrases("never"), *answers]}
-        self._denials = {word for (word,) in self._negations}
+        self._denials = {phrase[0] for phrase in self._negations if len(phrase) == 1}
+        #: Whether what is read is written with capitals, and is a question.
+        self._capitals = self._asks = False
 
     def read(self, text: str, proposed: str = "") -> NameAnswer:
         """What `text` says; `proposed` is the name that the visitor was asked to confirm, if
@@ -234,6 +355,8 @@ class NameAnswerParser:
         if _anywhere(words, self._declines):
             return NameAnswer(declined=True)
         why = f"no name in {quoted_name(text.strip())}"
+        self._capitals = _writes_capitals(text, words)
+        self._asks = text.rstrip().endswith(("?", "\uff1f"))
         if not proposed:
             return NameAnswer(name=self._name(self._led(words)), why=why)
         return self._about(words, proposed)
@@ -303,9 +426,11 @@ class NameAnswerParser:
         for start in range(len(words)):
             rest = words[start:]
             if length := _leading(rest, self._before):
-                name = self._spoken(self._led(rest[length:], self._fillers), set())
-            elif length := _leading(rest, self._copulas if start else self._starting):
-                name = self._spoken(self._led(rest[length:]), self._never)
+                name = self._spoken(self._led(rest[length:], self._fillers), sure=True)
+            elif length := _leading(
+                rest, self._copulas if start and not words[start - 1].last else self._starting
+            ):
+                name = self._spoken(self._led(rest[length:]))
             else:
                 continue
             if name:
@@ -317,29 +442,56 @@ class NameAnswerParser:
         for end in range(1, len(words)):
             if _leading(words[end:], self._after):
                 clause = list(_clauses(words[:end]))[-1]
-                return self._spoken(self._led(clause), self._never)
+                return self._spoken(self._led(clause))
         return ""
 
     def _bare(self, words: _Words) -> str:
-        """The name and nothing else, as one clause of what was said."""
-        for clause in _clauses(words):
-            name = self._spoken(self._led(clause), self._never)
-            if name:
-                return name
-        return ""
+        """The name and nothing else, as the one clause that says something."""
+        clauses = [led for clause in _clauses(words) if (led := self._led(clause))]
+        if not clauses or (self._asks and len(words) > 1):
+            return ""
+        first, *others = clauses
+        if len(first) > BARE and not any(word.key in self._ends for word in first):
+            return ""
+        if any(other[0].key not in self._ends for other in others):
+            return ""
+        return self._spoken(first, bare=True)
 
-    def _spoken(self, words: _Words, never: set[str]) -> str:
-        """The words in front, up to an end; empty if they are no name."""
+    def _spoken(self, words: _Words, *, sure: bool = False, bare: bool = False) -> str:
+        """The words in front, up to an end; empty if they are no name. `sure`: a phrase stands
+        before them that is for names alone; `bare`: none does, so all of them are the name.
+        """
         name: list[str] = []
-        for word in words:
+        for place, word in enumerate(words):
             if word.key in self._ends:
                 break
-            if word.key in self._denials or word.key in never:
+            if word.key in self._denials:
                 return ""
+            if name and _goes_on(words[place:]):
+                name.append(word.text)
+                continue
+            if not name and word.key in _TITLES and not word.last and place + 1 < len(words):
+                name.append(word.text)
+                continue
+            small = self._capitals and word.text[:1].islower()
+            surname = self._capitals and name and not (small or bare or word.key in _ENGLISH_I)
+            if small or (not surname and self._is_no_name(word, sure=sure)):
+                if bare or not name or not (sure or self._capitals):
+                    return ""
+                break
             name.append(word.text)
             if word.last:
                 break
         return _written(" ".join(name)) if len(name) <= WORDS else ""
+
+    def _is_no_name(self, word: _Word, *, sure: bool) -> bool:
+        if _SIGNS_OF_ASIA.search(word.text) and (
+            not _WRITTEN_AS_NAMES.fullmatch(word.text) or _COUNTED_OR_OF_A_KIND.fullmatch(word.text)
+        ):
+            return True
+        if word.key in _EVERYDAY:
+            return True
+        return not sure and (word.key in self._never or _QUALITY.fullmatch(word.key) is not None)
 
 
 def _phrases(*kinds: str, more: Iterable[str] = ()) -> list[_Phrase]:
@@ -351,7 +503,7 @@ def _phrases(*kinds: str, more: Iterable[str] = ()) -> list[_Phrase]:
 
 def _words(text: str) -> list[_Word]:
     words: list[_Word] = []
-    for piece in unicodedata.normalize("NFC", text).replace("\u2019", "'").split():
+    for piece in _spaced(unicodedata.normalize("NFC", text).replace("\u2019", "'")).split():
         bare = piece.lstrip("".join(c for c in set(piece) if not c.isalnum()))
         bare = bare.rstrip("".join(c for c in set(piece) if not _belongs(c)))
         last = bool(_ENDS_CLAUSE & set(piece[piece.rfind(bare) + len(bare) :]))
@@ -360,6 +512,24 @@ def _words(text: str) -> list[_Word]:
         elif words and _ENDS_CLAUSE & set(piece):
             words[-1] = _Word(words[-1].text, words[-1].key, True)
     return words
+
+
+def _spaced(text: str) -> str:
+    """Japanese with spaces around the phrases that are known, and behind what ends a clause."""
+    if not _JAPANESE.search(text):
+        return text
+    return _PHRASES_OF_JAPANESE.sub(r" \g<0> ", re.sub("([、。\uff01\uff1f])", r"\1 ", text))
+
+
+def _writes_capitals(text: str, words: _Words) -> bool:
+    """Whether names would have a capital: some word has one, if it is not `I` alone, which
+    everybody writes so.
+    """
+    shown = [word for word in words if word.text[:1].isupper() and word.key not in _ENGLISH_I]
+    punctuated = text.rstrip()[-1:] in _ENDS_CLAUSE and any(
+        word.text[:1].isupper() for word in words
+    )
+    return text != text.upper() and (bool(shown) or punctuated)
 
 
 def _belongs(character: str) -> bool:
@@ -386,6 +556,13 @@ def _leading(words: _Words, phrases: Iterable[_Phrase]) -> int:
     return next((len(phrase) for phrase in phrases if keys[: len(phrase)] == phrase), 0)
 
 
+def _goes_on(words: _Words) -> bool:
+    """Whether a name goes on with a `van den` and what has a capital."""
+    small = [word.key in _WITHIN and not word.last for word in words]
+    length = small.index(False) if False in small else 0
+    return length > 0 and words[length].text[:1].isupper()
+
+
 def _anywhere(words: _Words, phrases: Sequence[_Phrase]) -> bool:
     return any(_leading(words[start:], phrases) for start in range(len(words)))
 
@@ -401,3 +578,29 @@ def _written(name: str) -> str:
     if name != name.lower():
         return name
     return " ".join(word[:1].upper() + word[1:] for word in name.split(" "))
+
+
+_ENGLISH_I = frozenset({"i", "i'm", "i'd", "i'll", "i've"})
+#: As they are compared.
+_EVERYDAY = frozenset(
+    _key(word)
+    for line in Path(__file__).with_name("everyday_words.txt").read_text("utf-8").splitlines()
+    if not line.startswith("#")
+    for word in line.split()
+)
+#: Short ones that are found within a text, too.
+_WITHOUT_SPACES = (*LANGUAGES["ja"].copulas, *LANGUAGES["ja"].after)
+_PHRASES_OF_JAPANESE = re.compile(
+    "|".join(
+        sorted(
+            (
+                re.escape(phrase)
+                for table in astuple(LANGUAGES["ja"])
+                for phrase in table
+                if len(phrase) >= _FOUND_WITHIN or phrase in _WITHOUT_SPACES
+            ),
+            key=len,
+            reverse=True,
+        )
+    )
+)

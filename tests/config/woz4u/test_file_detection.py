@@ -35,6 +35,10 @@ from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
         ("pepper_ips: []\nrobot: simulated", False),
         ("gestures: []\ncolors: []\npanels: []", False),
         ("title: T\nrobots: {a: simulated}\ncolors: []\ngestures: []", False),
+        ("messages: [{short: Hello, full_text: Hello there}]", True),
+        ("talk: [{title: Hello, string: Hello there}]", True),
+        ("messages: [{short: Hello, full_text: Hello there}]\npanels: []", False),
+        ("questionnaires: [{title: Hello, text: Hello there}]", False),
         ("name: head\ndrivers: {}", False),
         ("{}", False),
     ],
@@ -84,7 +88,7 @@ participants: {pattern: 'V\\d\\d'}
     [
         ("gestres: []", "gestres: this key is not used; did you mean 'gestures'?"),
         ("zzz: 1", "zzz: this key is not used"),
-        ("images: []", "images: this key is no longer used; the new key is 'tablet_items'"),
+        ("images: []", "images: this key is now called 'tablet_items'; it is read as that"),
         (
             "steps: {head: 3}",
             "steps: a WoZ4U file has no such key; convert the file to change it (woz convert)",

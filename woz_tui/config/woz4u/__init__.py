@@ -14,8 +14,8 @@ from woz_tui.config.experiment import FilePosition
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u.buttons import PathRewriter
+from woz_tui.config.woz4u.recognition import recognised
 from woz_tui.config.woz4u.translation import OriginalNamesReport, translate
-from woz_tui.config.woz4u.woz4u_keys import recognised
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 

@@ -61,7 +61,19 @@ def colours(table: Mapping[str, Cursor]) -> Colours:
             if default is not None:
                 mark.warning("a colour above is the default, too; the eyes come to this one")
             default = made_nodes.node(code, mark.place)
-    return Colours(each, default)
+    return Colours(each, default or _early_default(table))
+
+
+def _early_default(table: Mapping[str, Cursor]) -> Node | None:
+    """The eyes' colour on connect as early versions of the program had it."""
+    cursor = table.get("led_settings")
+    fields = woz4u_values.mapping(cursor, "{color: {red: 0, green: 1.0, blue: 0}}")
+    warn_unknown(fields, ("color",))
+    color = fields.get("color")
+    channels = woz4u_values.mapping(color, "{red: 0, green: 1.0, blue: 0}")
+    if color is None or not channels:
+        return None
+    return made_nodes.node(_code(ListEntry(color, channels)), color.place)
 
 
 def _code(item: ListEntry) -> str:

@@ -9,18 +9,23 @@ from pathlib import Path
 from woz_tui.config.experiment import FilePosition
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.problems import ProblemReport
-from woz_tui.config.woz4u import eye_colours, made_nodes, pepper_robot, woz4u_panels
-from woz_tui.config.woz4u.buttons import (
-    ButtonDraft,
-    PathRewriter,
-    gestures,
-    sounds,
-    speech,
-    tablet,
+from woz_tui.config.woz4u import (
+    eye_colours,
+    made_nodes,
+    pepper_robot,
+    woz4u_panels,
+    woz4u_values,
+)
+from woz_tui.config.woz4u.buttons import ButtonDraft, PathRewriter
+from woz_tui.config.woz4u.key_assignment import KeyRequest, grant, layout_of
+from woz_tui.config.woz4u.sections import (
+    SectionReader,
+    count_sentences,
+    lost,
+    sections_like,
     tablet_root,
 )
-from woz_tui.config.woz4u.key_assignment import KeyRequest, grant, layout_of
-from woz_tui.config.woz4u.woz4u_keys import OLDER, TOP_LEVEL
+from woz_tui.config.woz4u.woz4u_keys import EARLIER, OLDER, TOP_LEVEL
 from woz_tui.config.woz4u.woz4u_panels import PanelDraft
 from woz_tui.config.woz4u.woz4u_texts import one_line
 from woz_tui.config.yaml_cursor import Cursor
@@ -78,10 +83,17 @@ def translate(root: Cursor, own: Collection[str], move: PathRewriter) -> Transla
     `own`: what our own format says at its top level. What the file has of it is taken over as it
     stands. `move`: how a path that is relative to the file's folder is to be written.
     """
-    table = dict(root.entries())
-    _unknown(table, own)
+    table = _by_newest_names(dict(root.entries()))
+    named = {
+        name: cursor
+        for name, cursor in table.items()
+        if name not in (*own, *TOP_LEVEL, *EARLIER, *_MADE)
+        and isinstance(cursor.node, ListNode)
+        and cursor.node.nodes
+    }
+    _unknown(table, named, {*own, *TOP_LEVEL, *EARLIER, *woz4u_panels.locks_of(table, named)})
     kept = {name: table[name] for name in own if name in table}
-    found, robot = _read(root, table, move)
+    found, robot = _read(root, table, named, move)
     woz4u_panels.name_apart(found)
     _keys(found, layout_of(kept.get("keyboard"), tuple(LAYOUTS)))
     start = root.place
@@ -100,25 +112,47 @@ def _title(start: FilePosition) -> Node:
     return made_nodes.node(f"WoZ4U: {name}", start)
 
 
-def _unknown(table: Mapping[str, Cursor], own: Collection[str]) -> None:
+def _by_newest_names(table: dict[str, Cursor]) -> dict[str, Cursor]:
+    """The top level; an older name counts where the newer one is not there."""
+    found = {}
     for name, cursor in table.items():
-        if name in OLDER and name not in TOP_LEVEL:
-            cursor.warning(f"this key is no longer used; the new key is {OLDER[name]!r}")
-        elif name in _MADE:
+        newer = OLDER.get(name, name)
+        if newer != name and newer not in table:
+            cursor.warning(f"this key is now called {newer!r}; it is read as that")
+            found[newer] = cursor
+        else:
+            found[name] = cursor
+    return found
+
+
+def _unknown(table: Mapping[str, Cursor], named: Collection[str], known: Collection[str]) -> None:
+    """Report what is not read. `named`: lists with names of the study's own."""
+    for name, cursor in table.items():
+        if name in _MADE:
             cursor.warning(
                 "a WoZ4U file has no such key; convert the file to change it (woz convert)"
             )
-        elif name not in TOP_LEVEL and name not in own:
+        elif name in named:
+            if near := cursor.report.nearest(name, sections_like(cursor.node)):
+                cursor.warning(f"becomes a panel of this name; did you mean {near!r}?")
+        elif name not in known:
+            if isinstance(cursor.node, MappingNode) and (count := count_sentences(cursor.node)):
+                lost(cursor, count)
+                continue
+            if name.startswith("lock_") and woz4u_values.locked(cursor):
+                cursor.error("this locks nothing: no section of the file belongs to it")
+                continue
             near = cursor.report.nearest(name, TOP_LEVEL)
             cursor.warning(f"this key is not used{f'; did you mean {near!r}?' if near else ''}")
 
 
 def _read(
-    root: Cursor, table: Mapping[str, Cursor], move: PathRewriter
+    root: Cursor, table: Mapping[str, Cursor], named: Mapping[str, Cursor], move: PathRewriter
 ) -> tuple[list[PanelDraft], MappingNode]:
-    """Every section as a panel, and the robot."""
+    """Every section as a panel, and the robot. `named`: lists with names of the study's own."""
     figures = pepper_robot.voice(table)
-    shown = tablet(table, move)
+    folder = tablet_root(table, move)
+    sections = SectionReader(folder, figures.get("volume"), move)
     colours = eye_colours.colours(table)
     found = [
         _panel(root, table, "Speech", "lock_anim_speech_section", "animated_speech"),
@@ -134,10 +168,10 @@ def _read(
     woz4u_panels.locks(table, found)
     places = {panel.title: panel.place for panel in found}
     buttons: dict[str, list[ButtonDraft]] = {
-        "Speech": speech(table, move),
-        "Gestures": gestures(table),
-        "Tablet": shown.buttons,
-        "Sounds": sounds(table, figures.get("volume")),
+        "Speech": sections.known(table, "animated_speech"),
+        "Gestures": sections.known(table, "gestures"),
+        "Tablet": sections.known(table, "tablet_items"),
+        "Sounds": sections.known(table, "audio_files"),
         "Eyes": colours.buttons,
         "Eye animations": eye_colours.animations(table, colours),
         "Movement": woz4u_panels.movement(places["Movement"]),
@@ -146,10 +180,11 @@ def _read(
     }
     for panel in found:
         panel.buttons = buttons[panel.title]
-    if shown.buttons:
-        shown.buttons.append(woz4u_panels.default_picture(places["Tablet"]))
-    folder = tablet_root(table, move)
-    return found, pepper_robot.robot(root, figures, (folder, shown.default), colours.default, move)
+    if buttons["Tablet"]:
+        buttons["Tablet"].append(woz4u_panels.default_picture(places["Tablet"]))
+    found[1:1] = woz4u_panels.named(table, named, sections, places)
+    shown = (folder, sections.default_picture)
+    return found, pepper_robot.robot(root, figures, shown, colours.default, move)
 
 
 def _panel(

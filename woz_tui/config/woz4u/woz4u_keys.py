@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
-from woz_tui.config.yaml_nodes import MappingNode
-
 #: Lists of buttons: what an item may say.
 ITEMS = {
     "animated_speech": ("title", "string", "tooltip", "key_comb"),
@@ -46,23 +42,8 @@ OLDER = {
     "images": "tablet_items",
     "image_root_location": "tablet_root_location",
     "messages": "animated_speech",
-    "sentences": "animated_speech",
 }
-
-#: Words that other files may well have.
-_COMMON = ("gestures", "colors", "audio_files", *VOICE)
-
-#: Our own format says who the robot is; a WoZ4U file does not know these words.
-_OWN_ONLY = ("panels", "robot", "robots")
-
-
-def recognised(table: MappingNode, own: Collection[str]) -> bool:
-    """Whether a file is a WoZ4U file: it names neither panels nor a robot as our own format (whose
-    top level is `own`) does, and it has a key that only WoZ4U has, or more keys of WoZ4U's than of
-    ours. Loudness and voice alone do not count.
-    """
-    keys = table.entries.keys()
-    if keys & set(_OWN_ONLY):
-        return False
-    theirs = (keys & set(TOP_LEVEL)) - set(VOICE)
-    return bool(theirs - set(_COMMON)) or len(theirs) > len(keys & set(own))
+#: Sections of earlier versions that are something else now.
+EARLIER = ("led_settings",)
+#: The same as `OLDER` for fields of entries.
+OLDER_FIELDS = {"short": "title", "full_text": "string", "message": "string", "text": "string"}

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.experiment import FilePosition
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.buttons import ButtonDraft
 from woz_tui.config.woz4u.pepper_robot import ENGAGEMENT_MODES, STATES
+from woz_tui.config.woz4u.sections import SectionReader, has_sentences
+from woz_tui.config.woz4u.woz4u_texts import one_line
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode
 
@@ -25,11 +28,15 @@ _COVERS = {
     "lock_autonomous_life_section": ("autonomy", "collision"),
     "lock_volume_section": ("volume", "speech_speed", "speech_pitch"),
 }
+_NUMBERED_LOCK = re.compile(r"lock_anim_speech_section_([1-9][0-9]?)")
 
 
 @dataclass(slots=True)
 class PanelDraft:
-    """One section: `lock` is its key in the file, `place` where the section stands there."""
+    """One section: `lock` is its key in the file, `place` where the section stands there.
+
+    A section that the study named has no lock among WoZ4U's, and so covers no verbs.
+    """
 
     title: str
     lock: str
@@ -40,7 +47,7 @@ class PanelDraft:
     @property
     def needed(self) -> bool:
         """A section without a button makes no panel, unless something is locked there."""
-        return bool(self.buttons) or self.locked
+        return bool(self.buttons) or (self.locked and bool(self.lock))
 
     def node(self) -> MappingNode:
         """The panel as our own format has it."""
@@ -48,8 +55,9 @@ class PanelDraft:
         entries = [made_nodes.entry("title", self.title, where)]
         if self.locked:
             entries.append(made_nodes.entry("locked", True, where))
-        covered = [made_nodes.node(verb, where) for verb in _COVERS[self.lock]]
-        entries.append(("covers", where, ListNode(where, covered)))
+        covered = [made_nodes.node(verb, where) for verb in _COVERS.get(self.lock, ())]
+        if covered:
+            entries.append(("covers", where, ListNode(where, covered)))
         if self.buttons:
             actions: list[Node] = [button.node() for button in self.buttons]
             entries.append(("actions", where, ListNode(where, actions)))
@@ -60,6 +68,54 @@ def locks(table: Mapping[str, Cursor], panels: Iterable[PanelDraft]) -> None:
     """Lock the panels whose sections the file locks."""
     for panel in panels:
         panel.locked = woz4u_values.locked(table.get(panel.lock))
+
+
+def locks_of(table: Mapping[str, Cursor], named: Mapping[str, Cursor]) -> dict[str, str]:
+    """The section that each lock of sections with names of the study's own belongs to.
+
+    Studies that split the sentences gave the locks of the parts numbers: `lock_..._section_2`.
+    """
+    found = {}
+    spoken = [name for name, cursor in named.items() if has_sentences(cursor.node)]
+    for name in table:
+        section = name.removeprefix("lock_")
+        numbered = _NUMBERED_LOCK.fullmatch(name)
+        if section == name:
+            continue
+        if section in named:
+            found[name] = section
+        elif (short := section.removesuffix("_section")) in named:
+            found[name] = short
+        elif numbered and 0 < int(numbered[1]) <= len(spoken):
+            found[name] = spoken[int(numbered[1]) - 1]
+    return found
+
+
+def named(
+    table: Mapping[str, Cursor],
+    sections: Mapping[str, Cursor],
+    reader: SectionReader,
+    taken: Collection[str],
+) -> list[PanelDraft]:
+    """Panels of the study's own sections, by their names; a lock there is of the panel alone.
+
+    `taken`: titles that panels of WoZ4U's own sections have.
+    """
+    locking = locks_of(table, sections)
+    panels = []
+    for name, cursor in sections.items():
+        title = one_line(name)
+        panel = PanelDraft(
+            f"{title} (own)" if title in taken or not title else title,
+            "",
+            cursor.place,
+            reader.own(cursor),
+        )
+        panel.locked = any(
+            woz4u_values.locked(table[lock]) for lock, of in locking.items() if of == name
+        )
+        panels.append(panel)
+    return panels
 
 
 def name_apart(panels: Sequence[PanelDraft]) -> None:

@@ -45,6 +45,20 @@ class Wav:
         """How long it plays."""
         return len(self.data) / (self.rate * self.channels * pcm_audio.FORMATS[self.format].width)
 
+    @property
+    def shape(self) -> tuple[str, int, int]:
+        """Format, rate and channels: sounds of one shape can follow each other."""
+        return self.format, self.rate, self.channels
+
+    def followed_by(self, other: Wav) -> Wav:
+        """Both, one behind the other; `other` has the same shape."""
+        return Wav(*self.shape, self.data + other.data)
+
+    def with_silence(self, seconds: float) -> Wav:
+        """The same with so much silence behind it."""
+        frames = np.zeros((round(seconds * self.rate), self.channels), np.float32)
+        return Wav(*self.shape, self.data + pcm_audio.encode(frames, self.format))
+
     def at(self, volume: float) -> Wav:
         """The same at `volume`, 0 to 1."""
         samples = pcm_audio.decode(self.data, self.format, self.channels)

@@ -82,6 +82,21 @@ def test_what_an_argument_hides_is_neither_recorded_nor_carried_out() -> None:
     assert asked == [{"does": "pin ***", "seconds": 0.0}, {"x": "***"}]
 
 
+def test_a_voice_gets_no_markup_that_it_cannot_do_and_the_record_has_all_of_it() -> None:
+    does = (Argument("does", "text"), Argument("seconds", "number"))
+
+    async def scenario(rig: Rig) -> None:
+        rig.bus.offer("head", (Verb("say", "", does, markup=()), Verb("write", "", does)))
+        rig.send("say", "^run(a) fail")
+        rig.send("write", "^run(a) fail")
+
+    rig = in_rig(scenario)
+    assert isinstance(rig.end("c1"), m.Failed)  # it was asked to fail, and nothing else
+    assert isinstance(rig.end("c2"), m.Done)
+    asked = [line.args["does"] for line in rig.lines if isinstance(line, m.Command)]
+    assert asked == ["^run(a) fail"] * 2
+
+
 def test_one_lane_is_in_order_and_lanes_do_not_wait_for_each_other() -> None:
     async def scenario(rig: Rig) -> None:
         rig.send("say", seconds=2)

@@ -31,6 +31,7 @@ from woz_tui.protocol import messages as m
         ("screen", {"file": "https://example.org/a.mp4"}, "screen https://example.org/a.mp4"),
         ("pose", {"joints": {"HeadYaw": 3}, "seconds": 2.0}, "pose seconds 2"),
         ("say", {"text": "and/or?"}, "“and/or?”"),
+        ("say", {"text": r"^start(a/b) Hello \pau=500\ you"}, "“Hello you”"),
         ("picture", {}, "picture"),
     ],
 )

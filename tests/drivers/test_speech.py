@@ -58,6 +58,24 @@ async def test_what_was_said_once_comes_from_the_cache(rig: SpeechRig) -> None:
     assert (await other.perform(say("Hello")))["cached"] is False
 
 
+async def test_a_pause_is_silence_between_what_is_said(rig: SpeechRig) -> None:
+    driver = await rig.open()
+    sent = await driver.perform(say("Hello \\pau=500\\ there \\pau=250\\"))
+    assert (sent["text"], sent["source"]) == ("Hello there", "synthesised")
+    assert [line["text"] for line in rig.journal_entries("synthesise")] == ["Hello\n", "there\n"]
+    words = [await driver.perform(say(text)) for text in ("Hello", "there")]
+    assert [each["source"] for each in words] == ["cache", "cache"]
+    assert sent["seconds"] == pytest.approx(
+        0.75 + sum(float(str(each["seconds"])) for each in words), abs=0.002
+    )
+
+
+async def test_nothing_is_said_where_there_are_only_pauses(rig: SpeechRig) -> None:
+    driver = await rig.open()
+    with pytest.raises(RejectedError, match="nothing to say"):
+        await driver.perform(say("\\pau=500\\"))
+
+
 async def test_a_damaged_cache_file_is_made_anew(rig: SpeechRig) -> None:
     driver = await rig.open()
     await driver.perform(say("Hello"))

@@ -312,7 +312,9 @@ class Lane:
             ),
             started_us,
         )
-        job = LaneJob(pending, args, lambda seconds: self._extend(pending, seconds))
+        job = LaneJob(
+            pending, pending.verb.spoken(args), lambda seconds: self._extend(pending, seconds)
+        )
         call = DriverCall(self.driver_name, f"perform {job.verb}")
         task = loop.create_task(guarded(lambda: self._driver.perform(job), call))
         self._task = task

@@ -179,7 +179,7 @@ async def _heard(speaker: Speaker, args: Mapping[str, Json]) -> int:
             async with asyncio.timeout(_THERE_S):
                 await moved.wait()
         began_us = clock.now_us()
-        sent = await driver.perform(_TriedJob(args))
+        sent = await driver.perform(_TriedJob(speaker.verb.spoken(args)))
         _print(sent, (clock.now_us() - began_us) / 1_000_000)
     except TimeoutError:
         last = health[-1] if health else None

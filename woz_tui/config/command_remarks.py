@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 from woz_tui.config import utterance_template
 from woz_tui.config.condition_texts import Variables
 from woz_tui.config.experiment import TextVariants
+from woz_tui.config.problems import shortened
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import UNKNOWN, Finding, Verb, Written
 from woz_tui.drivers.secret_arguments import hidden
+from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 
 if TYPE_CHECKING:
@@ -62,9 +64,10 @@ class CommandChecker:
         if verb.report.has_too_many:
             return
         for given in self._renderings(args, choices):
+            written = Written(offer.verb.name, given, self.folder)
             told = {
                 finding.subject
-                for finding in _findings(offer, Written(offer.verb.name, given, self.folder), verb)
+                for finding in (*_findings(offer, written, verb), *_left_out(offer, given))
                 if _say(finding, cursors.get(finding.subject, verb))
             }
             for name in hidden_arguments(offer.verb, given):
@@ -86,6 +89,8 @@ class CommandChecker:
                     yield given
 
 
+#: Pieces of markup that one warning names.
+MOST_SHOWN = 3
 #: Why a file with a secret in it is refused.
 SECRET = "this looks like a password or another secret, and each log contains this file; remove it"
 
@@ -99,6 +104,22 @@ def _findings(offer: VerbOffer, written: Written, verb: Cursor) -> Iterable[Find
     except Exception as error:  # noqa: BLE001 - a plug-in's code; the file is not at fault
         verb.warning(f"{offer.driver} fails to check this: {error!r}")
         return ()
+
+
+def _left_out(offer: VerbOffer, given: Mapping[str, Json]) -> Iterable[Finding]:
+    """Markup of a sentence that this voice cannot do."""
+    if offer.verb.markup is None or not offer.verb.arguments:
+        return
+    name = offer.verb.arguments[0].name
+    text = given.get(name)
+    marks = markup.left_out(text, offer.verb.markup) if isinstance(text, str) else []
+    if marks:
+        shown = ", ".join(shortened(mark.written, 60) for mark in marks[:MOST_SHOWN])
+        more = f" and {len(marks) - MOST_SHOWN} more" if len(marks) > MOST_SHOWN else ""
+        pauses = " (a pause is a comma)" if any(mark.pause for mark in marks) else ""
+        who = f"the voice of {offer.driver!r} does not know"
+        what = f"{who} {shown}{more}: left out of the sentence{pauses}"
+        yield Finding("warning", name, what, "")
 
 
 def _say(finding: Finding, cursor: Cursor) -> bool:

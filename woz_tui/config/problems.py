@@ -218,6 +218,9 @@ def listed(words: Iterable[str]) -> str:
 
 def quoted(text: str, limit: int = 40) -> str:
     """`text` in quotes and on one line, shortened. A password goes while it is still whole."""
-    text = without_passwords(text)
-    shown = text if len(text) <= limit else text[: limit - 3] + "..."
-    return repr(shown)
+    return repr(shortened(without_passwords(text), limit))
+
+
+def shortened(text: str, limit: int) -> str:
+    """`text`, with dots for what is longer than `limit`."""
+    return text if len(text) <= limit else text[: limit - 3] + "..."

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from woz_tui.config.session_verbs import BML, PERFORMERS
 from woz_tui.console.engagement.wizard_overrides import is_override, override_text
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.messages import Json
 
 #: Steps of the arrow keys and their like: verb -> argument -> what moves, the words for more and
@@ -30,17 +31,17 @@ _PLAIN = frozenset({"on", "level", "percent"})
 
 
 def spoken_text(command: m.Command | m.FilledCall) -> str:
-    """What is said; empty if nothing is. A text that is kept is `HIDDEN_TEXT`."""
+    """What is said, without markup; empty if nothing is. A text that is kept is `HIDDEN_TEXT`."""
     text = command.args.get("text")
     mute = command.driver in PERFORMERS and command.driver != BML
-    return text if isinstance(text, str) and not mute else ""
+    return sentence(text) if isinstance(text, str) and not mute else ""
 
 
 def command_words(command: m.Command | m.FilledCall) -> str:
     """A command in a few words: what is said, or the verb with what it is given."""
     text = command.args.get("text")
     if isinstance(text, str) and text:
-        return f"“{text}”"
+        return f"“{sentence(text)}”"
     if is_override(command):
         return override_text(command.verb, command.args)
     if command.driver == BML:

@@ -32,6 +32,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.codec import WireError, decode_message
+from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.panel_players import panel_players, part_names, verb_players
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
@@ -600,7 +601,7 @@ class ConsoleState:
     def sentence(self, name: str) -> str:
         """What the action called `name` would say now; empty: nothing."""
         if not self.steps(name) and (action := self.action(name)) is not None:
-            return " ".join(map(self.filled, action.utterances))
+            return " ".join(sentence(self.filled(words)) for words in action.utterances)
         return " ".join(filter(None, dict.fromkeys(map(spoken_text, self.calls(name)))))
 
     def words_on(self, name: str, standing: ButtonView) -> str:

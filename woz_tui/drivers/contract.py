@@ -19,6 +19,7 @@ import msgspec
 from woz_tui.drivers.feeds import Feed
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.action_messages import Evidence
+from woz_tui.protocol.markup import for_voice
 from woz_tui.protocol.messages import Json, Shown, Speech
 from woz_tui.system.clock import Clock
 
@@ -106,6 +107,8 @@ class Verb:
     returns, unless the driver says that it goes on (`Job.goes_on`). `together`: its commands do not
     wait for each other. `evidence`: on what its end usually stands (`Evidence`): measured, reported
     or timed, which is what is assumed of a driver that says nothing; empty: it reaches no hardware.
+    `markup`: what its main argument, a text to be spoken, may have of `protocol.markup.ABILITIES`;
+    the rest is taken out before the driver gets it. None: every text is given as it is written.
     `needs_consent`: it has something remember the person whose name is the main argument, so that
     it is refused until they have consented (`FACE_CONSENT`); `learn_face` always does.
     """
@@ -123,10 +126,18 @@ class Verb:
     together: bool = False
     needs_consent: bool = False
     evidence: Evidence | Literal[""] = "timed"
+    markup: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         if self.name == LEARN_FACE:  # a driver that forgets to say so learns nobody either
             object.__setattr__(self, "needs_consent", True)
+
+    def spoken(self, args: Mapping[str, Json]) -> Mapping[str, Json]:
+        """`args` as the driver gets them: without the `markup` that its voice cannot do."""
+        if self.markup is None or not self.arguments:
+            return args
+        text = args.get(name := self.arguments[0].name)
+        return {**args, name: for_voice(text, self.markup)} if isinstance(text, str) else args
 
 
 def gives_consent(verb: str, args: Mapping[str, Json]) -> bool:

@@ -28,6 +28,7 @@ _VERBS = (
         (Argument("text", "text", "what to say", required=True),),
         lane="voice",
         limit_s=180.0,
+        markup=(),
     ),
     Verb(
         "sound",

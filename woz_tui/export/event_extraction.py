@@ -30,6 +30,7 @@ from woz_tui.log.coding_file import MARKERS, Codings
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.markup import sentence
 from woz_tui.timeline.episodes import (
     ActionEpisode,
     BreakEpisode,
@@ -225,7 +226,7 @@ class EventExtractor:
         args = event.details.get("args")
         spoken = args.get("text") if isinstance(args, dict) else None
         if command.label == _SAY and isinstance(spoken, str):
-            event.text = spoken
+            event.text = sentence(spoken)
         used = {"command", "driver", "reason", "evidence", "latency_us", "duration_us"}
         event.details |= details(self._fields(command.ended), used)
         return event

@@ -47,6 +47,9 @@ def utterances(
     Those with a variable that has no value yet are left out.
     """
     found: dict[str, dict[str, Mapping[str, Json]]] = {}
+    verbs = {
+        spec.name: verb for spec in experiment.drivers for verb in spec.verbs if verb.name == SAY
+    }
     actions = [action for panel in experiment.panels for action in panel.actions]
     for action in (*actions, *experiment.repairs):
         for call in action.calls:
@@ -59,7 +62,10 @@ def utterances(
                         found.setdefault(part.driver, {})[repr(sorted(part.args.items()))] = (
                             part.args
                         )
-    return {driver: list(said.values()) for driver, said in found.items()}
+    return {
+        driver: [verbs[driver].spoken(args) if driver in verbs else args for args in said.values()]
+        for driver, said in found.items()
+    }
 
 
 def _written(call: Call, name: str, values: VariableValues) -> Iterable[Json]:

@@ -66,7 +66,7 @@ async def forecast(call: Call, verb: Verb | None, drivers: Mapping[str, Forecast
     if driver is None or verb is None:  # the session or its model: done at once
         return Forecast(0.0, ())
     try:
-        args = checked(verb, call.args)
+        args = verb.spoken(checked(verb, call.args))
         async with asyncio.timeout(PATIENCE_S):
             made = DriverCall(call.driver, f"predict {call.verb}")
             return await guarded(lambda: driver.predict(call.verb, args), made)

@@ -25,6 +25,7 @@ from woz_tui.config.file_additions import (
     write_copy,
 )
 from woz_tui.config.reload_changes import compare
+from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.panels import TYPED
 from woz_tui.session.participant_identity import RequestError
 
@@ -77,7 +78,8 @@ def with_sentence(
     if any(_says(action, text, driver) for action in (*own, *typed)):
         return typed
     used = {action.name for panel in experiment.panels for action in panel.actions}
-    label = text if len(text) <= LABEL else f"{text[: LABEL - 3].rstrip()}..."
+    words = sentence(text).strip() or text
+    label = words if len(words) <= LABEL else f"{words[: LABEL - 3].rstrip()}..."
     name, number = f"{NAME}{label}", 2
     while name in used:
         name, number = f"{NAME}{label} ({number})", number + 1

@@ -42,6 +42,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.drivers.sound_feeds import WIDTH
+from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 
 #: One mouth: what is said and what is played wait for each other.
@@ -60,6 +61,12 @@ _LONGEST_S, _LONGEST_TALK_S = 600.0, 4000.0
 _BEHIND_S, _LAST_WORDS_S = 0.6, 1.0
 #: How loud it is, it tells within this; an older robot does not.
 _TELLS_WITHIN_S = 1.0
+
+
+def _usual_s(written: str) -> float:
+    """How long a text usually takes, with its pauses."""
+    pieces = markup.pieces(written)
+    return sum(len(piece) / _LETTERS_PER_S + pause for piece, pause in pieces)
 
 
 class FurhatSpeech(FurhatPart):
@@ -94,7 +101,7 @@ class FurhatSpeech(FurhatPart):
         """`say`, `sound`, `voice`, `volume`; `talk` and `end_talk` where the file says so."""
         return (
             *(() if settings.talk is None else live_talk.VERBS),
-            common_verb("say", limit_s=_LONGEST_S),
+            common_verb("say", limit_s=_LONGEST_S, markup=("pause",)),
             common_verb(
                 "sound",
                 "play a sound",
@@ -219,7 +226,7 @@ class FurhatSpeech(FurhatPart):
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """Speech about so long: the robot tells of each word only when it comes."""
         if verb == "say":
-            return Forecast(len(text(args, "text")) / _LETTERS_PER_S)
+            return Forecast(_usual_s(text(args, "text")))
         wanted = file(args, "file", self._context.folder) if verb == "sound" else "://"
         if "://" in wanted:
             return Forecast()
@@ -228,16 +235,26 @@ class FurhatSpeech(FurhatPart):
     # -- speaking ------------------------------------------------------------------------------
 
     async def _say(self, job: Job) -> dict[str, Json]:
-        spoken = text(job.args, "text")
+        """One utterance after the other, with the pauses between them."""
+        written = text(job.args, "text")
+        spoken = markup.sentence(written)
         if not spoken.strip():
             raise RejectedError("there is nothing to say", "write a text")
-        usual = len(spoken) / _LETTERS_PER_S
-        job.expects(usual)
-        exchange = await self._begin(
-            "request.speak.text", text=spoken, abort=False, monitor_words=True
-        )
-        times = await self._until_over(job, exchange, usual, len(spoken.split()))
-        return {"text": spoken, "words": times}
+        job.expects(_usual_s(written))
+        loop = asyncio.get_running_loop()
+        times: list[float] = []
+        begun = loop.time()
+        for piece, pause in markup.pieces(written):
+            if piece:
+                since = loop.time() - begun
+                exchange = await self._begin(
+                    "request.speak.text", text=piece, abort=False, monitor_words=True
+                )
+                own = await self._until_over(job, exchange, _usual_s(piece), len(piece.split()))
+                times += [round(since + at, 3) for at in own]
+            if pause:
+                await asyncio.sleep(pause)
+        return {"text": spoken, "words": [*times]}
 
     async def _begin(self, kind: str, **fields: Any) -> Exchange[SpeakEnded]:
         if self._spoken is not None:
@@ -248,12 +265,12 @@ class FurhatSpeech(FurhatPart):
 
     async def _until_over(
         self, job: Job, exchange: Exchange[SpeakEnded], usual: float, words: int
-    ) -> list[Json]:
+    ) -> list[float]:
         """Return when it has ended: the seconds from its beginning to each word."""
         loop = asyncio.get_running_loop()
         begun: float | None = None
         ends = loop.time() + usual
-        times: list[Json] = []
+        times: list[float] = []
         try:
             while True:
                 within = _BEGINS_WITHIN_S if begun is None else _GOES_ON_S

@@ -59,7 +59,11 @@ class VoicePart(NaoqiPart):
         plain = Argument("plain", "flag", "without gestures", default=False)
         return (
             common_verb(
-                "say", "speak a sentence; tags for voice and gestures count", plain, limit_s=300.0
+                "say",
+                "speak a sentence; tags for voice and gestures count",
+                plain,
+                limit_s=300.0,
+                markup=("tags", "gestures"),
             ),
             Verb(
                 "read",

@@ -82,7 +82,12 @@ _METRES = Range(-100, 100, "m")
 _SECONDS = Argument("seconds", "seconds", "0: as fast as it may", False, 0.0, Range(0, 60, "s"))
 
 _SOUND = (
-    common_verb("say", "speak a sentence with a voice made on this machine", *VOICE_ARGUMENTS),
+    common_verb(
+        "say",
+        "speak a sentence with a voice made on this machine",
+        *VOICE_ARGUMENTS,
+        markup=("pause",),
+    ),
     common_verb("sound", "play a WAV file on the robot", lane=_VOICE),
     common_verb("volume"),
     Verb(

@@ -23,6 +23,7 @@ from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav, spoken_text
 from woz_drivers.wav import Wav
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
 from woz_tui.motion.safety import finite_number
+from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 
 #: A robot without sound that is no simulation must not seem to speak.
@@ -61,7 +62,7 @@ class ReachySounds:
         text = spoken_text(str(job.args["text"]))
         utterance = await self._synthesis.utterance(text, self._choice(job.args))
         heard = await self._play(job, utterance.sound)
-        return {"text": text, "source": utterance.source} | heard
+        return {"text": markup.sentence(text), "source": utterance.source} | heard
 
     async def sound(self, job: Job) -> Mapping[str, Json]:
         """Play a file of this machine."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from woz_tui.drivers.fields import Doc, OneOf, Pattern, Range, Seconds
+from woz_tui.protocol.markup import ABILITIES
 
 TWIST, TWIST_STAMPED = "geometry_msgs/Twist", "geometry_msgs/TwistStamped"
 
@@ -90,6 +91,10 @@ class VerbDeclaration:
         bool, Doc("it moves the robot through the room, and ends when the wizard's line is lost")
     ] = False
     help: Annotated[str, Doc("what it does, in a few words")] = ""
+    markup: Annotated[
+        tuple[Annotated[str, OneOf(tuple(ABILITIES))], ...],
+        Doc("of `say`: markup that the robot's voice can do; the rest is taken out"),
+    ] = ()
 
     @property
     def target(self) -> str:

@@ -94,6 +94,7 @@ def offered(
                 lane=declared.lane or common.lane,
                 limit_s=declared.within,
                 drives=declared.drives,
+                markup=declared.markup if name == "say" else common.markup,
                 evidence="reported" if declared.is_answered else "timed",
             )
         )

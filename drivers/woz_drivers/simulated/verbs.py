@@ -171,7 +171,9 @@ def lanes(settings: SimulatedSettings) -> tuple[str, ...]:
 
 
 _VOICE = (
-    common_verb("say", "speak a sentence; tags for pauses and rate count"),
+    common_verb(
+        "say", "speak a sentence; tags for pauses and rate count", markup=("pause", "speed")
+    ),
     common_verb("sound"),
     common_verb("volume"),
 )

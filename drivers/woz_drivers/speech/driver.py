@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import functools
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
+from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 from woz_tui.system.tasks import end_tasks
 
@@ -66,7 +68,10 @@ _SAY = common_verb(
     Argument("volume", "number", "how loud, 0 to 1", range=Range(0, 1)),
     limit_s=_LONGEST_SPEECH_S + 5,
     evidence="reported",  # its program has ended, and well
+    markup=("pause",),
 )
+#: A program that speaks by itself gets the words alone.
+_SAY_BY_ITSELF = replace(_SAY, markup=())
 _SOUND = common_verb("sound", "play a WAV file", evidence="reported")
 _VOLUME = common_verb("volume", "set how loud the next sounds are", lane="volume", evidence="")
 #: A player that ends so long before its sound, and before the half of it, has not played it: it may
@@ -115,7 +120,7 @@ class Speech(Driver):
         """Speech, sound files, volume; a program that speaks by itself plays no files."""
         made: SpeechSettings = settings
         volume = (_VOLUME,) if made.takes_volume or made.talk is not None else ()
-        plays = (_SAY, *volume) if made.speak else (_SAY, _SOUND, *volume)
+        plays = (_SAY_BY_ITSELF, *volume) if made.speak else (_SAY, _SOUND, *volume)
         return (*plays, *live_talk.VERBS) if made.talk is not None else plays
 
     @classmethod
@@ -377,7 +382,7 @@ class Speech(Driver):
         return {
             **self._sent((new or spoken)[0], volume),
             "seconds": round(sum(one.sound.seconds for one in spoken), 3),
-            **{"text": text, "delay": round((heard_us - asked_us) / 1_000_000, 3)},
+            **{"text": markup.sentence(text), "delay": round((heard_us - asked_us) / 1_000_000, 3)},
             **({"words": words} if words else {}),
         }
 

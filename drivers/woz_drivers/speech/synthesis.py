@@ -25,6 +25,7 @@ from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
 from woz_drivers.speech.text_parts import goes_on, spoken_parts
 from woz_drivers.wav import NotWavError, Wav
 from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.protocol import markup
 from woz_tui.system.files import open_regular
 from woz_tui.system.tasks import wait_at_most
 
@@ -117,6 +118,10 @@ class UtteranceWord(msgspec.Struct, frozen=True, array_like=True):
     word: str
     begin: float
     end: float
+
+    def later(self, seconds: float) -> UtteranceWord:
+        """The same word, so many seconds later."""
+        return UtteranceWord(self.word, self.begin + seconds, self.end + seconds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,6 +256,8 @@ class SpeechSynthesis:
     async def utterance(self, text: str, choice: VoiceChoice | None = None) -> PreparedUtterance:
         """The sound of `text`, which `spoken_text` gave. Cancelling it ends the synthesiser."""
         choice = choice or self._settings.choice()
+        if len(pieces := markup.pieces(text)) > 1:
+            return await self._with_pauses(pieces, choice)
         # Hundreds are prepared one after the other: a disk must not keep the loop from its work.
         found = await asyncio.to_thread(self._found, text, choice)
         if found is not None:
@@ -268,6 +275,32 @@ class SpeechSynthesis:
                 "free some space, or set cache: to another folder",
             ) from error
         return PreparedUtterance(path, made, "synthesised", spoken)
+
+    async def _with_pauses(
+        self, pieces: Sequence[tuple[str, float]], choice: VoiceChoice
+    ) -> PreparedUtterance:
+        """One sound of what is said between pauses, and of silence; of a recording where there is
+        one of the whole. `RejectedError` where nothing is said.
+        """
+        whole = " ".join(text for text, _ in pieces if text)
+        if self._recording(spoken_text(whole)) is not None:
+            return await self.utterance(whole, choice)
+        made: list[tuple[PreparedUtterance | None, float]] = []
+        for text, pause in pieces:
+            made.append((await self.utterance(text, choice) if text else None, pause))
+        spoken = [utterance for utterance, _ in made if utterance is not None]
+        shape = spoken[0].sound
+        if any(each.sound.shape != shape.shape for each in spoken):  # a recording beside a voice
+            return await self.utterance(whole, choice)
+        sound, words = replace(shape, data=b""), list[UtteranceWord]()
+        for utterance, pause in made:
+            if utterance is not None:
+                words += [one.later(sound.seconds) for one in utterance.words]
+                sound = sound.followed_by(utterance.sound)
+            sound = sound.with_silence(pause)
+        sources = [each.source for each in spoken]
+        source = "synthesised" if "synthesised" in sources else sources[0]
+        return PreparedUtterance(None, sound, source, tuple(words))
 
     def parts(self, text: str, choice: VoiceChoice) -> list[str]:
         """`text` in the parts in which it is made, if a program that stays loaded has to make it:

@@ -74,6 +74,17 @@ async def test_the_countdown_follows_the_words_of_a_slow_voice(
     assert len(announced) > 3
 
 
+async def test_a_pause_is_one_between_two_utterances(tmp_path: Path) -> None:
+    async with connected_furhat(tmp_path, brisk()) as furhat_rig:
+        sent = await furhat_rig.do("say", text="Hello \\pau=20\\ there")
+        spoken = [each["text"] for each in furhat_rig.robot.requests("request.speak.text")]
+    assert spoken == ["Hello", "there"]
+    assert sent["text"] == "Hello there"
+    assert isinstance(sent["words"], list)
+    times = [float(str(one)) for one in sent["words"]]
+    assert times == sorted(times)
+
+
 async def test_nothing_is_said_of_an_empty_text(rig: FurhatRig) -> None:
     with pytest.raises(RejectedError):
         await rig.do("say", text="  ")

@@ -74,7 +74,7 @@ def test_warnings_and_the_drivers_verbs_follow_the_table(
 ) -> None:
     checked(tmp_path, GOOD, "--all")
     out = capsys.readouterr().out
-    assert "warning: panels[0].actions[5].sound: there is no file 'missing.wav'" in out
+    assert "warning: P > No key > sound: there is no file 'missing.wav'" in out
     assert "head (head)" in out
     assert "speed: number, 0.1 to 4" in out
     assert "move: choice, one of nod, shake, required" in out
@@ -310,7 +310,7 @@ def test_another_robot_is_shown_with_what_it_does_and_leaves_out(
     hello = next(line for line in out.splitlines() if "Hello" in line and "P " in line)
     assert hello.split() == ["P", "Hello", "say", "play"]
     assert any(line.split() == ["Chord", "nothing", "pose"] for line in out.splitlines())
-    assert "warning: panels[0].actions[0].play: is left out on speaker" in out
+    assert "warning: P > Hello > play: is left out on speaker" in out
     assert checked(tmp_path, GOOD, "--robot", "speaker", "--format", "json") == 0
     report = json.loads(capsys.readouterr().out)
     assert report["left_out"]["Chord"] == [{"what": "pose", "why": "not offered"}]

@@ -85,6 +85,6 @@ def test_a_robot_driver_that_cannot_be_imported_is_an_error_with_a_place(tmp_pat
 def test_the_same_mistake_through_an_alias_is_told_once_for_each_path(tmp_path: Path) -> None:
     text = panel("&a {key: a, label: A, sya: 1}", "{<<: *a, key: b, label: B}", head=HEAD)
     assert errors(tmp_path, text) == [
-        "6:31: panels[0].actions[0].sya: unknown; did you mean 'say'?",
-        "6:31: panels[0].actions[1].sya: unknown; did you mean 'say'?",
+        "6:31: P > A > sya: unknown; did you mean 'say'?",
+        "6:31: P > B > sya: unknown; did you mean 'say'?",
     ]

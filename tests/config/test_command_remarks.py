@@ -115,17 +115,15 @@ def test_it_is_told_at_the_argument_and_lets_the_file_pass(tmp_path: Path) -> No
         "steps: [{wait: 1}, {say: x, loud: 2}]",
         "say: info",
     ) == [
-        "17: warning: panels[0].actions[0].say: this is warning; mend it",
-        "23: warning: panels[0].actions[1].say.text: this is warning; mend it",
-        "38: warning: panels[0].actions[1].say.loud: too loud",
-        "45: warning: panels[0].actions[2].steps[1].loud: too loud",
+        "17: warning: P > L0 > say: this is warning; mend it",
+        "23: warning: P > L1 > say.text: this is warning; mend it",
+        "38: warning: P > L1 > say.loud: too loud",
+        "45: warning: P > L2 > steps[1].loud: too loud",
     ]
 
 
 def test_an_error_of_the_driver_refuses_the_file(tmp_path: Path) -> None:
-    assert remarks_of(tmp_path, "say: error") == [
-        "17: panels[0].actions[0].say: this is error; mend it"
-    ]
+    assert remarks_of(tmp_path, "say: error") == ["17: P > L0 > say: this is error; mend it"]
 
 
 def test_a_variable_that_is_wrong_in_one_condition_is_told(tmp_path: Path) -> None:
@@ -146,7 +144,7 @@ def test_what_is_not_right_by_its_description_is_not_looked_at(tmp_path: Path) -
 
 def test_what_has_been_said_of_it_is_not_said_again(tmp_path: Path) -> None:
     assert remarks_of(tmp_path, "read: gone.txt") == [
-        "17: warning: panels[0].actions[0].read: there is no file 'gone.txt'"
+        "17: warning: P > L0 > read: there is no file 'gone.txt'"
     ]
 
 
@@ -163,7 +161,7 @@ def test_of_a_hopeless_file_no_more_is_looked_at(tmp_path: Path) -> None:
 @pytest.mark.parametrize("pin", ["1234", "is 1234", "{pin}", "{name} 1234 {participant}"])
 def test_a_secret_in_a_file_refuses_it_without_being_repeated(tmp_path: Path, pin: str) -> None:
     (line,) = remarks_of(tmp_path, f"enter: '{pin}'")
-    assert line.startswith("17: panels[0].actions[0].enter: this looks like a password")
+    assert line.startswith("17: P > L0 > enter: this looks like a password")
     assert "1234" not in line
 
 

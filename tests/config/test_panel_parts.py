@@ -37,7 +37,7 @@ def test_one_part_or_several(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("of", "word"), [("''", "empty"), ("[a, a]", "twice"), ("{a: b}", "part")])
 def test_what_is_no_part_is_an_error(tmp_path: Path, of: str, word: str) -> None:
     (error,) = errors(tmp_path, text(of))
-    assert "panels[0].for" in error
+    assert "P0 > for" in error
     assert word in error
 
 
@@ -85,7 +85,7 @@ def test_verbs_of_one_robot_may_be_covered(tmp_path: Path, covers: str) -> None:
 @pytest.mark.parametrize("covers", ["middle.gaze", "left.gazes", "right.pad.gaze"])
 def test_a_verb_that_this_robot_does_not_have_is_an_error(tmp_path: Path, covers: str) -> None:
     (error,) = _errors(tmp_path, covers=covers)
-    assert "panels[0].covers[0]" in error
+    assert "P > covers[0]" in error
     assert f"no driver offers '{covers}'" in error
 
 

@@ -252,7 +252,7 @@ def test_texts_by_condition_and_variants_stand_in_place(
 
 
 def test_a_file_of_each_condition_is_looked_for(tmp_path: Path) -> None:
-    (tmp_path / "a.wav").touch()
+    (tmp_path / "a.wav").write_bytes(b"RIFF\x25\0\0\0WAVEdata\1\0\0\0\0")
     sound = "{label: A, sound: {cool: a.wav, warm: b.wav}}"
     text = panel(sound, head=ROBOT + "conditions: [cool, warm]\n")
     (warning,) = read_experiment(tmp_path, text).warnings

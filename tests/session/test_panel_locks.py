@@ -103,9 +103,9 @@ def test_a_file_names_covered_verbs_and_a_panel_of_them_needs_no_actions(tmp_pat
 
 def test_a_covered_verb_that_nobody_offers_is_told_at_its_place(tmp_path: Path) -> None:
     said = errors(tmp_path, FILE.replace("covers: [screen]", "covers: [screen, scren]"))
-    assert said == ["7:40: panels[1].covers[1]: no driver offers 'scren'; did you mean 'screen'?"]
+    assert said == ["7:40: Movement > covers[1]: no driver offers 'scren'; did you mean 'screen'?"]
     assert errors(tmp_path, FILE.replace(", covers: [screen]", "")) == [
-        "7:5: panels[1].actions: is missing (buttons, in this order)"
+        "7:5: Movement > actions: is missing (buttons, in this order)"
     ]
 
 

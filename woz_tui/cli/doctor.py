@@ -234,7 +234,7 @@ def _refused(path: Path, error: ExperimentError | plugins.PluginError | OSError)
 def _problem(problem: Problem) -> Finding:
     where = f"{Path(problem.place.file).name}:{problem.place.line}:{problem.place.column}"
     level = "warning" if problem.warning else "error"
-    return Finding(level, where, f"{problem.path}: {problem.message}")
+    return Finding(level, where, f"{problem.where or problem.path}: {problem.message}")
 
 
 def _driver(spec: DriverSpec, devices: _Devices, at: str) -> list[Finding]:

@@ -19,6 +19,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
+from woz_tui.config import media_files
 from woz_tui.config.experiment import FilePosition, Problem
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport, join
@@ -339,7 +340,9 @@ def resolve_path(cursor: Cursor, text: str, *, must_exist: bool) -> str:
         base = pathlib.Path(cursor.place.file).absolute().parent
         path = base / pathlib.Path(text).expanduser()
         if must_exist and not path.exists():
-            cursor.warning(f"there is no file {text!r}")
+            cursor.warning(f"there is no file {text!r}{media_files.meant(base, text)}")
+        elif must_exist and (wrong := media_files.mislabelled(path)):
+            cursor.warning(f"{text!r}: {wrong}")
     except (OSError, RuntimeError, ValueError) as error:
         cursor.error(f"{text!r} is not a path: {error}")
         return text

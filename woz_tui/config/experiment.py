@@ -39,16 +39,17 @@ NOWHERE = FilePosition("", 0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One error or warning in a file."""
+    """One error or warning in a file; `where` says its `path` in words, where there are any."""
 
     place: FilePosition
     path: str
     message: str
     warning: bool = False
+    where: str = ""
 
     def __str__(self) -> str:
         warning = "warning: " if self.warning else ""
-        return f"{self.place}: {warning}{self.path}: {self.message}"
+        return f"{self.place}: {warning}{self.where or self.path}: {self.message}"
 
 
 class ExperimentError(Exception):

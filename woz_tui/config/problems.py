@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -17,6 +19,9 @@ from woz_tui.drivers.secret_arguments import without_passwords
 MAX_PROBLEMS = 200
 #: A longer list of choices helps nobody in a terminal.
 MAX_LISTED = 14
+#: Characters of a panel's or an action's name in a place.
+MAX_TITLE = 40
+_ACTION = re.compile(r"(panels\[\d+\])(\.actions\[\d+\])?(?=\.|$)")
 #: Words among which a near one is looked for.
 MAX_COMPARED = 500
 
@@ -32,6 +37,9 @@ class ProblemReport:
         self._missing: dict[Problem, tuple[str, str]] = {}
         self._misspelt: set[tuple[str, str]] = set()
         self._messages: set[tuple[FilePosition, str]] = set()
+        #: What may be behind an error at a place; what panels and actions are called.
+        self._explanations: dict[FilePosition, str] = {}
+        self._titles: dict[tuple[str, str], str] = {}
         #: Files that settings stand in, in the order in which they were read.
         self.included: list[SourceFile] = []
         self._lenient = False
@@ -52,6 +60,15 @@ class ProblemReport:
     def set_place(self, path: str, place: FilePosition) -> None:
         """Remember where `path` stands in its file."""
         self._places[place.file, path] = place
+
+    def explain(self, place: FilePosition, why: str) -> None:
+        """Whatever is wrong here may be so because of this."""
+        self._explanations.setdefault(place, why)
+
+    def set_title(self, path: str, file: str, title: str) -> None:
+        """Remember what the entry of a list is called, for whoever reads of a problem in it."""
+        if title and path.endswith("]"):
+            self._titles[file, path] = title
 
     def has_place(self, path: str, file: str) -> bool:
         """Whether `path` itself stands in this file."""
@@ -102,7 +119,7 @@ class ProblemReport:
     def errors(self) -> list[Problem]:
         """Every error so far, sorted by place."""
         return [
-            problem
+            self._in_words(problem)
             for problem in self._sorted(warning=False)
             if self._missing.get(problem) not in self._misspelt
         ]
@@ -110,7 +127,7 @@ class ProblemReport:
     @property
     def warnings(self) -> list[Problem]:
         """Every warning so far, sorted by place."""
-        return self._sorted(warning=True)
+        return [*map(self._in_words, self._sorted(warning=True))]
 
     def hint(self, wrong: str, known: Iterable[str], *, or_list: str = "") -> str:
         """`; did you mean 'x'?` for the nearest known word.
@@ -153,6 +170,8 @@ class ProblemReport:
         self, place: FilePosition, path: str, message: str, *, warning: bool = False
     ) -> Problem:
         name = _printable(self._named(place, path)) or "file"
+        if not warning and (why := self._explanations.get(place)) and why not in message:
+            message = f"{message}; {why}"
         problem = Problem(place, name, _printable(message), warning or self._lenient)
         self._problems.setdefault(problem)
         self._messages.add((place, problem.message))
@@ -168,6 +187,20 @@ class ProblemReport:
             return (self._files.get(place.file, 0), place.line, place.column, problem.path)
 
         return sorted((p for p in self._problems if p.warning is warning), key=rank)
+
+    def _in_words(self, problem: Problem) -> Problem:
+        """The same with its place by the names of panel and action: `Any time > Wait please`."""
+        found = _ACTION.match(problem.path)
+        if found is None:
+            return problem
+        panel, action = (found[1], found[1] + (found[2] or ""))
+        titles = [self._titles.get((problem.place.file, path), "") for path in (panel, action)]
+        if not titles[0] or (found[2] and not titles[1]):
+            return problem
+        names = titles[: 2 if found[2] else 1]
+        rest = problem.path[len(action) :].lstrip(".")
+        words = [_printable(shortened(name, MAX_TITLE)) for name in names] + [rest] * bool(rest)
+        return replace(problem, where=" > ".join(words))
 
 
 def _printable(text: str) -> str:

@@ -522,7 +522,7 @@ class _Arguments:
         if argument.choices and not file:
             return read_word(cursor, argument.choices)
         text = read_text(cursor, "a file" if file else "text")
-        if text is None or (file and "://" in text):
+        if text is None or (file and "://" in text and not text.lower().startswith("file:")):
             return text
         utterance_template.check(cursor, text, self._variables)
         if file:

@@ -25,6 +25,8 @@ _FLAGS = {
     **dict.fromkeys(("true", "yes", "on"), True),
     **dict.fromkeys(("false", "no", "off"), False),
 }
+#: What may be behind a list or a mapping where a text should be.
+TEXT_WITH_BRACKET = "; if a text begins with a bracket, put the text in quotes"
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +108,9 @@ class Cursor:
         """
         words = list(known)
         parent, _, name = self.path.rpartition(".")
+        empty = isinstance(self.node, ScalarNode) and self.node.is_empty
+        if empty and any(map(str.isalpha, name)):  # `{participant}`, `{say: Hi, you}`
+            self.report.explain(self.place, "if this belongs to a text, put the text in quotes")
         near = self.report.nearest(name, words)
         if near is None:
             self.error(f"unknown{self.report.choices(what, words if listing is None else listing)}")
@@ -117,7 +122,11 @@ class Cursor:
 def read_text(cursor: Cursor, expected: str = "text") -> str | None:
     """Text exactly as typed: `No`, `12:30` and `007` stay what they are."""
     if not isinstance(cursor.node, ScalarNode) or cursor.node.is_empty:
-        cursor.wrong(expected)
+        bracket = not isinstance(cursor.node, ScalarNode)
+        quotes = (
+            TEXT_WITH_BRACKET if bracket and cursor.node.place.line == cursor.place.line else ""
+        )
+        cursor.error(f"expected {expected}, not {described(cursor.node)}{quotes}")
         return None
     if "\0" in cursor.node.text:
         cursor.error("text cannot contain a NUL character")

@@ -7,6 +7,7 @@ from the parser's events with a stack of its own, which makes depth and size lim
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -26,6 +27,21 @@ MAX_NODES = 30_000
 _HARMLESS = frozenset(
     f"tag:yaml.org,2002:{name}" for name in ("str", "int", "float", "bool", "map", "seq", "null")
 )
+
+#: What cuts a text off: a comment without a space behind its sign, which few people mean.
+_CUT = re.compile(r"[ \t]+(#\w.*)")
+#: Quotes that word processors make of straight ones.
+CURLY = frozenset("\u201c\u201d\u201e\u2018\u2019\u201a")
+CURLY_QUOTES = "curly quotes are part of the text; for YAML's quotes write \" or ' (straight ones)"
+
+
+def comment_instead(cut: str) -> str:
+    """The sentence about a comment that looks like a part of the text before it."""
+    return (
+        f"{quoted(cut)} is a comment and no part of the text: put the text in quotes, or a space"
+        " behind the #"
+    )
+
 
 _Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -139,6 +155,7 @@ class _Composer:
         self._anchors: dict[str, Node | None] = {}
         self._root: Node | None = None
         self._documents = 0
+        self._lines = source.text.splitlines()
 
     def compose(self) -> Node | None:
         loader = _Loader(self._source.text)
@@ -154,6 +171,8 @@ class _Composer:
             case yaml.ScalarEvent():
                 plain = event.style in (None, "")
                 scalar = ScalarNode(self._place(event), event.value, plain)
+                if plain:
+                    self._odd_text(event)
                 self._tag(event, scalar.place, scalar)
                 self._anchor(event.anchor, scalar)
                 self._add(scalar)
@@ -170,6 +189,31 @@ class _Composer:
                         self._place(event),
                         "a second document begins here; a file can have only one",
                     )
+
+    def _odd_text(self, event: yaml.ScalarEvent) -> None:
+        """Warn of a text without quotes that is not what it looks like. Where it is an error, too,
+        the error says it.
+        """
+        place, key = self._place(event), self._stack[-1].key if self._stack else None
+        said = []
+        if cut := self._cut(event, key):
+            said.append(comment_instead(cut))
+        if event.value[:1] in CURLY or event.value[-1:] in CURLY:
+            said.append(CURLY_QUOTES)
+        for message in said:
+            path = self._path_of_next() or "YAML"
+            self._report.warning(key.place if key is not None else place, path, message)
+            self._report.explain(place if key is None else key.place, message)
+
+    def _cut(self, event: yaml.ScalarEvent, key: ScalarNode | None) -> str:
+        """The comment behind a text, as far as it looks like a part of it."""
+        end = event.end_mark
+        line, column = (end.line, end.column) if end is not None else (len(self._lines), 0)
+        if not event.value and key is not None:  # where nothing is, the parser's mark is further on
+            line, column = key.place.line - 1, key.place.column - 1 + len(key.text)
+        text = self._lines[line] if line < len(self._lines) else ""
+        found = _CUT.match(text, column) or (not event.value and _CUT.match(text, column + 1))
+        return found[1] if found else ""
 
     def _place(self, event: yaml.Event) -> FilePosition:
         mark = event.start_mark
@@ -189,6 +233,8 @@ class _Composer:
 
     def _end(self) -> None:
         done = self._stack.pop()
+        if isinstance(done.node, MappingNode) and not self._last_wins:
+            self._report.set_title(done.path, self._source.name, _title(done.node))
         if isinstance(done.node, MappingNode):
             for base in done.merged:
                 _merge(done.node, base)
@@ -293,6 +339,12 @@ class _Composer:
                 )
 
 
+def _title(table: MappingNode) -> str:
+    """What an entry of a list is called, by itself."""
+    named = (table.entries.get(name) for name in ("title", "label", "name"))
+    return next((node.text for node in named if isinstance(node, ScalarNode) and node.text), "")
+
+
 def _merge(table: MappingNode, base: MappingNode) -> None:
     """YAML's merge key: what the mapping says itself wins, then the first base that says it."""
     for name, key, value in base.items():
@@ -307,7 +359,7 @@ def _merge(table: MappingNode, base: MappingNode) -> None:
 _EXPLANATIONS = (
     ("tab character that violates", "a tab character; indent YAML with spaces"),
     ("alphabetic or numeric", "text that begins with * or & needs quotes"),
-    ("mapping values are not allowed", "one colon too many: text that contains ': ' needs quotes"),
+    ("mapping values are not allowed", "text with a colon in it: put the text in quotes"),
     ("could not find expected ':'", "a colon is missing after a name, or a quote is not closed"),
     ("block sequence entries", "a dash cannot be here; is the line above complete?"),
     ("expected '-' indicator", "a '-' is missing here; check the indentation"),
@@ -338,16 +390,47 @@ def explain_yaml_error(error: yaml.YAMLError, text: str) -> tuple[int, int, str]
     if mark is None:
         return 1, 1, said
     message = next((ours for theirs, ours in _EXPLANATIONS if theirs in said), said)
-    closing = text.splitlines()[mark.line : mark.line + 1]
+    lines = text.splitlines()
+    closing = lines[mark.line : mark.line + 1]
     found = closing[0][mark.column : mark.column + 1] if closing else ""
     if found and found in "}]" and "',' or '" not in said:
         message = f"one {found} too many, or the bracket that opens it is missing"
         begun = None  # of what surrounds it, which is in order
     if "start any token" in said:
         message = _character(text, mark.line, mark.column)
+    if closing and (wanted := _unquoted(closing[0], mark.column, said)):
+        return mark.line + 1, mark.column + 1, wanted
+    if begun is not None and "',' or '" in said:
+        start = _BRACKET.match(lines[begun.line])
+        if start is not None and ":" not in start["value"]:
+            message += f"; if {start['key']!r} is a text, put the text in quotes"
+    if begun is not None and "',' or '" in said and (cut := _CUT.search(lines[begun.line])):
+        message += f"; {comment_instead(cut[1])}"
     if begun is not None and begun.line < mark.line:
         message += f" (begun in line {begun.line + 1})"
     return mark.line + 1, mark.column + 1, message
+
+
+#: A line whose value begins with a bracket, and the word before a colon.
+_BRACKET = re.compile(r"\s*(?:- +)*(?P<key>[^\s:#{}\[\]\"'][^:#{}\[\]\"']*): +(?P<value>[\[{].*)")
+#: A line whose value goes on behind its quotes.
+_QUOTED = re.compile(r"\s*(?:- +)*[^\s:#{}\[\]\"']+: +(?:\"[^\"]*\"|'[^']*') *[^\s#]")
+_WORD = re.compile(r"[^\s{}\[\],:]+$")
+
+
+def _unquoted(line: str, column: int, said: str) -> str:
+    """The sentence about a text without quotes, if the parser stumbled over one in this line."""
+    bracket = _BRACKET.match(line)
+    closes = line[column : column + 1] in ("}", "]")
+    if bracket and column > bracket.start("value") and "',' or '" not in said and not closes:
+        first = bracket["value"][0]
+        return f"no text can begin with {first}: put the text in quotes"
+    if _QUOTED.match(line) is not None:
+        return "the text goes on behind its quotes: put the text in quotes as a whole"
+    word = _WORD.search(line[:column].rstrip())
+    if "',' or '}'" in said and line[column : column + 1] == ":" and word is not None:
+        return f"a comma is missing before {word[0]!r}, or put the text in quotes"
+    return ""
 
 
 def _character(text: str, line: int, column: int) -> str:

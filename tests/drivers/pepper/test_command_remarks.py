@@ -171,7 +171,7 @@ def problems(folder: Path, robots: str = "[]", ip: str = "", does: str = "say: H
 
 def test_a_tag_is_told_at_its_line_and_the_robot_still_plays(tmp_path: Path) -> None:
     assert problems(tmp_path, does=r"say: 'Hi {participant}, \vol=300\ now'") == [
-        "4:42: warning: panels[0].actions[0].say:"
+        "4:42: warning: A > L > say:"
         r" \vol=300\ needs a number of 0 to 100 %, as in \vol=80"
         "\\"
     ]
@@ -183,9 +183,9 @@ def test_a_tag_is_told_at_its_line_and_the_robot_still_plays(tmp_path: Path) -> 
         ({"robots": "['tcps://nao:Hush!42@10.0.0.1']"}, "2:51: robot.drivers.pepper.robots[0]: a"),
         ({"robots": "'tcps://nao:Hush!42@10.0.0.1'"}, "2:42: robot.drivers.pepper.robots: exp"),
         ({"robots": "{'nao:Hush!42@10.0.0.1': 1}"}, "2:42: robot.drivers.pepper.robots: exp"),
-        ({"does": "connect: 'nao:Hush!42@10.0.0.1'"}, "4:42: panels[0].actions[0].connect: a"),
-        ({"ip": "nao:Hush!42@h", "does": "connect: '{ip}'"}, "4:42: panels[0].actions[0].connect"),
-        ({"does": "connect: {'nao:Hush!42@h': 1}"}, "4:52: panels[0].actions[0].connect.nao:***@h"),
+        ({"does": "connect: 'nao:Hush!42@10.0.0.1'"}, "4:42: A > L > connect: a"),
+        ({"ip": "nao:Hush!42@h", "does": "connect: '{ip}'"}, "4:42: A > L > connect"),
+        ({"does": "connect: {'nao:Hush!42@h': 1}"}, "4:52: A > L > connect.nao:***@h"),
     ],
 )
 def test_no_password_in_a_file_gets_further_than_its_refusal(

@@ -19,7 +19,7 @@ from PIL import Image, ImageDraw
 
 from tools import ROOT
 
-FOLDER = ROOT / "woz_tui" / "session" / "signals"
+FOLDER = ROOT / "woz_tui" / "drivers" / "media"
 SIZE = (800, 480)
 #: Everything is drawn in a square in the middle, so many times larger than it is shown.
 SQUARE, FINE = 440, 4

@@ -144,9 +144,7 @@ async def test_a_conversation_by_keys_and_ears(
     assert (text.text, text.segment) == ("Where are the whales", ended.segment)
 
     sounds = [line for line in of(m.Command) if line.verb == "sound"]
-    assert [(beep.source, Path(beep.args["file"]).name) for beep in sounds] == [
-        ("engagement", "beep.wav")
-    ]
+    assert [(beep.source, beep.args["file"]) for beep in sounds] == [("engagement", "woz:beep.wav")]
     thinks = next(change for change in changes if change.now == "RobotThinks")
     assert ended.seq < thinks.seq < sounds[0].seq
     (said,) = [line for line in of(m.Command) if line.verb == "say"]

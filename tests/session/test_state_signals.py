@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 import wave
 from collections.abc import Mapping
 from dataclasses import replace
@@ -16,11 +15,11 @@ from tests.session.rig import HERE, NoSettings, action, call, experiment, togeth
 from tools import signal_pictures
 from woz_tui.config.engagement import STATES, EngagementSettings
 from woz_tui.config.experiment import DriverSpec, Engagement, Experiment
+from woz_tui.drivers.bundled_media import FOLDER, located
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.state_signals import (
-    FOLDER,
     NEARLY,
     SIGNALS,
     StateSignals,
@@ -44,9 +43,9 @@ def make_experiment(
 
 
 def shown_signals(experiment: Experiment, situation: str) -> list[tuple[str, str, Json]]:
-    """Driver, verb, main argument; files without their folder."""
+    """Driver, verb, main argument; files by their own names."""
     return [
-        (one.driver, one.verb, Path(str(next(iter(one.args.values())))).name)
+        (one.driver, one.verb, str(next(iter(one.args.values()))).removeprefix("woz:"))
         for one in default_signals(experiment)[situation]
     ]
 
@@ -90,7 +89,7 @@ def test_every_robot_shows_what_it_can(tmp_path: Path) -> None:
     assert [(each.driver, dict(each.args)) for each in calls] == [
         ("left.face", {"color": "white", "animation": "blink"}),
         ("right", {"color": "white"}),
-        ("right", {"file": os.path.relpath(FOLDER / "beep.wav", tmp_path)}),
+        ("right", {"file": "woz:beep.wav"}),
     ]
     assert ("third", "eyes", "green") in shown_signals(one, "UserSpeaks")
 
@@ -105,8 +104,10 @@ def test_files_are_found_from_the_experiments_folder_also_through_links(tmp_path
         calls = [each for calls in default_signals(one).values() for each in calls]
         assert calls
         for each in calls:
-            assert not Path(str(each.args["file"])).is_absolute()
-            assert (folder / str(each.args["file"])).is_file()
+            assert str(each.args["file"]).startswith("woz:")
+            given = str(located(SCREEN, each.args, folder)["file"])
+            assert not Path(given).is_absolute()
+            assert (folder / given).is_file()
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import asyncio
 import functools
 import logging
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 
 import msgspec
 
@@ -77,6 +78,7 @@ class Bus:
             take commands then too.
         unrecorded: Says why a command that is published now is not recorded, so that it may not
             begin; empty: it is.
+        folder: Where relative paths of commands start.
     """
 
     def __init__(
@@ -89,6 +91,7 @@ class Bus:
         motionless: frozenset[str] = frozenset(),
         unstopped: frozenset[str] = frozenset(),
         unrecorded: Callable[[], str] = str,
+        folder: Path = Path(),
     ) -> None:
         self._hub = hub
         self._drivers = dict(drivers)
@@ -100,6 +103,7 @@ class Bus:
         self._motionless = motionless
         self._unstopped = unstopped
         self._unrecorded = unrecorded
+        self._folder = folder
         self._lanes: dict[tuple[str, str], Lane] = {}
         self._stopping: asyncio.Task[None] | None = None
         #: Drivers that did not confirm the last stop of everything.
@@ -200,7 +204,15 @@ class Bus:
         lane = self._lanes.get((driver, name))
         if lane is None:
             performer, hub = self._drivers[driver], self._hub
-            lane = Lane(name, driver, performer, hub, self._capacity, consents=self.consents)
+            lane = Lane(
+                name,
+                driver,
+                performer,
+                hub,
+                self._capacity,
+                consents=self.consents,
+                folder=self._folder,
+            )
             self._lanes[driver, name] = lane
         return lane
 

@@ -16,11 +16,13 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from contextvars import Context
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import msgspec
 
 from woz_tui.bus.consents import Consents
 from woz_tui.bus.hub import Hub
+from woz_tui.drivers.bundled_media import located, named, named_text
 from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
 from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.protocol import codec
@@ -202,6 +204,7 @@ class Lane:
         capacity: int,
         *,
         consents: Consents,
+        folder: Path,
     ) -> None:
         self.name = name
         self.driver_name = driver_name
@@ -209,6 +212,7 @@ class Lane:
         self._hub = hub
         self._capacity = capacity
         self._consents = consents
+        self._folder = folder
         self._waiting: deque[tuple[PendingCommand, Mapping[str, Json]]] = deque()
         self._current: PendingCommand | None = None
         self._task: asyncio.Task[Mapping[str, Json]] | None = None
@@ -312,9 +316,8 @@ class Lane:
             ),
             started_us,
         )
-        job = LaneJob(
-            pending, pending.verb.spoken(args), lambda seconds: self._extend(pending, seconds)
-        )
+        given = located(pending.verb, pending.verb.spoken(args), self._folder)
+        job = LaneJob(pending, given, lambda seconds: self._extend(pending, seconds))
         call = DriverCall(self.driver_name, f"perform {job.verb}")
         task = loop.create_task(guarded(lambda: self._driver.perform(job), call))
         self._task = task
@@ -501,17 +504,19 @@ def _outcome(
         return Done(
             command=command,
             driver=driver,
-            sent=_plain(task.result()),
+            sent={name: named(value) for name, value in _plain(task.result()).items()},
             latency_us=started_us - pending.requested_us,
             duration_us=now_us - started_us,
             evidence=job.evidence_said,
         )
     if isinstance(error, RejectedError):
+        reason = named_text(error.what)
         return Refused(
-            command=command, driver=driver, code="args", reason=error.what, remedy=error.remedy
+            command=command, driver=driver, code="args", reason=reason, remedy=error.remedy
         )
     if isinstance(error, DriverError):
-        return Failed(command=command, driver=driver, reason=error.what, remedy=error.remedy)
+        reason = named_text(error.what)
+        return Failed(command=command, driver=driver, reason=reason, remedy=error.remedy)
     log.error("%s failed in %s", driver, pending.verb.name, exc_info=error)
     return Failed(
         command=command,

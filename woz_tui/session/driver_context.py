@@ -14,6 +14,7 @@ import msgspec
 
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers import contract
+from woz_tui.drivers.bundled_media import named, named_text
 from woz_tui.drivers.contract import (
     Ask,
     DriverContext,
@@ -39,6 +40,7 @@ from woz_tui.protocol.messages import (
     Notice,
     Reading,
     SensorChanged,
+    SettingsShown,
     Shown,
     Speech,
     SpeechEnded,
@@ -147,6 +149,7 @@ class SessionDriverContext(DriverContext):
         match statement:
             case ReadingStatement(sensor=sensor, value=value, text=text, unit=unit, raw=raw):
                 name = self._names.get(sensor, sensor)
+                text = named_text(text) if text else text
                 message = reading(name, value, text=text, driver=driver, unit=unit, raw=raw)
             case SensorStatement(sensor=sensor, state=state, why=why, every=every):
                 name, was = self._names.get(sensor, sensor), self._sensors.get(sensor, "")
@@ -166,10 +169,13 @@ class SessionDriverContext(DriverContext):
                 if self._unable != statement:
                     message = VerbsUnable(driver=driver, unable=[*verbs], why=why)
             case NoticeStatement(level=level, text=text, remedy=remedy, tells=tells):
-                text = f"{driver}: {text}"
+                text = f"{driver}: {named_text(text)}"
                 message = Notice(
                     level=level, text=text, remedy=remedy, driver=driver, tells=(*tells,)
                 )
+            case SettingsShown():
+                values = {name: named(value) for name, value in statement.values.items()}
+                message = msgspec.structs.replace(statement, driver=driver, values=values)
             case Shown() | SpeechStarted() | SpeechEnded() | SpeechText():
                 message = msgspec.structs.replace(statement, driver=driver)
             case _:

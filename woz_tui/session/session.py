@@ -195,6 +195,7 @@ class Session:
             motionless=motionless(self.experiment, self.catalogue),
             unstopped=frozenset({ENGAGEMENT}),
             unrecorded=self.recorder.refusal,
+            folder=self.experiment.path.parent,
         )
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)
         self.texts = ActionTexts(

@@ -2,24 +2,22 @@
 
 After the table of nonverbal signals of U. Maniscalco, P. Storniolo and A. Messina (Int. J. of
 Social Robotics 14, 2022, doi 10.1007/s12369-021-00855-w). Their text gives two accounts of waiting;
-here the eyes are off in Wait and white from PersonDetected on. Pictures (800 x 480) and sound lie
-beside this file; `tools/signal_pictures.py` draws them.
+here the eyes are off in Wait and white from PersonDetected on. Pictures (800 x 480) and sound come
+with woz-tui (`drivers.bundled_media`); `tools/signal_pictures.py` draws them.
 
 Every robot that offers one of the verbs `eyes`, `screen` and `sound` shows what it can.
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from woz_tui.config.experiment import Action, Call, Experiment, FilePosition, ParallelCalls
+from woz_tui.drivers.bundled_media import name_of
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol.messages import Json
 
-FOLDER = Path(__file__).parent
 #: Not a state but a moment within PersonDetected: somebody looks but stands too far away.
 NEARLY = "nearly"
 
@@ -36,14 +34,14 @@ class StateSignal:
     screen: str = ""
     sound: str = ""
 
-    def verbs(self, folder: Path) -> Iterator[tuple[str, dict[str, Json]]]:
-        """Verbs with their arguments; files as paths that start at `folder`, like all others."""
+    def verbs(self) -> Iterator[tuple[str, dict[str, Json]]]:
+        """Verbs with their arguments; files by their names."""
         if self.eyes:
             yield "eyes", {"color": self.eyes, "animation": self.animation}
         if self.screen:
-            yield "screen", {"file": _from(folder, self.screen)}
+            yield "screen", {"file": name_of(self.screen)}
         if self.sound:
-            yield "sound", {"file": _from(folder, self.sound)}
+            yield "sound", {"file": name_of(self.sound)}
 
 
 #: By situation. Where the paper is silent (the screen of strangers), what is near is used.
@@ -75,7 +73,7 @@ def default_signals(experiment: Experiment) -> dict[str, tuple[Call, ...]]:
     return {
         situation: tuple(
             Call(verb.name, fitting, driver, place)
-            for name, args in signal.verbs(experiment.path.parent)
+            for name, args in signal.verbs()
             for driver, verb in _offering(experiment, name)
             if (driver, name) not in _own_calls(experiment, situation)
             for fitting in _fitting(verb, args)
@@ -117,11 +115,6 @@ class StateSignals:
         return tuple(
             call for call in self._calls.get(self._state, ()) if (call.driver, call.verb) in touched
         )
-
-
-def _from(folder: Path, name: str) -> str:
-    """The way from `folder` to a file of ours: the log need not tell where woz-tui is installed."""
-    return os.path.relpath(FOLDER.resolve() / name, folder.resolve())
 
 
 def _offering(experiment: Experiment, name: str) -> Iterator[tuple[str, Verb]]:

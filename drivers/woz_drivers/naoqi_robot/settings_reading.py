@@ -49,6 +49,8 @@ class SettingsReader:
         self._soon = asyncio.Event()
         self._loop: asyncio.Task[None] | None = None
         self._shown: SettingsShown | None = None
+        #: Conflicts of settings that have been told and go on.
+        self._told: set[str] = set()
         self._broken: set[str] = set()
 
     def begin(self) -> None:
@@ -85,13 +87,23 @@ class SettingsReader:
         while self._loop is asyncio.current_task():
             self._soon.clear()
             values = await self._values()
-            against = [sentence for part in self._parts for sentence in part.conflicts()]
-            against += conflicts(values, self._uses.now(), self._desired.by_name)
+            against = conflicts(values, self._uses.now(), self._desired.by_name)
+            self._tell_new(against)
+            against = [sentence for part in self._parts for sentence in part.conflicts()] + against
             self._show(values, self._desired.differing(values), against)
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(EVERY_S):
                     await self._soon.wait()
                     await asyncio.sleep(LULL_S)
+
+    def _tell_new(self, against: Sequence[str]) -> None:
+        """A notice of each conflict that has just begun: a number that grows is read by nobody. A
+        robot that was away for a moment tells nothing anew.
+        """
+        for sentence in against:
+            if sentence not in self._told:
+                self._context.notice("warning", sentence)
+        self._told = set(against)
 
     async def _values(self) -> dict[str, Json]:
         values: dict[str, Json] = {"robot": self._robot()}

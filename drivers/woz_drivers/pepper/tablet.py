@@ -40,6 +40,8 @@ from woz_tui.protocol.messages import Json
 SENSORS = ("touch.x", "touch.y")
 #: Moves are told at most so often, in seconds.
 _STEP_S = 0.1
+#: Touches are events at most so often, in seconds: somebody may tap like a drummer.
+_TOLD_S = 0.5
 #: More touches and moves than this in a second are not made by fingers.
 _MOST_A_SECOND = 200
 #: A finger's share and its pixels belong together if they come within this, in seconds.
@@ -90,6 +92,17 @@ def _within(point: Place) -> Place:
     return min(1.0, max(0.0, point[0])), min(1.0, max(0.0, point[1]))
 
 
+def where(point: Place) -> str:
+    """A place on the tablet in words: `upper left`, `middle`."""
+    across = "left" if point[0] < 1 / 3 else "right" if point[0] > 2 / 3 else ""
+    down = "upper" if point[1] < 1 / 3 else "lower" if point[1] > 2 / 3 else ""
+    if not across and not down:
+        return "middle"
+    if not across:
+        return f"{down} middle"
+    return f"{down or 'middle'} {across}"
+
+
 class Touch:
     """Publishes where the tablet is touched: down, move, up."""
 
@@ -99,7 +112,7 @@ class Touch:
         self._scale = TouchScale()
         self._down: tuple[float, Place] | None = None
         self._down_pixels: tuple[float, Place] | None = None
-        self._next_move = 0.0
+        self._next_move = self._next_told = 0.0
         self._last_move: Place | None = None
         self._later: asyncio.TimerHandle | None = None
         self._subscriptions: list[Unsubscribe] = []
@@ -161,6 +174,7 @@ class Touch:
         self._down = (_now(), share)
         self._learn()
         self._publish(share, "down")
+        self._tell(share)
 
     def _compare(self, x: Any = None, y: Any = None, *_: Any) -> None:
         point = place(x, y)
@@ -179,7 +193,9 @@ class Touch:
     def _came_down_pixels(self, x: Any = None, y: Any = None, *_: Any) -> None:
         point = place(x, y)
         if point is not None:
-            self._publish(self._scale.share(point), "down")
+            share = self._scale.share(point)
+            self._publish(share, "down")
+            self._tell(share)
 
     def _moved(self, x: Any = None, y: Any = None, *_: Any) -> None:
         point = place(x, y)
@@ -207,6 +223,13 @@ class Touch:
         if position is not None:
             self._next_move = _now() + _STEP_S
             self._publish(position, "move")
+
+    def _tell(self, point: Place) -> None:
+        """An event for whoever watches: two numbers among the sensors are easily missed."""
+        if _now() >= self._next_told:
+            self._next_told = _now() + _TOLD_S
+            text = f"the tablet was touched at the {where(point)}"
+            self._context.notice("info", text, tells=SENSORS)
 
     def _too_many(self) -> bool:
         """Whether more touches come than fingers can make: a log is not filled with those."""

@@ -19,7 +19,7 @@ from woz_drivers.pepper.settings import PepperSettings
 from tests.drivers.published_messages import BusJob, PublishedMessages
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.drivers.contract import DeviceLostError, RejectedError
-from woz_tui.protocol.messages import Json, SettingsShown
+from woz_tui.protocol.messages import Json, Notice, SettingsShown
 
 NOWHERE = PepperSettings(robots=(), connect=False)
 
@@ -66,11 +66,11 @@ class CountingPart:
 
     def __init__(self, **values: Json) -> None:
         self.asked: list[float] = []
-        self._values = values
+        self.values = values
 
     async def read(self) -> Mapping[str, Json]:
         self.asked.append(asyncio.get_running_loop().time())
-        return self._values
+        return self.values
 
     def conflicts(self) -> tuple[str, ...]:
         return ()
@@ -100,6 +100,31 @@ def test_a_burst_of_keys_is_read_back_once_it_is_over_and_meanwhile_now_and_then
     assert 1 <= len(during) <= (over - begun) / LULL_S + 1
     assert any(over <= at <= over + LULL_S + 0.001 for at in asked)
     assert all(later - at <= EVERY_S + 0.001 for at, later in itertools.pairwise(asked))
+
+
+def test_a_new_conflict_is_an_event_and_one_that_goes_on_is_none() -> None:
+    async def scene() -> list[str]:
+        published = PublishedMessages(Path("unused"), LoopClock(asyncio.get_running_loop()))
+        part = CountingPart(state="disabled")
+        reading = SettingsReader(
+            _connection(published), [cast(NaoqiPart, part)], NOWHERE, published.context
+        )
+        reading.begin()
+        await asyncio.sleep(3 * EVERY_S)
+        for state in ("solitary", "disabled", "solitary"):
+            part.values["state"] = state
+            await asyncio.sleep(3 * EVERY_S)
+        reading.end()
+        reading.begin()
+        await asyncio.sleep(3 * EVERY_S)
+        await reading.close()
+        return [one.text for one in published.all(Notice)]
+
+    told = run_virtual(scene())
+    assert len(told) == 2
+    assert all(
+        "autonomous life is solitary: the robot moves and talks by itself" in t for t in told
+    )
 
 
 # -- conflicts with what the wizard does, and how long they count ----------------------------------

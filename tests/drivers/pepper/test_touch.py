@@ -23,7 +23,7 @@ from tests.drivers.published_messages import PublishedMessages
 from tests.fakes.naoqi import StandIn, stand_in
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.drivers.contract import DriverError
-from woz_tui.protocol.messages import Reading
+from woz_tui.protocol.messages import Notice, Reading
 
 
 @pytest.mark.naoqi(
@@ -132,6 +132,30 @@ def _touched(
         return [(a.value, b.value, a.text) for a, b in zip(x, y, strict=True)]
 
     return run_virtual(play())
+
+
+def test_a_finger_that_comes_down_is_an_event_with_words(tmp_path: Path) -> None:
+    async def scene() -> list[str]:
+        published = PublishedMessages(tmp_path, LoopClock(asyncio.get_running_loop()))
+        robot = TouchedRobot()
+        touch = Touch(robot, published.context)
+        await touch.connected()
+        for point in ((0.1, 0.1), (0.5, 0.5), (0.9, 0.5), (0.5, 0.9)):
+            robot.published["onTouchDownRatio"](*point, "webview")
+            robot.published["onTouchUp"](100.0, 100.0)
+            await asyncio.sleep(1)
+        for _ in range(20):  # somebody drums
+            robot.published["onTouchDownRatio"](0.9, 0.9, "webview")
+            await asyncio.sleep(0.05)
+        await touch.close()
+        notices = published.all(Notice)
+        assert {(one.level, one.tells) for one in notices} == {("info", SENSORS)}
+        return [one.text.partition("touched ")[2] for one in notices]
+
+    assert run_virtual(scene()) == [
+        *("at the upper left", "at the middle", "at the middle right", "at the lower middle"),
+        *["at the lower right"] * 2,
+    ]
 
 
 async def _swipe(robot: TouchedRobot, moves: int, every: float, size: tuple[float, float]) -> None:

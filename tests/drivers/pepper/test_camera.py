@@ -184,7 +184,7 @@ async def test_no_picture_is_an_error_with_the_robots_words(tmp_path: Path, robo
         with pytest.raises(DriverError, match="dark"):
             await rig.do("picture")
         await _let_go(robot)
-        await rig.connection.disconnect()
+        await rig.connection.disconnect("the wizard")
         with pytest.raises(DeviceLostError):
             await rig.do("picture")
 

@@ -53,14 +53,6 @@ ROOMS = [
 PACKAGES = ("woz_tui", "drivers")
 VAGUE = re.compile(r"(^|_)(utils?|helpers?|misc|common|stuff)(_|$)")
 
-#: Commands, dialogs, sections of the file, what each driver has, and a robot's parts on both sides
-#: of its wire.
-ALIKE = re.compile(
-    r"^woz_tui/(cli|console/screens|config)/[^/]+$"
-    r"|/(doctor|driver|settings|verbs|wire)$"
-    r"|^drivers/(naoqi_simulator|robot_simulators|woz_drivers/(pepper|simulated))/[^/]+$"
-)
-
 #: Loading the left side must not load the right side.
 UNLOADED = [
     (
@@ -124,23 +116,6 @@ def test_no_name_that_could_stand_for_anything() -> None:
         if any(VAGUE.search(part) for part in (*path.relative_to(ROOT).parent.parts, path.stem))
     ]
     assert vague == []
-
-
-def test_a_name_means_one_thing() -> None:
-    """Of modules and public classes; where a folder says what its files are, they may be alike."""
-    modules: dict[str, list[Path]] = {}
-    classes: dict[str, list[Path]] = {}
-    for path in SOURCES:
-        if path.relative_to(ROOT).parts[0] not in PACKAGES:
-            continue
-        where = path.relative_to(ROOT).with_suffix("")
-        if not path.stem.startswith("_") and not ALIKE.search(str(where)):
-            modules.setdefault(path.stem, []).append(where)
-        for name in re.findall(r"^ *class ([A-Z]\w*)[:(\[]", path.read_text(), re.MULTILINE):
-            classes.setdefault(name, []).append(where)
-    assert len(modules) > 300 and len(classes) > 1000
-    assert {name: found for name, found in modules.items() if len(found) > 1} == {}
-    assert {name: found for name, found in classes.items() if len(found) > 1} == {}
 
 
 def test_our_own_classes_are_never_mocked() -> None:

@@ -94,6 +94,11 @@ class ServoRig:
         """Wait so long for each answer from now on, until the port is lost."""
         (await self.port()).patience_ms = patience_ms
 
+    async def position(self, joint: str) -> float:
+        """Where the driver has last seen a joint, in degrees."""
+        asked = self.driver.loop.ask(lambda chain, _now: chain.servos[joint].present)
+        return await asyncio.wrap_future(asked)
+
     async def ticks(self, more: int) -> None:
         """Return when the loop has ticked so many times more."""
         goal = self.driver.loop.ticks + more

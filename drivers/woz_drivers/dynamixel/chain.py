@@ -17,6 +17,7 @@ from woz_drivers.dynamixel.control_tables import ControlTable
 from woz_drivers.dynamixel.port import slow_answers
 from woz_drivers.dynamixel.servo import (
     LATE_MISSES,
+    LATE_S,
     MISSES,
     PINGS_ONLY,
     TORQUE_REMEDY,
@@ -328,8 +329,11 @@ class ServoChain(ServoUpkeep):
 
     def _count_miss(self, servo: Servo) -> None:
         servo.misses += 1
-        port = self.wire.port
-        if servo.misses >= (LATE_MISSES if port.is_late else MISSES):
+        port, now = self.wire.port, time.monotonic()
+        if servo.misses == 1:
+            servo.missed_since = now
+        patient = port.is_late and now - servo.missed_since < LATE_S
+        if servo.misses >= (LATE_MISSES if patient else MISSES):
             what, remedy = port.blame("no longer answers", "check its cable and its power")
             self._take_over(servo.name, what)
             servo.lose(what, remedy)

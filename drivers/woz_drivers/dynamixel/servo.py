@@ -152,7 +152,8 @@ HOLDABLE = 2.0
 #: servo with a homing offset in position mode was seen to do so (ROBOTIS forum, thread 7814).
 TURNED = 0.5
 #: And so many where this process itself was too late to hear them: then a cable is not the cause.
-LATE_MISSES = 25
+#: But nobody holds on to a silent servo for longer than that, in seconds.
+LATE_MISSES, LATE_S = 25, 1.0
 PINGS_ONLY = "answers pings and no reads"
 TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`torque: on`)"
 #: Of a servo that shut itself down; one of protocol 1 cannot be restarted over the wire.
@@ -185,6 +186,8 @@ class Servo:
     written: int | None = None
     torque: bool = False
     misses: int = 0
+    #: When the first of them was, on the monotonic clock.
+    missed_since: float = 0.0
     alarms: tuple[str, ...] = ()
     #: What the torque limit was set to when the torque went on; any other value: it restarted.
     torque_limit: int | None = None

@@ -405,7 +405,8 @@ def test_what_else_a_keymap_cannot_say(tmp_path: Path) -> None:
         "1:1: sya: unknown; did you mean 'say'?",
         "2:1: say: 'spaec' is not a key; did you mean 'space'?",
         "3:1: note: only one key is possible here, not two after each other",
-        "4:1: marker: expected a key, not a list",
+        "4:1: marker: expected a key, not a list; if a text begins with a bracket, put the text"
+        " in quotes",
         "5:1: help: '.' already means 'put a marker into the log'",
         "6:1: find: '/' already means 'type something to say'",
     ]

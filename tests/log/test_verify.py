@@ -3,9 +3,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from tests.log.recorder_rig import RecorderRig, recorder_rig
 from woz_tui.log.verify import Verification, verify
+from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
 pytestmark = pytest.mark.safety
@@ -105,3 +107,15 @@ def test_every_request_has_exactly_one_end(tmp_path: Path) -> None:
         ["twice"],
         ["c9"],
     )
+
+
+def test_lines_that_were_taken_out_are_not_missing_and_others_are(tmp_path: Path) -> None:
+    with recorder_rig(tmp_path) as rig:
+        withdrawn = m.ParticipantWithdrawn(last_removed=9, removed=10, day="2026-05-04")
+        rig.recorder.record(withdrawn, codec.encode(replace(withdrawn, seq=0, t=0)))
+        for seq in (10, 12):
+            note = m.Note(seq=seq, t=seq, ts="", text="x")
+            rig.recorder.record(note, codec.encode(note))
+        rig.recorder.close()
+        assert verdict(rig).damage.gaps == [(11, 11)]
+        assert "1 line(s) missing: 11" in verdict(rig).sentences()

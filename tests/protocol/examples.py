@@ -334,6 +334,16 @@ MESSAGES: tuple[m.AnyMessage, ...] = (
         cause="blocked",
     ),
     m.VerbsUnable(driver="neck", unable=["pose", "gaze"], why="torque is off"),
+    m.ParticipantWithdrawn(
+        last_removed=12,
+        removed=8,
+        removed_samples=3,
+        removed_until=3_100_000,
+        day="2026-05-04",
+        version="0.9.0",
+        condition="cold",
+        trial=2,
+    ),
 )
 
 _PANELS = [

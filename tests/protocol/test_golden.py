@@ -96,6 +96,7 @@ _OPTIONAL: dict[str, set[str]] = {
     "sample": {"ts"},
     "engagement.shown": {"ts"},
     "session.changed": {"participant"},
+    "participant.withdrawn": {"participant"},
     "recorder.state": {"detail", "remedy"},
     "action.done": {"reason"},
     "command.done": _END,

@@ -267,6 +267,11 @@ def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None
     return EventLine("info", ", ".join(parts), _other(message.console, shown)) if parts else None
 
 
+def _withdrawn(message: m.ParticipantWithdrawn, shown: EventContext) -> EventLine:
+    what = f"{message.removed} lines of somebody who withdrew were taken out"
+    return EventLine("info", what, message.day)
+
+
 def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None:
     if message.level == "ok":
         return None
@@ -488,6 +493,7 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.ActionSuperseded: _action_end,
     m.ActionRefused: _action_end,
     m.SessionChanged: _session,
+    m.ParticipantWithdrawn: _withdrawn,
     m.RecorderState: _recorder,
     m.RecordWaived: _waived,
     m.Notice: _notice,

@@ -33,7 +33,8 @@ class Tier:
 
 _SETTINGS = frozenset(
     {
-        *("session.changed", "condition.assigned", "shaping.changed", "perception.changed"),
+        *("session.changed", "participant.withdrawn", "condition.assigned"),
+        *("shaping.changed", "perception.changed"),
         *("mode.changed", "profile.changed", "panel.locked", "experiment.reloaded"),
     }
 )

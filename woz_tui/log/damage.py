@@ -36,6 +36,8 @@ class Damage:
         lineless: No line of a session was found at all.
         kinds: The first 20 unknown kinds.
         gaps: The first 20 runs of missing numbers, as (first, last).
+        withdrawn: The numbers that were taken out with a participant, as (first, last): they are
+            not missing.
         unreadable: Files that could not be read to their end, with the reason.
         absent: Files that others of the log name, and that are not there.
         places: The first damaged lines, as `file:byte`, at most 20.
@@ -59,6 +61,7 @@ class Damage:
     lineless: bool = False
     kinds: list[str] = field(default_factory=list)
     gaps: list[tuple[int, int]] = field(default_factory=list)
+    withdrawn: list[tuple[int, int]] = field(default_factory=list, compare=False)
     unreadable: list[str] = field(default_factory=list)
     absent: list[str] = field(default_factory=list)
     places: list[str] = field(default_factory=list)
@@ -117,7 +120,14 @@ class Damage:
             self.places.append(f"{path.name}:{offset}")
 
     def gap(self, first: int, last: int) -> None:
-        """The numbers `first` to `last` are missing."""
+        """Nothing has the numbers `first` to `last`: they are missing, or were taken out."""
+        for begin, end in self.withdrawn:
+            if begin <= first <= end:
+                first = end + 1
+            if begin <= last <= end:
+                last = begin - 1
+        if first > last:
+            return
         self.missing += last - first + 1
         if len(self.gaps) < _NAMED:
             self.gaps.append((first, last))

@@ -13,7 +13,7 @@ import msgspec
 from woz_tui.log.damage import Damage
 from woz_tui.log.log_opening import encoding_of, open_log
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import SCHEMA, AnyMessage, Segment
+from woz_tui.protocol.messages import SCHEMA, AnyMessage, ParticipantWithdrawn, Segment
 
 #: Bytes that are read at once: small enough to stay in the processor's cache with what they hold,
 #: and for Python's collector not to go through them before they are given on.
@@ -115,6 +115,8 @@ def _judge(line: LogLine, damage: Damage) -> None:
         schema = line.fields.get("schema", SCHEMA)
         if type(schema) is int and schema > SCHEMA:
             damage.newer = max(damage.newer, schema)
+    if isinstance(line.message, ParticipantWithdrawn):
+        damage.withdrawn.append((line.seq, line.message.last_removed))
     if line.message is None:
         if line.kind in KINDS:
             damage.misshapen += 1

@@ -104,6 +104,7 @@ __all__ = [
     "Message",
     "MotionArrived",
     "MotionInterrupted",
+    "ParticipantWithdrawn",
     "PerceptionChanged",
     "PlannedBehaviour",
     "PreflightChecked",
@@ -173,6 +174,25 @@ class SessionChanged(Message, frozen=True, kw_only=True, tag="session.changed"):
     condition: str | None = None
     trial: int | None = None
     console: str = ""
+
+
+class ParticipantWithdrawn(Message, frozen=True, kw_only=True, tag="participant.withdrawn"):
+    """Here lines of somebody who withdrew were taken out, when the session was long over: all
+    numbers from this line's to `last_removed`, whose time was `removed_until`. `removed` counts the
+    lines of actions among them, `removed_samples` the samples; `day` is the day (UTC) on which
+    woz-tui `version` did it. Who it was is not said. `participant`, `condition` and `trial` hold
+    from here on, as in `session.changed`.
+    """
+
+    last_removed: int
+    removed: int
+    removed_samples: int = 0
+    removed_until: int = -1
+    day: str
+    version: str = ""
+    participant: str | None = None
+    condition: str | None = None
+    trial: int | None = None
 
 
 class SessionEnd(RestrictedMessage, frozen=True, kw_only=True, tag="session.end"):
@@ -720,6 +740,7 @@ NAMES_CONSOLE = (
 AnyMessage = (
     SessionStart
     | SessionChanged
+    | ParticipantWithdrawn
     | SessionEnd
     | ClockTie
     | Checkpoint

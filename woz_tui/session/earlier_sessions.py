@@ -29,6 +29,7 @@ LONGEST = 4 << 20
 #: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
 _KINDS = (
     *("session.start", "session.plan", "session.changed", "session.end"),
+    "participant.withdrawn",
     *("condition.assigned", "trial.started", "trial.ended", "questionnaire.ended"),
 )
 _LISTED = re.compile(f'"(?:{"|".join(map(re.escape, _KINDS))})"'.encode())

@@ -321,7 +321,9 @@ class Redactor:
 
     # -- blind to the condition -------------------------------------------------------------------
 
-    def _condition(self, message: m.SessionStart | m.SessionChanged | m.TrialStarted) -> m.Message:
+    def _condition(
+        self, message: m.SessionStart | m.SessionChanged | m.ParticipantWithdrawn | m.TrialStarted
+    ) -> m.Message:
         if not message.condition:
             return message
         return replace(message, condition=self.label(message.condition))
@@ -675,6 +677,7 @@ def _for_participant(study: s.StudySettings) -> s.StudySettings:
 _BLINDED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]] = {
     m.SessionStart: Redactor._condition,
     m.SessionChanged: Redactor._condition,
+    m.ParticipantWithdrawn: Redactor._condition,
     m.TrialStarted: Redactor._condition,
     m.ConditionsAssigned: Redactor._assigned,
     m.ExperimentFiles: Redactor._files,

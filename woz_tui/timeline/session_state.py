@@ -271,7 +271,7 @@ class SessionState:
             yield from self.model.vanish(self.t, message)
         yield from self._moment(message)
 
-    def _changed(self, message: m.SessionChanged) -> Iterable[Episode]:
+    def _changed(self, message: m.SessionChanged | m.ParticipantWithdrawn) -> Iterable[Episode]:
         self.study.change(message)
         return self._moment(message)
 
@@ -664,6 +664,7 @@ S = SessionState
 CASES: dict[type[m.Message], _Case] = {
     m.SessionStart: S._start,
     m.SessionChanged: S._changed,
+    m.ParticipantWithdrawn: S._changed,
     m.SessionEnd: _last("end"),
     m.SessionPlan: S._plan,
     m.RecorderState: _last("recorder"),

@@ -205,7 +205,8 @@ class StudyState:
     def number(self) -> int | None:
         """The number of the trial that began last, or that was set since; None: none was."""
         line = self._sources.get("trial")
-        return line.trial if isinstance(line, m.SessionChanged | m.TrialStarted) else None
+        sets = m.SessionChanged | m.ParticipantWithdrawn | m.TrialStarted
+        return line.trial if isinstance(line, sets) else None
 
     def _planned(self, assigned: m.ConditionsAssigned | None) -> int:
         if assigned is None or assigned.participant != self.participant:
@@ -279,8 +280,8 @@ class StudyState:
         self.condition = message.condition
         self._enter()
 
-    def change(self, message: m.SessionChanged) -> None:
-        """Participant, condition or number were set."""
+    def change(self, message: m.SessionChanged | m.ParticipantWithdrawn) -> None:
+        """Participant, condition or number were set, or those of lines that were taken out hold."""
         if message.participant is not None:
             self._somebody(message.participant, message)
         if message.condition is not None:

@@ -28,7 +28,7 @@ from woz_tui.timeline.trial_context import Context, Contexts, ContextSpan
 E = TypeVar("E", bound=Episode)
 
 #: After these a questionnaire that was due is so no more, without an answer.
-_PASSES = (m.TrialStarted, m.SessionChanged, m.ConditionsAssigned)
+_PASSES = (m.TrialStarted, m.SessionChanged, m.ParticipantWithdrawn, m.ConditionsAssigned)
 
 
 class Timeline:

@@ -36,6 +36,7 @@ ROOMS = [
     "woz_tui.timeline",
     "woz_tui.analysis",
     "woz_tui.export",
+    "woz_tui.withdrawal",
     "woz_tui.session",
     "woz_tui.remote",
     "woz_tui.replay",

@@ -51,6 +51,7 @@ COMMANDS = {
     "record-move": "record a layer of a move by puppeteering",
     "export": "export sessions for other programs: tables, ELAN, BIDS, Praat",
     "report": "report the figures of one or more sessions: tables, plots, CSV, web page",
+    "participants": "list the codes of a study, find one's files, take a participant out",
     "methods": "write a paragraph for the method section of a paper",
     "schema": "print the JSON Schema of experiment files, for editors",
 }

@@ -166,6 +166,11 @@ def copy_names(path: Path) -> Iterator[Path]:
         yield path.with_name(f"{stem}-{number}{path.suffix}")
 
 
+def is_typed_copy(path: Path) -> bool:
+    """Whether the file is called like such a copy."""
+    return _COPIED.search(path.stem) is not None
+
+
 def write_copy(path: Path, data: bytes) -> Path:
     """Write `data` beside `path` under a name that nothing has. Raises `OSError`; then no file of
     it is left.

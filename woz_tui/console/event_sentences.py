@@ -267,9 +267,11 @@ def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None
     return EventLine("info", ", ".join(parts), _other(message.console, shown)) if parts else None
 
 
-def _withdrawn(message: m.ParticipantWithdrawn, shown: EventContext) -> EventLine:
-    what = f"{message.removed} lines of somebody who withdrew were taken out"
-    return EventLine("info", what, message.day)
+def _withdrawn(message: m.ParticipantWithdrawn, shown: EventContext) -> EventLine | None:
+    if not message.removed:  # samples alone, between lines that stayed
+        return None
+    lines = f"{message.removed} line{'s' * (message.removed > 1)}"
+    return EventLine("info", f"{lines} of somebody who withdrew taken out", message.day)
 
 
 def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None:

@@ -29,6 +29,13 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     Segments and samples belong to their session and are not named twice. Of several copies the
     longest one is read, and of a log and its redacted copy the log.
     """
+    logs, problems = all_logs_in(named)
+    sessions = _each_once([_Log.of(path) for path in logs], problems)
+    return sorted(sessions, key=lambda path: (path.name, str(path))), problems
+
+
+def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
+    """As `sessions_in`, but with all copies: the first file of each log."""
     found: dict[tuple[Path, str], Path] = {}
     sample_files: dict[tuple[Path, str], Path] = {}
     problems: list[str] = []
@@ -61,8 +68,7 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     # Of a pattern, what coders set lies beside its log.
     told = [path for path in no_logs if not (found and path.name.endswith(CODINGS))]
     problems += [f"{path}: {why_no_log(path.name)}" for path in told]
-    sessions = _each_once([_Log.of(path) for path in _first_segments(found)], problems)
-    return sorted(sessions, key=lambda path: (path.name, str(path))), problems
+    return [*_first_segments(found)], problems
 
 
 def _paths(name: str) -> Iterator[Path]:

@@ -1,0 +1,246 @@
+"""`woz participants`: which codes there are, where one of them stands, and taking it out."""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser, Namespace
+from collections import Counter
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.safe_streams import json_text
+
+if TYPE_CHECKING:
+    from woz_tui.protocol.messages import Json
+    from woz_tui.withdrawal.removal import Removal
+    from woz_tui.withdrawal.stored_files import StoredFile, StoredFiles
+
+_WHO = "woz participants"
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "folders",
+        nargs="*",
+        type=Path,
+        default=[Path("recordings")],
+        metavar="FOLDER",
+        help="folders to search, with all below (default: recordings)",
+    )
+    parser.add_argument("--code", metavar="CODE", help="list every file in which this code stands")
+    parser.add_argument(
+        "--withdraw",
+        action="store_true",
+        help="with --code: take out all that is kept of this participant; asks first",
+    )
+    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation")
+    parser.add_argument("--json", action="store_true", help="one object, for programs")
+
+
+def run(arguments: Namespace) -> int:
+    """List or take out; 1 if something is wrong or left to do by hand."""
+    from woz_tui.withdrawal.removal import WithdrawalError  # noqa: PLC0415
+
+    return with_error_sentences(lambda: _run(arguments), WithdrawalError, ValueError, who=_WHO)
+
+
+def _run(arguments: Namespace) -> int:
+    from woz_tui.log.file_names import check_code  # noqa: PLC0415
+    from woz_tui.withdrawal.removal import finish  # noqa: PLC0415
+    from woz_tui.withdrawal.stored_files import stored_files  # noqa: PLC0415
+
+    arguments.folders = [folder.absolute() for folder in arguments.folders]
+    for folder in arguments.folders:
+        if not folder.is_dir():
+            _complain(f"{folder}: there is no such folder")
+            return 1
+        if finish(folder):
+            _complain(f"{folder}: a withdrawal that was interrupted is finished now")
+    if arguments.code is None:
+        if arguments.withdraw:
+            _complain("--withdraw needs --code: whom?")
+            return 2
+        return _list(stored_files(arguments.folders), arguments)
+    code = check_code("participant", arguments.code)
+    found = stored_files(arguments.folders, [code])
+    do = _withdraw if arguments.withdraw else _show
+    status = do(found, code, arguments)
+    for problem in found.problems:
+        _complain(problem)
+    return 1 if found.problems else status
+
+
+# -- everybody ------------------------------------------------------------------------------------
+
+
+def _list(found: StoredFiles, arguments: Namespace) -> int:
+    from woz_tui.analysis.participants import alike_sentence  # noqa: PLC0415
+    from woz_tui.cli.report_layout import text_table  # noqa: PLC0415
+    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
+    from woz_tui.log.sessions import sessions_in  # noqa: PLC0415
+
+    counted, _ = sessions_in([str(folder) for folder in arguments.folders])
+    sessions = Counter(
+        code for each in found.sessions if each.log in counted for code in each.turns
+    )
+    stored = Counter(code for file in found.files() for code in file.codes)
+    codes = sorted({code for each in found.sessions for code in each.turns})
+    alike = alike_sentence(codes)
+    if arguments.json:
+        rows: list[Json] = [
+            {"participant": code, "sessions": sessions[code], "files": stored[code]}
+            for code in codes
+        ]
+        print(json_text({"participants": rows, "alike": alike}, indent=2))
+    elif codes:
+        table = text_table("participant", "sessions", "files")
+        for code in codes:
+            table.add_row(code, str(sessions[code]), str(stored[code]))
+        console = TextConsole()
+        console.print(table)
+        if alike:
+            console.print(alike, soft_wrap=True)
+    else:
+        print("no log has the code of a participant")
+    for problem in found.problems:
+        _complain(problem)
+    return 1 if found.problems else 0
+
+
+# -- one of them ----------------------------------------------------------------------------------
+
+
+def _show(found: StoredFiles, code: str, arguments: Namespace) -> int:
+    from woz_tui.withdrawal.removal import planned  # noqa: PLC0415
+
+    plan = planned(found, code)
+    if arguments.json:
+        print(json_text(_fields(plan), indent=2))
+    else:
+        _print(plan, found)
+    return 0
+
+
+def _print(plan: Removal, found: StoredFiles) -> None:
+    if plan.is_empty() and not plan.by_hand:
+        print(f"{plan.code} stands in no file that can be searched")
+    if plan.deleted:
+        print("Files of this participant alone, or made again at any time: they are deleted")
+        _print_files(plan.deleted)
+    if plan.cut:
+        print("Sessions of several people: this participant is taken out")
+        for session in plan.cut:
+            print(f"  {session.log}{_lines(session.named.get(plan.code, {}))}")
+            for path, what in session.beside():
+                if path != session.log:
+                    print(f"    {path} ({what})")
+    if plan.forgotten:
+        print("Stores in which this participant has an entry: it is deleted")
+        _print_files(plan.forgotten)
+    if plan.by_hand:
+        print("To look at by hand")
+        _print_files(plan.by_hand)
+    if found.closed:
+        names = ", ".join(path.name for path in found.closed[:3])
+        more = " ..." if len(found.closed) > 3 else ""
+        print(f"Not searched, as they are no text: {len(found.closed)} files ({names}{more})")
+
+
+def _print_files(stored: list[StoredFile]) -> None:
+    for file in stored:
+        print(f"  {file.path} ({file.what}){f': {file.remedy}' if file.remedy else ''}")
+
+
+def _lines(kinds: dict[str, int]) -> str:
+    said = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    return f": stands in {said}" if said else ""
+
+
+def _fields(plan: Removal) -> dict[str, Json]:
+    def rows(stored: list[StoredFile]) -> list[Json]:
+        return [
+            {"path": str(file.path), "what": file.what, "remedy": file.remedy} for file in stored
+        ]
+
+    cut: list[Json] = [
+        {
+            "log": str(session.log),
+            "files": [str(path) for path, _ in session.beside()],
+            "lines": {**session.named.get(plan.code, {})},
+        }
+        for session in plan.cut
+    ]
+    return {
+        "code": plan.code,
+        "delete": rows(plan.deleted),
+        "take_out": cut,
+        "forget": rows(plan.forgotten),
+        "by_hand": rows(plan.by_hand),
+    }
+
+
+# -- taking out -----------------------------------------------------------------------------------
+
+
+def _withdraw(found: StoredFiles, code: str, arguments: Namespace) -> int:
+    from woz_tui.withdrawal.removal import forget, planned, withdraw  # noqa: PLC0415
+
+    plan = planned(found, code)
+    if not arguments.json:
+        _print(plan, found)
+    if plan.is_empty():
+        if arguments.json:
+            print(json_text(_fields(plan), indent=2))
+        return 1 if plan.by_hand else 0
+    if not arguments.yes and not _confirmed(code):
+        _complain("nothing was changed")
+        return 1
+    withdraw(plan, arguments.folders[0], datetime.now(UTC).date().isoformat())
+    problems = forget(plan)
+    _tell(plan, arguments)
+    for problem in problems:
+        _complain(problem)
+    return 1 if problems or plan.by_hand else 0
+
+
+def _confirmed(code: str) -> bool:
+    """Whether the person at the terminal types the code."""
+    if not sys.stdin.isatty():
+        _complain("standard input is not a terminal, so this cannot be confirmed; use --yes")
+        return False
+    print(f"Delete for ever? Type {code}: ", end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip() == code
+
+
+def _tell(plan: Removal, arguments: Namespace) -> None:
+    """What was done, in words that a lab can keep: they name nobody."""
+    lines = sum(summary.lines for summary in plan.summaries.values())
+    samples = sum(summary.samples for summary in plan.summaries.values())
+    left = Counter(kind for summary in plan.summaries.values() for kind in summary.left)
+    if arguments.json:
+        done: dict[str, Json] = {
+            "deleted_files": len(plan.deleted),
+            "logs": len(plan.cut),
+            "lines": lines,
+            "samples": samples,
+            "left": {**left},
+        }
+        print(json_text({**_fields(plan), "done": done}, indent=2))
+        return
+    print(
+        f"Done: {len(plan.deleted)} files deleted; {lines} lines and {samples} samples taken out of"
+        f" {len(plan.cut)} logs. Deleted blocks may remain on the disk, and in backups."
+    )
+    if left:
+        kinds = ", ".join(f"{count} {kind}" for kind, count in left.items())
+        print(f"The code, or the same word, still stands in lines of other people: {kinds}")
+    if plan.by_hand:
+        print("Left to look at by hand")
+        _print_files(plan.by_hand)
+
+
+def _complain(text: str) -> None:
+    print(f"{_WHO}: {text}", file=sys.stderr)

@@ -1,0 +1,395 @@
+"""Takes out all that is kept of one participant, so that it is all done or nothing.
+
+What stays is written anew beside the old files, and a list of what is to be done is put on the
+disk. From then on the withdrawal holds: whoever finds that list goes through it again.
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgspec
+
+from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.face_store import FaceStore
+from woz_tui.export.output_folder import README, SIGN
+from woz_tui.log.coding_file import coding_path
+from woz_tui.log.damage import Damage
+from woz_tui.log.disk import LogDisk
+from woz_tui.log.log_reader import merge
+from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
+from woz_tui.system import files
+from woz_tui.withdrawal.code_words import CodeWords, is_distinct, without_code
+from woz_tui.withdrawal.log_cut import CutSummary, LogCut
+from woz_tui.withdrawal.stored_files import (
+    BY_HAND,
+    DELETE,
+    FORGET,
+    StoredFile,
+    StoredFiles,
+    StoredSession,
+)
+
+#: The list of what is to be done, in the first of the folders.
+JOURNAL = ".woz-withdrawal.json"
+_NEW = ".withdrawal.tmp"
+_MODE = 0o600
+
+
+class WithdrawalError(Exception):
+    """Nothing was changed, and why; `remedy` says what to do."""
+
+    def __init__(self, reason: str, remedy: str) -> None:
+        super().__init__(reason)
+        self.what = reason
+        self.remedy = remedy
+
+
+class _Steps(msgspec.Struct):
+    """What is to be done, in this order; each can be done again. `replaced` and `renamed` are old
+    and new names.
+    """
+
+    replaced: list[tuple[str, str]] = []
+    deleted: list[str] = []
+    renamed: list[tuple[str, str]] = []
+
+
+@dataclass
+class Removal:
+    """What a withdrawal does.
+
+    Attributes:
+        code: Of the participant.
+        deleted: Files that go as a whole.
+        cut: Logs of several people, out of which the participant is taken.
+        forgotten: Stores of visitors and faces.
+        by_hand: What nobody can do but a person.
+        summaries: After `prepare`: what was taken out of each of `cut`, by its log.
+    """
+
+    code: str
+    deleted: list[StoredFile] = field(default_factory=list)
+    cut: list[StoredSession] = field(default_factory=list)
+    forgotten: list[StoredFile] = field(default_factory=list)
+    by_hand: list[StoredFile] = field(default_factory=list)
+    summaries: dict[Path, CutSummary] = field(default_factory=dict)
+
+    def is_empty(self) -> bool:
+        """Whether there is nothing that it could do."""
+        return not (self.deleted or self.cut or self.forgotten)
+
+
+def planned(found: StoredFiles, code: str) -> Removal:
+    """What is done with what was found of `code`."""
+    plan = Removal(code)
+    codes = frozenset([code])
+    theirs = {session.files.stem for session in found.sessions if session.is_alone(code)}
+    for session in found.sessions:
+        original = Path(session.original).stem
+        if session.is_alone(code) or (session.original and original in theirs):
+            plan.deleted += [
+                StoredFile(path, what, codes, DELETE) for path, what in session.beside()
+            ]
+            plan.by_hand += _elsewhere(session, session.strange_media(), codes)
+        elif code in session.codes():
+            plan.cut.append(session)
+            if "rerun.started" in session.named.get(code, ()):
+                remedy = "it ran a session of several people again: delete it if need be"
+                plan.by_hand.append(StoredFile(session.log, "re-run", codes, BY_HAND, remedy))
+    for file in found.others:
+        if code in file.codes:
+            {DELETE: plan.deleted, FORGET: plan.forgotten, BY_HAND: plan.by_hand}[file.does].append(
+                file
+            )
+    return plan
+
+
+def _elsewhere(
+    session: StoredSession, names: Iterable[str], codes: frozenset[str]
+) -> Iterator[StoredFile]:
+    """Files of theirs that the log names and that are not beside it."""
+    remedy = f"{session.log.name} names it, and it is not beside it: find and delete it"
+    for name in names:
+        yield StoredFile(session.log.parent / name, "sound or picture", codes, BY_HAND, remedy)
+
+
+def withdraw(plan: Removal, home: Path, day: str) -> None:
+    """Do what `plan` says. `home` is the folder in which the list of steps lies meanwhile.
+
+    Raises:
+        WithdrawalError: Nothing was changed.
+        OSError: Likewise, or, once the list is there, the rest is done by `finish`.
+    """
+    _refuse_open(plan)
+    _refuse_read_only(plan)
+    steps = _Steps()
+    try:
+        for session in plan.cut:
+            _prepare(session, plan, steps, day)
+        exports = {file.path.parent / README for file in plan.deleted if file.path.name == README}
+        for readme in sorted(exports):
+            steps.replaced.append(_written(readme, _export_note(day)))
+        steps.deleted += [str(file.path) for file in plan.deleted if file.path not in exports]
+        steps.deleted += _behind_links(plan, steps)
+        files.replace(home / JOURNAL, msgspec.json.encode(steps).decode(), mode=_MODE)
+        LogDisk().fsync_folder(home)
+    except BaseException:
+        (home / JOURNAL).unlink(missing_ok=True)
+        for fresh, _ in steps.replaced:
+            Path(fresh).unlink(missing_ok=True)
+        raise
+    finish(home)
+
+
+def _behind_links(plan: Removal, steps: _Steps) -> Iterator[str]:
+    """The files themselves where what goes is a symbolic link."""
+    written = {os.path.realpath(target) for _, target in steps.replaced}
+    going = {*steps.deleted, *(str(path) for each in plan.cut for path in each.files.paths)}
+    for name in going:
+        if Path(name).is_symlink() and (file := os.path.realpath(name)) not in written:
+            yield file
+
+
+def finish(home: Path) -> bool:
+    """Do what a list of steps in `home` says that was left there; whether there was one. Raises
+    `OSError`, and can then be called again.
+    """
+    journal = home / JOURNAL
+    files.sweep(journal)
+    try:
+        steps = msgspec.json.decode(journal.read_bytes(), type=_Steps)
+    except FileNotFoundError:
+        return False
+    folders = set[Path]()
+    for old, new in steps.replaced:
+        try:
+            Path(old).replace(new)
+        except FileNotFoundError:
+            if not Path(new).exists():
+                raise WithdrawalError(
+                    f"{old} and {new} are not there any more, so the withdrawal cannot be finished",
+                    f"put them back where they were, or delete {journal} and look what is left",
+                ) from None
+        folders.add(Path(new).parent)
+    for name in steps.deleted:
+        Path(name).unlink(missing_ok=True)
+        folders.add(Path(name).parent)
+    for old, new in steps.renamed:
+        with suppress(FileNotFoundError):
+            Path(old).replace(new)
+        folders.add(Path(new))
+    for folder in sorted(folders, reverse=True):
+        _leave(folder, home)
+    journal.unlink()
+    return True
+
+
+def forget(plan: Removal) -> list[str]:
+    """Take the participant out of the stores of visitors and faces; what could not be done."""
+    problems = []
+    for file in plan.forgotten:
+        try:
+            if file.what == "named visitors":
+                store = VisitorStore(file.path)
+                words = CodeWords([plan.code])
+                names = [
+                    visitor.name
+                    for visitor in store.everybody()
+                    if any(map(words.within, (visitor.name, *visitor.labels)))
+                ]
+                store.forget(*names)
+            else:
+                FaceStore(file.path).forget([plan.code])
+        except VisitorsError as error:
+            problems.append(f"{file.path}: {error.reason} ({error.remedy})")
+        except DriverError as error:
+            problems.append(f"{file.path}: {error.what} ({error.remedy})")
+    return problems
+
+
+def _leave(folder: Path, home: Path) -> None:
+    """The names of a folder are on the disk; those below `home` that are empty now are removed."""
+    with suppress(OSError):
+        while folder != home and folder.is_relative_to(home) and not any(folder.iterdir()):
+            folder.rmdir()
+            folder = folder.parent
+        LogDisk().fsync_folder(folder)
+
+
+# -- what forbids it ------------------------------------------------------------------------------
+
+
+def _changed(plan: Removal) -> Iterator[Path]:
+    yield from (file.path for file in plan.deleted)
+    for session in plan.cut:
+        yield from (path for path, _ in session.beside())
+
+
+def _refuse_open(plan: Removal) -> None:
+    """A file that a process still writes, or reads, would come back or be torn."""
+    changed = {}
+    for path in _changed(plan):
+        with suppress(OSError):
+            about = path.stat()
+            changed[about.st_dev, about.st_ino] = path
+    for process, about in _open_files():
+        if found := changed.get((about.st_dev, about.st_ino)):
+            raise WithdrawalError(
+                f"{found} is open in process {process}: its session still runs, or is being read",
+                "end that program, then repeat the command",
+            )
+
+
+def _open_files() -> Iterator[tuple[str, os.stat_result]]:
+    """Every file that a process has open into which this one may look."""
+    for folder in Path("/proc").glob("[0-9]*/fd"):
+        with suppress(OSError):
+            for descriptor in folder.iterdir():
+                with suppress(OSError):
+                    yield folder.parent.name, descriptor.stat()
+
+
+def _refuse_read_only(plan: Removal) -> None:
+    for folder in sorted({path.parent for path in _changed(plan)}):
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise WithdrawalError(
+                f"{folder} is read-only: nothing can be taken out of it",
+                "make it writable, or delete it where it comes from",
+            )
+
+
+# -- what is written anew -------------------------------------------------------------------------
+
+
+def _prepare(session: StoredSession, plan: Removal, steps: _Steps, day: str) -> None:
+    """Write the log anew beside the old one, and what is beside it."""
+    log, code = session.log, plan.code
+    old = session.files.stem
+    new = _new_stem(log, old, code, {target for _, target in steps.replaced})
+    names = re.compile(rf"(\d{{4}}-\d\d-\d\dT\d\d-\d\d-\d\d)_{re.escape(code)}(?=_)")
+
+    def rename(text: str) -> str:
+        return names.sub(r"\1", text.replace(old, new))
+
+    target, samples = (log.with_name(f"{new}{end}") for end in (".jsonl", ".samples.jsonl"))
+    fresh, fresh_samples = map(_fresh, (target, samples))
+    damage = Damage()
+    with ExitStack() as opened:
+        out, out_samples = (
+            opened.enter_context(os.fdopen(os.open(path, _CREATE, _MODE), "wb"))
+            for path in (fresh, fresh_samples)
+        )
+        steps.replaced.append((str(fresh), str(target)))
+        if session.files.samples:
+            steps.replaced.append((str(fresh_samples), str(samples)))
+        cut = LogCut(out, out_samples, code=code, day=day, rename=rename)
+        for line in merge(session.files.paths, damage):
+            cut.add(line)
+        cut.finish(damage, new)
+        for file in (out, out_samples):
+            file.flush()
+            os.fsync(file.fileno())
+    if not session.files.samples:
+        fresh_samples.unlink()
+    plan.summaries[log] = cut.summary
+    _beside(session, cut.summary, plan, steps, rename)
+    written = {Path(target) for _, target in steps.replaced}
+    steps.deleted += [str(path) for path in session.files.paths if path not in written]
+
+
+_CREATE = os.O_CREAT | os.O_TRUNC | os.O_WRONLY | os.O_CLOEXEC | os.O_NOFOLLOW
+
+
+def _fresh(target: Path) -> Path:
+    return target.with_name(f".{target.name}{_NEW}")
+
+
+def _written(target: Path, text: str) -> tuple[str, str]:
+    """A file that is to take the place of `target`: its name now and then."""
+    fresh = _fresh(target)
+    files.replace(fresh, text, mode=_MODE)
+    return str(fresh), str(target)
+
+
+def _new_stem(log: Path, old: str, code: str, taken: Collection[str]) -> str:
+    """What the log is called without the code; `-2` behind it where that is taken, on the disk or
+    by a log that is written anew.
+    """
+    wanted = without_code(old, code)
+    if wanted == old:
+        return old
+    for new in (wanted, *(f"{wanted}-{number}" for number in range(2, 1000))):
+        there = any(log.parent.glob(f"{glob.escape(new)}.*"))
+        if not there and str(log.with_name(f"{new}.jsonl")) not in taken:
+            return new
+    raise WithdrawalError(f"{log.parent} has no free name for {wanted}.jsonl", "tidy it up")
+
+
+def _beside(
+    session: StoredSession,
+    summary: CutSummary,
+    plan: Removal,
+    steps: _Steps,
+    rename: Callable[[str], str],
+) -> None:
+    """What lies beside the log: sound and pictures of theirs go, what the process said goes, codes
+    of coders that fall into their time go.
+    """
+    theirs = {Path(name).name for name in summary.files - summary.kept_files}
+    others = {Path(name).name for name in summary.kept_files}
+    codes = frozenset([plan.code])
+    for path, what in session.beside():
+        if what == "sound or picture":
+            if path.name in theirs:
+                steps.deleted.append(str(path))
+            elif path.name not in others:
+                remedy = "no line of the log names it: look at it, and delete it if need be"
+                plan.by_hand.append(StoredFile(path, what, codes, BY_HAND, remedy))
+        elif what in ("what the robot process said", "index of samples"):
+            steps.deleted.append(str(path))
+        elif what == "codes of coders":
+            text = _codings_without(path, summary.spans, plan.code)
+            target = coding_path(Path(rename(str(path.with_name(f"{session.files.stem}.jsonl")))))
+            steps.replaced.append(_written(target, text))
+            if target != path:
+                steps.deleted.append(str(path))
+    strange = [name for name in session.strange_media() if name in summary.files]
+    plan.by_hand += _elsewhere(session, strange, codes)
+    for folder in session.media_folders():
+        if (new := folder.with_name(rename(folder.name))) != folder:
+            steps.renamed.append((str(folder), str(new)))
+
+
+def _codings_without(path: Path, spans: Sequence[tuple[int, int]], code: str) -> str:
+    """The file of codes without those that were set for somebody's time; their words elsewhere."""
+    kept: list[str] = []
+    gone = set[tuple[object, object]]()
+    words = CodeWords([code])
+    for text in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        try:
+            line = msgspec.json.decode(text)
+        except msgspec.DecodeError:
+            continue
+        if not isinstance(line, dict):
+            continue
+        number = (line.get("coder"), line.get("number"))
+        t = line.get("t")
+        if isinstance(t, int) and any(begin <= t < end for begin, end in spans):
+            gone.add(number)
+        elif line.get("kind") != "taken back" or number not in gone:
+            kept.append(words.without(text) if is_distinct(code) else text)
+    return "".join(f"{text}\n" for text in kept)
+
+
+def _export_note(day: str) -> str:
+    return (
+        f"{SIGN}\n\nOn {day} files of a participant who withdrew were taken out: this export is not"
+        " whole. Make it anew.\n"
+    )

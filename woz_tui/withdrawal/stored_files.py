@@ -1,0 +1,345 @@
+"""Finds every file below some folders in which the code of a participant stands.
+
+Logs are searched by field: an experiment file that lists *P01 to P99* in a comment stands in every
+log. Other files are searched as text; what is inside of archives and documents is not seen.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.analysis.csv_package import DICTIONARY
+from woz_tui.analysis.session_reading import NO_EXTRAS, read_report
+from woz_tui.config.file_additions import is_typed_copy
+from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.face_store import FaceStore, default_path
+from woz_tui.export.output_folder import README, SIGN
+from woz_tui.log.coding_file import coding_path
+from woz_tui.log.damage import Damage
+from woz_tui.log.file_names import CODINGS, media_folder
+from woz_tui.log.log_files import LogFiles, files_of
+from woz_tui.log.log_reader import merge
+from woz_tui.log.samples_index import path_of
+from woz_tui.log.sessions import all_logs_in
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.visitor_records import FORMAT
+from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
+from woz_tui.timeline.session_state import SessionState
+from woz_tui.withdrawal.code_words import CodeWords
+from woz_tui.withdrawal.log_cut import OF_THE_FILE, codes_in, files_in
+
+#: Files that exports and reports write; in a folder of theirs, others are somebody else's.
+_EXPORTED = frozenset({".csv", ".tsv", ".json", ".eaf", ".TextGrid", ".wav", ".gz", ".jsonl"})
+#: Folders of other programs.
+_PASSED = frozenset({".git", ".venv", "node_modules", "__pycache__"})
+#: Bytes that are searched at once; a code that lies across is found in the overlap.
+_PIECE, _OVERLAP = 1 << 22, 64
+_BEGINNING = 1 << 13
+
+#: What is beside a log and is searched as text where the log does not have the code.
+_TEXTS = ("what the robot process said", "codes of coders")
+
+#: What a withdrawal does with a file.
+DELETE, CUT, FORGET, BY_HAND = "delete", "take out", "forget", "by hand"
+
+
+@dataclass(frozen=True)
+class StoredFile:
+    """One file (or folder) in which codes stand.
+
+    Attributes:
+        path: Where it is.
+        what: What sort of file it is, in words.
+        codes: The codes that stand in it or in its name.
+        does: What a withdrawal does with it: `DELETE`, `CUT`, `FORGET`, or `BY_HAND`.
+        remedy: What there is to do then, in words.
+    """
+
+    path: Path
+    what: str
+    codes: frozenset[str]
+    does: str
+    remedy: str = ""
+
+
+@dataclass
+class StoredSession:
+    """One log, or a copy of one, and who is in it.
+
+    Attributes:
+        log: Its first file.
+        files: All of them.
+        turns: Everybody whose code was set.
+        took_part: Those of them whom the report counts.
+        named: Code -> kinds of lines whose words have it, without the experiment file's own.
+        original: The log that this one ran again; empty: none.
+        media: Files that its lines name: sound and pictures.
+    """
+
+    log: Path
+    files: LogFiles
+    turns: set[str] = field(default_factory=set)
+    took_part: set[str] = field(default_factory=set)
+    named: dict[str, dict[str, int]] = field(default_factory=dict)
+    original: str = ""
+    media: set[str] = field(default_factory=set)
+
+    def codes(self) -> set[str]:
+        """Every code that stands in it."""
+        return {*self.turns, *self.named} - {""}
+
+    def is_alone(self, code: str) -> bool:
+        """Whether nobody else took part. Others whose codes were slips did not."""
+        return code in self.turns and not (self.took_part or self.turns) - {code, ""}
+
+    def media_folders(self) -> list[Path]:
+        """The folders of its own sound and pictures. One keeps the name that stands in the lines
+        when the log gets another one.
+        """
+        named = {Path(name).parts[0] for name in self.media if len(Path(name).parts) == 2}
+        folders = {media_folder(path) for path in self.files.actions}
+        folders |= {path.parent / name for path in self.files.actions for name in named}
+        return sorted(each for each in folders if each.suffix == ".media" and each.is_dir())
+
+    def strange_media(self) -> list[str]:
+        """Files that its lines name and that are not in those folders."""
+        there = {path.name for folder in self.media_folders() for path in _files_below(folder)}
+        return sorted(name for name in self.media if Path(name).name not in there)
+
+    def beside(self) -> Iterator[tuple[Path, str]]:
+        """Its files, and what is beside them, with what each is."""
+        for path in self.files.actions:
+            yield path, "log"
+        for path in self.files.samples:
+            yield path, "samples of sensors"
+            if (index := path_of(path)).is_file():
+                yield index, "index of samples"
+        for path in self.files.actions:
+            if (said := path.with_suffix(".host.log")).is_file():
+                yield said, "what the robot process said"
+        for folder in self.media_folders():
+            yield from ((each, "sound or picture") for each in _files_below(folder))
+        if (codes := coding_path(self.log)).is_file():
+            yield codes, "codes of coders"
+
+
+@dataclass
+class StoredFiles:
+    """All that was found.
+
+    Attributes:
+        sessions: Logs and their copies.
+        others: All other files.
+        closed: Files whose inside cannot be searched: archives, documents, sound.
+        problems: What could not be read.
+    """
+
+    sessions: list[StoredSession] = field(default_factory=list)
+    others: list[StoredFile] = field(default_factory=list)
+    closed: list[Path] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+
+    def files(self) -> Iterator[StoredFile]:
+        """Every file with a code in it or in its name."""
+        for session in self.sessions:
+            if codes := frozenset(session.codes()):
+                for path, what in session.beside():
+                    yield StoredFile(path, what, codes, CUT)
+        yield from self.others
+
+
+def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFiles:
+    """Everything below `folders` in which one of `codes` stands; without any, in which a code does
+    that was set in one of the logs.
+    """
+    found = StoredFiles()
+    logs, _ = all_logs_in([str(folder) for folder in folders])
+    wanted = CodeWords(codes)
+    for log in logs:
+        try:
+            session = _session(log, wanted)
+        except OSError as error:
+            found.problems.append(f"{log}: {error.strerror or error}")
+            continue
+        found.sessions.append(session)
+    words = wanted if wanted.codes else CodeWords(_all_codes(found.sessions))
+    _mark_reruns(found.sessions)
+    claimed = set[Path]()
+    for session in found.sessions:
+        whole = bool(session.codes() & words.codes)
+        claimed |= {
+            path.resolve() for path, what in session.beside() if whole or what not in _TEXTS
+        }
+    found.sessions = [session for session in found.sessions if session.codes() & words.codes]
+    for folder in folders:
+        exports = set[Path]()
+        for path in _files_below(folder):
+            exports |= {path.parent} if _is_export(path) else set()
+            if path.resolve() not in claimed:
+                _look_at(path, path.relative_to(folder), words, exports, found)
+    _look_at_faces(words, found)
+    return found
+
+
+def _mark_reruns(sessions: Iterable[StoredSession]) -> None:
+    """A session that runs another one again says and does what that one's participant got."""
+    turns: dict[str, set[str]] = {}
+    for session in sessions:
+        turns.setdefault(session.files.stem, set()).update(session.turns)
+    for session in sessions:
+        for code in turns.get(Path(session.original).stem, ()):
+            session.named.setdefault(code, {}).setdefault("rerun.started", 1)
+
+
+def _all_codes(sessions: Iterable[StoredSession]) -> set[str]:
+    return {code for session in sessions for code in session.turns if code}
+
+
+def _files_below(folder: Path) -> Iterator[Path]:
+    if folder.is_file():
+        yield folder
+    for place, folders, names in os.walk(folder):
+        folders[:] = sorted(name for name in folders if name not in _PASSED)
+        # What says that a folder is an export comes before its files.
+        for name in sorted(names, key=lambda name: (name not in (README, DICTIONARY), name)):
+            yield Path(place) / name
+
+
+# -- logs -----------------------------------------------------------------------------------------
+
+
+def _session(log: Path, words: CodeWords) -> StoredSession:
+    files = files_of(log)
+    found = StoredSession(log, files)
+    state = SessionState()
+    codes = [code.encode() for code in words.codes]
+    for line in merge(files.actions, Damage(), gaps=False):
+        if line.message is not None:
+            state.apply(line.message)
+            found.turns.add(state.study.participant)
+        if isinstance(line.message, m.RerunStarted):
+            found.original = line.message.original
+        found.media.update(files_in(line.fields))
+        if line.kind in OF_THE_FILE or not any(code in line.raw for code in codes):
+            continue
+        for code in codes_in(line.fields, words):
+            kinds = found.named.setdefault(code, {})
+            kinds[line.kind] = kinds.get(line.kind, 0) + 1
+    found.turns.discard("")
+    for code in words.within(log.name):
+        found.named.setdefault(code, {})
+    if len(found.turns) > 1:
+        with suppress(OSError, ValueError):
+            found.took_part = {*read_report(log, extras=NO_EXTRAS).figures.participants} - {""}
+    return found
+
+
+# -- other files ----------------------------------------------------------------------------------
+
+
+def _is_export(path: Path) -> bool:
+    """Whether this file says that its folder was written by an export, or by `woz report --csv`."""
+    if path.name not in (README, DICTIONARY):
+        return False
+    try:
+        with path.open("rb") as file:
+            begin = file.read(_BEGINNING)
+    except OSError:
+        return False
+    return begin.startswith(SIGN.encode()) or b'"woz-sessions"' in begin
+
+
+def _look_at(
+    path: Path, name: Path, words: CodeWords, exports: set[Path], found: StoredFiles
+) -> None:
+    codes = words.within(str(name))
+    exported = next((each for each in exports if path.is_relative_to(each)), None)
+    try:
+        begin = b""
+        for piece in _pieces(path):
+            begin = begin or piece[:_BEGINNING]
+            codes |= words.within(piece)
+    except ValueError:
+        if not codes and exported is None:
+            found.closed.append(path)
+            return
+    except OSError as error:
+        found.problems.append(f"{path}: {error.strerror or error}")
+    if path.suffix == ".json" and FORMAT.encode() in begin:
+        if codes := _visitors(path, words, found):
+            found.others.append(StoredFile(path, "named visitors", codes, FORGET))
+        return
+    if codes:
+        found.others.append(StoredFile(path, *_sort(path, begin, exported, codes)))
+
+
+def _sort(
+    path: Path, begin: bytes, exported: Path | None, codes: frozenset[str]
+) -> tuple[str, frozenset[str], str, str]:
+    """What a file is, and what is done with it."""
+    if exported is not None and (path.suffix in _EXPORTED or begin.startswith(SIGN.encode())):
+        return "export", codes, DELETE, f"export {exported} again"
+    if b"session report</title>" in begin:
+        return "report", codes, DELETE, f"write it again with woz report --html {path}"
+    if begin.startswith(b'{"sessions"') and path.suffix == ".json":
+        return "report", codes, DELETE, "write it again with woz report --json"
+    if path.name.endswith(CODINGS):
+        return "codes of coders", codes, BY_HAND, "take the line out of it"
+    if path.name.endswith((".host.log", ".samples.jsonl", ".samples.index")):
+        return "file beside a log", codes, BY_HAND, "look whether the participant is meant"
+    if is_typed_copy(path):
+        remedy = "take the sentence out of it, or delete it"
+        return "experiment file with typed sentences", codes, BY_HAND, remedy
+    if path.suffix in (".yaml", ".yml"):
+        return "experiment file", codes, BY_HAND, "look whether the participant is meant"
+    return "file of another program", codes, BY_HAND, "look whether the participant is meant"
+
+
+def _pieces(path: Path) -> Iterator[bytes]:
+    """A file of text, as UTF-8. Raises `ValueError` if it is none."""
+    with path.open("rb") as file:
+        begin = file.read(_BEGINNING)
+        if begin.startswith((b"\xff\xfe", b"\xfe\xff")):
+            yield (begin + file.read()).decode("utf-16", "replace").encode()
+            return
+        if b"\0" in begin:
+            raise ValueError("no text")
+        kept = begin
+        while piece := file.read(_PIECE):
+            yield kept + piece
+            kept = piece[-_OVERLAP:]
+        yield kept
+
+
+# -- visitors and faces ---------------------------------------------------------------------------
+
+
+def _visitors(path: Path, words: CodeWords, found: StoredFiles) -> frozenset[str]:
+    try:
+        everybody = VisitorStore(path).everybody()
+    except VisitorsError as error:
+        found.problems.append(error.reason)
+        return frozenset()
+    names = [name for visitor in everybody for name in (visitor.name, *visitor.labels)]
+    return frozenset(code for name in names for code in words.within(name))
+
+
+def _look_at_faces(words: CodeWords, found: StoredFiles) -> None:
+    """The faces of this account, wherever they lie: they have a name, and a log."""
+    path = default_path()
+    try:
+        faces = FaceStore(path).faces() if path.exists() else []
+    except DriverError as error:
+        found.problems.append(f"{path}: {error.what}")
+        return
+    codes = frozenset[str]().union(*(words.within(face.name) for face in faces))
+    if codes:
+        found.others.append(StoredFile(path, "faces that are recognised", codes, FORGET))
+    for face in faces:
+        if not words.within(face.name) and (others := words.within(face.log)):
+            remedy = f"woz visitors forget '{face.name}'"
+            found.others.append(StoredFile(path, "face from a session", others, BY_HAND, remedy))

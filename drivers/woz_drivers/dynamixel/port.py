@@ -205,7 +205,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         """A silence and its remedy as they are told: a computer that was late blames itself."""
         if not self.is_late:
             return what, remedy
-        late = f"it stood still for {self._delayed_ms():.0f} ms within a second"
+        late = f"it stood still for {self._delayed_ms():.0f} ms a moment ago"
         return (
             f"{what}, but this computer was too busy to listen ({late})",
             f"{BUSY_REMEDY}; if that does not help: {remedy}",

@@ -328,7 +328,11 @@ def check_answers(line: ServoRegisters) -> None:
         UnfitError: It answers no writes, so that nobody would know whether it took them.
     """
     register = line.table.return_level
-    level = line.wire.number(line.servo, register)
+    levels = [line.wire.number(line.servo, register)]
+    if levels[0] is not None and levels[0] < control_tables.ANSWERS_ALL:
+        # An adapter that is late may have passed on the answer to an earlier question.
+        levels.append(line.wire.number(line.servo, register))
+    level = None if None in levels else max(each for each in levels if each is not None)
     called = f"Status Return Level ({register.address})"
     if level is None:
         raise SilentError(

@@ -1,7 +1,8 @@
 """A study with what goes wrong in one: all tables agree, and with a computation of its own.
 
 Sessions are real ones in virtual time: some are killed, a code comes late or is corrected, folders
-are merged, a log is renamed. `python -m tests.analysis.test_study_tables 24` plays another size.
+are merged, a log is renamed, somebody withdraws.
+`python -m tests.analysis.test_study_tables 24` plays another size.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ KEY = RequestOrigin("key", "h", "con1")
 #: Main figure of the report -> what the computation of its own calls it.
 FIGURES = {"trials": "trials", "wizard_actions": "actions", "mistakes": "mistakes"}
 SCALES = ("each.hard", "ux.pleasant")
+#: Whoever withdraws when all is done; there are copies of the log.
+WITHDRAWN = "P04"
 
 
 def play_study(folder: Path, participants: int, seed: int) -> None:
@@ -61,6 +64,10 @@ def play_study(folder: Path, participants: int, seed: int) -> None:
         shutil.copy(log, log.with_name(f"{log.stem} (1).jsonl"))
     for log in logs[::3]:
         shutil.copy(log, recordings / "second computer")
+    withdrawing = ["--code", WITHDRAWN, "--withdraw", "--yes"]
+    with redirect_stdout(StringIO()):
+        assert main(["participants", str(recordings), *withdrawing]) == 0
+    assert not any(WITHDRAWN in path.name for path in recordings.rglob("*"))
 
 
 def play_session(folder: Path, code: str, session: str, chance: random.Random) -> Path:
@@ -285,6 +292,7 @@ def compare(folder: Path) -> int:
 
 def test_all_tables_of_a_study_agree_with_a_computation_of_its_own(tmp_path: Path) -> None:
     play_study(tmp_path, 6, 1)
+    assert WITHDRAWN not in computed(tmp_path / "recordings").people
     assert compare(tmp_path) > 50
 
 

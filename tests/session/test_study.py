@@ -27,9 +27,22 @@ from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.session_plan import study_snapshot
+from woz_tui.timeline.study_history import StudyState
 
 KEY = RequestOrigin("key", "h", "con1")
 TRIALS = (m.ConditionsAssigned, m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded)
+
+
+def test_a_line_that_plans_any_number_of_trials_costs_nothing() -> None:
+    study = StudyState()
+    order = ["warm", "cold"]
+    study.assign(
+        m.ConditionsAssigned(
+            participant="P01", order=order, method="hand", trials=1 << 40, over=[1, 2, 4]
+        )
+    )
+    assert study.next_trial == 3
+    assert study.trials_left == 2 * (1 << 40) - 3
 
 
 def refusal_reason(rig: SessionRig, *asks: str) -> str:

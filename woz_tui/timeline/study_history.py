@@ -149,7 +149,7 @@ class StudyState:
         """Trials of the participant that are planned and not over; 0: not specified."""
         if self._over_before is None:
             return max(0, self.planned - self.next_trial + 1)
-        return len(self._open)
+        return self.planned - sum(1 <= number <= self.planned for number in self.over)
 
     @property
     def again(self) -> bool:
@@ -165,13 +165,10 @@ class StudyState:
         return self.assigned.over if self.assigned is not None and self.planned else None
 
     @property
-    def _open(self) -> list[int]:
-        over = self.over
-        return [number for number in range(1, self.planned + 1) if number not in over]
-
-    @property
     def _first_open(self) -> int:
-        return next(iter(self._open), self.planned + 1)
+        """The first trial that is not over. A line of a log may plan any number of them."""
+        over = self.over
+        return next(n for n in range(1, self.planned + 2) if n not in over or n > self.planned)
 
     def condition_of(self, trial: int) -> str:
         """The condition that the order has for this trial; empty if it has none."""

@@ -59,7 +59,9 @@ class PublishedMessages:
                     self._news.clear()
                     await self._news.wait()
         except TimeoutError:
-            raise AssertionError(f"not within {PATIENCE_S:g} s; heard last: {self.messages[-12:]}") from None
+            raise AssertionError(
+                f"not within {PATIENCE_S:g} s; heard last: {self.messages[-12:]}"
+            ) from None
 
     async def first(self, kind: type[M], after: int = 0) -> M:
         """The first message of a kind, not counting the first `after` of them."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 import time
 import tty
 from collections.abc import Iterator
@@ -119,8 +120,9 @@ def test_a_silence_is_put_down_to_a_computer_that_was_late(
     port.setPacketTimeout(6)
     assert port.readPort(6) == b""
     what, remedy = port.blame(*cable)
-    assert (
-        "this computer was too busy to listen (it stood still for 300 ms a moment ago)" in what
+    # The machine of the test adds its own delays.
+    assert re.search(
+        r"this computer was too busy to listen \(it stood still for [3-9]\d\d ms", what
     )
     assert remedy.startswith("end other programs")
     late.late_ms = 0.0

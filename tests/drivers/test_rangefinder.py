@@ -286,6 +286,8 @@ NO_DISTANCES: dict[str, tuple[bytes, dict[str, Any], str]] = {
 }
 
 
+# A thread reads the line: what it has taken may reach the driver after the clock was moved.
+@pytest.mark.real_clock
 @pytest.mark.parametrize("name", NO_DISTANCES)
 async def test_the_doctor_refuses_what_a_session_refuses_in_the_same_words(
     begin: Begin,

@@ -28,6 +28,7 @@ ROOMS = [
     "woz_tui.config",
     "woz_tui.bml",
     "woz_tui.bridge",
+    "woz_tui.gate",
     "woz_tui.bus",
     "woz_tui.sensing",
     "woz_tui.motion",

@@ -20,7 +20,8 @@ from tools import ROOT
 
 #: What everything else stands on.
 CORE = [
-    f"tests/{room}" for room in ("system", "protocol", "bus", "log", "timeline", "session", "host")
+    f"tests/{room}"
+    for room in ("system", "protocol", "gate", "bus", "log", "timeline", "session", "host")
 ]
 #: Seconds from the first test on, after which none begins; those that run have ten more to end.
 LIMIT_S = 40.0

@@ -23,6 +23,7 @@ from woz_tui.config.session_verbs import BML, BML_VERB
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
+from woz_tui.gate.facts import Facts
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
@@ -350,6 +351,24 @@ class Session:
             return closed.hint, closed.command
         belongs = not self.parts.no_action(action, origin)
         return "", ("release" if self.bus.latched else "profile") if belongs else ""
+
+    def facts(self) -> Facts:
+        """What holds now, for the gate."""
+        phase = self.phases.current
+        return Facts(
+            now=self.hub.now(),
+            ended=self.ended,
+            stopped=self.bus.latched,
+            unrecorded=self.recorder.refusal(),
+            panels=self.experiment.panels,
+            locked=self.locked,
+            phase=phase.heading if phase is not None else "",
+            locked_by_phase=self.phases.locked,
+            profile=self.profiles.current,
+            wizards=self.state.wizards,
+            helpers=self._helpers(),
+            scheduled=len(self.runner.scheduled),
+        )
 
     def _why_not(self, name: str, origin: RequestOrigin) -> str:
         if self.ended:

@@ -1,0 +1,80 @@
+"""What holds at the moment, as far as whoever asks the gate knows it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from woz_tui.config.experiment import Profile
+from woz_tui.protocol.panel_players import PartedPanel
+
+
+@dataclass(frozen=True, slots=True)
+class Watcher:
+    """A wizard's console that is heard. `held`: its keys drive only while they are held, because
+    `line` (tmux, screen ...) would hide that its line is lost, or the file says so.
+    """
+
+    console: str
+    part: str = ""
+    held: bool = False
+    line: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Driving:
+    """Who watches over the command that is asked about, if it drives.
+
+    `unwatched`: why nobody does; empty: somebody does. `console`, `part`: whose it is; None: it
+    belongs to no part. `keys`: those that are down, by console.
+    """
+
+    unwatched: str = ""
+    console: str = ""
+    part: str | None = None
+    watchers: Sequence[Watcher] = ()
+    keys: Collection[tuple[str, str]] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What holds; by default nothing stands against anything.
+
+    Attributes:
+        now: On the axis of `t`.
+        ended: Whether the session is ending.
+        stopped: Whether the stop is pressed.
+        unconfirmed: Drivers that have not confirmed it.
+        unrecorded: Why what happens now would not be recorded; empty: it is.
+        panels: Of the file.
+        locked: Whether a panel is locked, by title.
+        phase: The heading of the phase that holds; empty: none.
+        locked_by_phase: Panels that it has locked.
+        profile: What the wizard may use; None: everything.
+        wizards: Consoles that play, with their parts.
+        helpers: Programs and drivers that belong to a part, with it.
+        scheduled: How many requests wait for their moment.
+        driving: Who watches.
+        consents: Who has consented to having their face learnt, and by which driver.
+    """
+
+    now: int = 0
+    ended: bool = False
+    stopped: bool = False
+    unconfirmed: Sequence[str] = ()
+    unrecorded: str = ""
+    panels: Sequence[PartedPanel] = ()
+    locked: Mapping[str, bool] = field(default_factory=dict)
+    phase: str = ""
+    locked_by_phase: Collection[str] = ()
+    profile: Profile | None = None
+    wizards: Mapping[str, str] = field(default_factory=dict)
+    helpers: Mapping[str, str] = field(default_factory=dict)
+    scheduled: int = 0
+    driving: Driving = Driving()
+    consents: Collection[tuple[str, str]] = ()
+
+
+def console_of(part: str) -> str:
+    """What a sentence calls the console that plays `part`."""
+    return f"the console that plays {part}" if part else "the wizard's console"

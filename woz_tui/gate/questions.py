@@ -1,0 +1,177 @@
+"""What the gate is asked about, and what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from woz_tui.drivers.contract import Verb
+from woz_tui.protocol.messages import Command, Json
+from woz_tui.protocol.requests import AnyRequest
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why something may not happen: as a word (of `messages.Refused`) and in a sentence.
+
+    `remedy` says what would help; `command` is the id of the console's key that does it
+    (`config/keys/builtin_keys.json`).
+    """
+
+    code: str
+    reason: str
+    remedy: str = ""
+    command: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RequestOrigin:
+    """Where a request came from: whose hand, which key, which console."""
+
+    source: str
+    key: str = ""
+    console: str = ""
+
+
+class GatedCall(Protocol):
+    """What counts here of a verb that an action sends, in the file or on the screen."""
+
+    @property
+    def verb(self) -> str:
+        """Its name."""
+
+    @property
+    def args(self) -> Mapping[str, Json]:
+        """Its arguments."""
+
+    @property
+    def driver(self) -> str:
+        """To whom it goes."""
+
+
+class GatedAction(Protocol):
+    """What counts here of an action, in the file or on the screen."""
+
+    @property
+    def panel(self) -> str:
+        """The title of its panel."""
+
+    @property
+    def locked(self) -> bool:
+        """Whether the file locks it."""
+
+    @property
+    def calls(self) -> Sequence[GatedCall]:
+        """What it sends."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClientRequest:
+    """A request of a console or a program, before anybody looks at what it is about.
+
+    `stale`: why it is too old, in words; empty: it is not. Of a console that watches: `plays` is
+    what it would play, `vacant` whether nobody does, `take_over` how it would in spite of others.
+    """
+
+    request: AnyRequest
+    role: str
+    stale: str = ""
+    plays: str = ""
+    vacant: bool = False
+    take_over: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ReleaseStop:
+    """The release of the stop. `known`: drivers of which whoever asks knows that they have not
+    confirmed it.
+    """
+
+    stale: str = ""
+    known: Collection[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PlayAction:
+    """An action by its name, from a key, a line of a script, a program, a phase; `action`: None
+    where the file has none. `at`: the moment for which it is asked, 0: now. `repair`: it saves a
+    dialogue, and is no panel's.
+    """
+
+    name: str
+    action: GatedAction | None
+    origin: RequestOrigin
+    stale: str = ""
+    at: int = 0
+    repair: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PlayEffect:
+    """An action of a panel that the robot plays by itself when the engagement model says so."""
+
+    name: str
+    action: GatedAction
+
+
+@dataclass(frozen=True, slots=True)
+class SendVerb:
+    """A verb by itself, from a hand or a program. `nobody`: why no driver can be named for it.
+    `at` as in `PlayAction`; then `wrong` says what is wrong with its arguments.
+    """
+
+    verb: str
+    args: Mapping[str, Json]
+    driver: str
+    origin: RequestOrigin
+    stale: str = ""
+    at: int = 0
+    nobody: Refusal | None = None
+    wrong: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class SendOwnVerb:
+    """A verb that a driver asks for by itself: no hand is behind it."""
+
+    nobody: Refusal | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SubmitCommand:
+    """A command on its way into a lane. `verb`: as its driver offers it; None: it does not, and
+    `unknown` says so. `wrong` is what is wrong with its arguments. `stoppable`: something could
+    come of it while the stop is pressed. `faulted`: its lane does not respond.
+    """
+
+    command: Command
+    verb: Verb | None
+    unknown: str = ""
+    wrong: str = ""
+    stoppable: bool = True
+    faulted: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class DispatchCommand:
+    """A command that goes to its driver now. `person`: of whom it learns the face, or who consents
+    (driver and name).
+    """
+
+    command: Command
+    verb: Verb
+    stoppable: bool = True
+    person: tuple[str, str] = ("", "")
+
+
+Question = (
+    ClientRequest
+    | ReleaseStop
+    | PlayAction
+    | PlayEffect
+    | SendVerb
+    | SendOwnVerb
+    | SubmitCommand
+    | DispatchCommand
+)

@@ -1,0 +1,523 @@
+"""Every reason for which something may not happen now, in the order in which they are looked at.
+
+`TABLE` is read from above: of the rows for what is asked about (`questions.py`), the first that
+answers decides. A row is a plain function of what holds (`facts.py`) and the question: it waits for
+nothing, changes nothing, and can only forbid.
+
+The gate is asked at three moments and nowhere else: when something is requested, when what was
+requested for later is due, and just before a command goes to its driver. The stop, its confirmation
+and the end of driving never ask it. What becomes of a command whose lane is occupied is the lane's
+own affair.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from woz_tui.config.session_verbs import BML, ENGAGEMENT
+from woz_tui.drivers.contract import FACE_CONSENT, gives_consent
+from woz_tui.drivers.robot_verbs import takes_hands_off
+from woz_tui.gate.facts import Facts, console_of
+from woz_tui.gate.questions import (
+    ClientRequest,
+    DispatchCommand,
+    PlayAction,
+    PlayEffect,
+    Question,
+    Refusal,
+    ReleaseStop,
+    SendOwnVerb,
+    SendVerb,
+    SubmitCommand,
+)
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.action_messages import BY_PERSON
+from woz_tui.protocol.messages import Command
+from woz_tui.protocol.panel_players import panel_players, player_names, verb_players
+from woz_tui.protocol.panels import covers_verb
+
+log = logging.getLogger(__name__)
+
+#: What somebody who only watches may ask for.
+WATCHER_MAY = (
+    *(r.AskDescribe, r.AskPreflight, r.AskMarker, r.AskNote, r.AskPicture, r.AskSound),
+    r.AskTakeOver,
+)
+#: What a participant may ask for, who sits at a terminal to answer a questionnaire.
+PARTICIPANT_MAY = (r.AskQuestionnaire, r.AskAnswer)
+#: What may be asked while the session ends, as far as this row goes: it has rows of its own, or
+#: moves nothing. Whatever is not named here is refused then.
+WHILE_ENDING = (
+    *(r.AskAction, r.AskVerb, r.AskScript, r.AskRelease, r.AskReload, r.AskPredict),
+    *(r.AskDescribe, r.AskPreflight, r.AskProposal, r.AskKeepTyped, r.AskPicture, r.AskSound),
+    *(r.AskTalk, r.AskLetGo, r.AskControls, r.AskCancel, r.AskEmptyQueue, r.AskSet, r.AskMarker),
+    *(r.AskNote, r.AskMistake, r.AskLock, r.AskProfile, r.AskUnrecorded, r.AskEnd),
+)
+#: What is not done if a request is too old: it would let something move, or mean another thing by
+#: now. Records, and whatever takes away, are taken all the same.
+UNDONE: dict[type, str] = {
+    r.AskProfile: "Profile not changed",
+    r.AskPhase: "Phase not changed",
+    r.AskUnrecorded: "Not going on without a record",
+    r.AskEnd: "Session not ended",
+}
+#: Verbs that count in every profile. What a block consists of is looked at verb by verb.
+IN_EVERY_PROFILE = frozenset({"mark", "note", BML})
+#: Requests that may wait for their moment, and how far it may be away, in microseconds.
+MOST_SCHEDULED, FURTHEST_US = 256, 86_400_000_000
+#: Sources of what lies on a control that says itself when it is let go.
+SWITCHES = frozenset({"midi", "gamepad", "stream-deck"})
+
+#: Remedies: of a press that came too late, where nobody watches, where only a held key drives,
+#: where nothing is recorded.
+AGAIN = "press it again"
+ATTACH = "attach a wizard's console"
+HOLD = "give it a key of its own and hold that; session: {driving: pressed} takes the risk"
+GO_ON = "go on without a record (a wizard only), or free space for the log"
+#: Why a key does not drive any more.
+LET_GO = "the key was let go"
+
+
+# -- role --------------------------------------------------------------------------------------
+
+
+def watches(facts: Facts, asked: ClientRequest) -> Refusal | None:
+    """A console that watches asks for little."""
+    if asked.role != "watcher" or isinstance(asked.request, WATCHER_MAY):
+        return None
+    if asked.vacant:
+        reason = f"this console only watches, and nobody plays {asked.plays}"
+        return Refusal("role", reason, command="take_over")
+    reason = f"this console only watches; another console plays {asked.plays}"
+    return Refusal("role", reason, asked.take_over)
+
+
+def participates(facts: Facts, asked: ClientRequest) -> Refusal | None:
+    """A participant answers questionnaires."""
+    if asked.role != "participant" or isinstance(asked.request, PARTICIPANT_MAY):
+        return None
+    return Refusal("role", "this console can only answer questionnaires")
+
+
+def not_a_wizard(facts: Facts, asked: ClientRequest) -> Refusal | None:
+    """A program does not see the room."""
+    if isinstance(asked.request, r.AskUnrecorded) and asked.role != "wizard":
+        return Refusal("role", "only a wizard can go on without a record")
+    return None
+
+
+# -- stop --------------------------------------------------------------------------------------
+
+
+def stop_pressed_action(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """An action that only tells the engagement model something is played all the same."""
+    if not facts.stopped:
+        return None
+    calls = asked.action.calls if asked.action is not None else ()
+    if calls and all(call.driver == ENGAGEMENT for call in calls):
+        return None
+    return Refusal("stopped", "the stop is pressed", command="release")
+
+
+def stop_pressed_later(facts: Facts, asked: SendVerb) -> Refusal | None:
+    """A verb for later is refused when it is asked for, one for now on its way into its lane."""
+    return Refusal("stopped", "the stop is pressed") if facts.stopped and asked.at else None
+
+
+def stop_pressed(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal | None:
+    """Nothing reaches a driver until the stop is released."""
+    if facts.stopped and asked.stoppable:
+        return Refusal("stopped", "the stop is pressed", "release the stop first")
+    return None
+
+
+def not_confirmed(facts: Facts, asked: ReleaseStop) -> Refusal | None:
+    """Somebody has to look at what may still move."""
+    if missing := ", ".join(name for name in facts.unconfirmed if name not in asked.known):
+        return Refusal(
+            "unconfirmed",
+            f"the stop is not confirmed by {missing}, which may still move",
+            "look at it, then release the stop at a wizard's console, which asks once more",
+        )
+    return None
+
+
+def not_stopped(facts: Facts, asked: ReleaseStop) -> Refusal | None:
+    """There has to be a stop."""
+    return None if facts.stopped else Refusal("unknown", "the stop is not pressed")
+
+
+# -- ended, stale, unknown -----------------------------------------------------------------------
+
+
+def ended(facts: Facts, asked: object) -> Refusal | None:
+    """Nothing begins while the session ends."""
+    return Refusal("ended", "the session is ending") if facts.ended else None
+
+
+def ended_request(facts: Facts, asked: ClientRequest) -> Refusal | None:
+    """Nor is anything else done that nobody needs then."""
+    if not facts.ended or isinstance(asked.request, WHILE_ENDING):
+        return None
+    return ended(facts, asked)
+
+
+def too_old(facts: Facts, asked: PlayAction | SendVerb) -> Refusal | None:
+    """What was pressed too long ago is not done: the room has changed."""
+    return Refusal("stale", asked.stale, AGAIN) if asked.stale else None
+
+
+def too_old_request(facts: Facts, asked: ClientRequest) -> Refusal | None:
+    """As `UNDONE` says it."""
+    undone = not_done(asked.request)
+    return Refusal("stale", f"{undone} ({asked.stale})", AGAIN) if undone and asked.stale else None
+
+
+def not_done(request: r.AnyRequest) -> str:
+    """What is not done if `request` is too old; empty: it is done all the same."""
+    match request:
+        case r.AskLock(panel=panel, locked=False):
+            return f"Panel {panel!r} not unlocked"
+        case r.AskMistake(run=""):
+            return "Last action not marked as a mistake"
+        case r.AskScript(to=to, by=by) if to is not None or by:
+            return "Script not moved"
+    return UNDONE.get(type(request), "")
+
+
+def too_old_release(facts: Facts, asked: ReleaseStop) -> Refusal | None:
+    """A release lets things move again."""
+    return Refusal("stale", f"Stop not released ({asked.stale})", AGAIN) if asked.stale else None
+
+
+def no_such_action(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """The file has to have it."""
+    return None if asked.action else Refusal("unknown", f"there is no action {asked.name!r}")
+
+
+def no_such_verb(facts: Facts, asked: SendVerb | SendOwnVerb) -> Refusal | None:
+    """It has to be known who carries it out."""
+    return asked.nobody
+
+
+def not_offered(facts: Facts, asked: SubmitCommand) -> Refusal | None:
+    """Its driver has to offer it."""
+    return None if asked.verb else Refusal("unknown", asked.unknown)
+
+
+# -- part and profile ----------------------------------------------------------------------------
+
+
+def another_plays_action(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """A panel is played by its parts. A phase plays what it begins with, whoever goes on to it;
+    programs and control panels that belong to a part play what a wizard of that part would.
+    """
+    console, players = asked.origin.console, _players(facts, asked)
+    if console not in players or asked.origin.source == "phase" or asked.action is None:
+        return None
+    title = asked.action.panel
+    panel = next((each for each in facts.panels if each.title == title), None)
+    if panel is None:  # a repair: it says something
+        return _not_played(facts, asked, "say", "")
+    found = panel_players(panel, facts.panels, players)
+    if console in found:
+        return None
+    return Refusal("part", f"the panel {title!r} is played by {player_names(found, players)}")
+
+
+def another_plays_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
+    """A verb by itself belongs with the panels that cover it."""
+    return _not_played(facts, asked, asked.verb, asked.driver)
+
+
+def _not_played(
+    facts: Facts, asked: PlayAction | SendVerb, verb: str, driver: str
+) -> Refusal | None:
+    console, players = asked.origin.console, _players(facts, asked)
+    if console not in players:
+        return None
+    found = verb_players(verb, facts.panels, players, driver)
+    if console in found:
+        return None
+    return Refusal("part", f"{verb!r} is played by {player_names(found, players)}")
+
+
+def _players(facts: Facts, asked: PlayAction | SendVerb) -> dict[str, str]:
+    """Who plays, and whoever asks, if it belongs to a part."""
+    console = asked.origin.console
+    part = facts.helpers.get(console, "")
+    return {**facts.wizards, console: part} if part else {**facts.wizards}
+
+
+def profile_without_action(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """Repairs count in every profile."""
+    profile, action = facts.profile, asked.action
+    if profile is None or action is None or asked.repair:
+        return None
+    if action.panel in profile.panels or asked.name in profile.actions:
+        return None
+    reason = f"{asked.name!r} is not in the profile {profile.name}"
+    return Refusal("profile", reason, command="profile")
+
+
+def profile_without_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
+    """What only takes hands off the robot counts in every profile."""
+    profile, verb, what = facts.profile, asked.verb, repr(asked.verb)
+    if profile is None or verb in IN_EVERY_PROFILE or verb in profile.verbs:
+        return None
+    if takes_hands_off(verb, asked.args):
+        return None
+    if verb == "control":
+        control = asked.args.get("control")
+        if control in profile.controls:
+            return None
+        what = f"the control {control!r}"
+    return Refusal("profile", f"{what} is not in the profile {profile.name}")
+
+
+# -- lock, record, moment ------------------------------------------------------------------------
+
+
+def locked_action(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """The file locks an action, a hand or a phase its panel."""
+    if asked.action is None:
+        return None
+    if asked.action.locked:
+        return Refusal("locked", f"{asked.name!r} is locked", "the experiment file locks it")
+    panel = asked.action.panel
+    if not facts.locked.get(panel, False):
+        return None
+    by_phase = facts.phase and panel in facts.locked_by_phase
+    reason = f"the panel {panel!r} is locked" + (f" in the phase {facts.phase}" if by_phase else "")
+    return Refusal("locked", reason, _unlock(panel), "find")
+
+
+def locked_effect(facts: Facts, asked: PlayEffect) -> Refusal | None:
+    """A lock holds for the robot itself, a profile does not."""
+    if asked.action.locked:
+        return Refusal("locked", f"{asked.name!r} is locked")
+    return (
+        Refusal("locked", "its panel is locked") if facts.locked.get(asked.action.panel) else None
+    )
+
+
+def locked_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
+    """A verb is locked with the panels that cover it."""
+    for panel in facts.panels:
+        if covers_verb(panel.covers, asked.verb, asked.driver) and facts.locked.get(panel.title):
+            reason = f"the panel {panel.title!r} is locked, and with it {asked.verb!r}"
+            return Refusal("locked", reason, _unlock(panel.title), "find")
+    return None
+
+
+def _unlock(panel: str) -> str:
+    """What a wizard looks for."""
+    return f"find 'Unlock {panel}'"
+
+
+def unrecorded_action(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """Nothing of an action begins if something of it would not be recorded."""
+    if not facts.unrecorded or asked.action is None:
+        return None
+    if all(takes_hands_off(call.verb, call.args) for call in asked.action.calls):
+        return None
+    return Refusal("unrecorded", facts.unrecorded, GO_ON, "unrecorded")
+
+
+def unrecorded_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
+    """What would not be recorded does not begin."""
+    if not facts.unrecorded or takes_hands_off(asked.verb, asked.args):
+        return None
+    return Refusal("unrecorded", facts.unrecorded, GO_ON, "unrecorded")
+
+
+def unrecorded_command(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal | None:
+    """Also the command with whose own line this was found out."""
+    if not facts.unrecorded or takes_hands_off(asked.command.verb, asked.command.args):
+        return None
+    return Refusal("unrecorded", facts.unrecorded, GO_ON)
+
+
+def no_moment(facts: Facts, asked: PlayAction | SendVerb) -> Refusal | None:
+    """What is asked for a moment has to reach it."""
+    if not asked.at:
+        return None
+    late_us = facts.now - asked.at
+    if abs(late_us) > FURTHEST_US:
+        return Refusal("late", "the moment is more than a day away")
+    if late_us > 0:
+        return Refusal("late", f"too late: it was to begin {late_us / 1_000_000:.3f} s ago")
+    if facts.scheduled >= MOST_SCHEDULED:
+        return Refusal("late", f"{MOST_SCHEDULED} requests wait for their moment already")
+    return None
+
+
+# -- arguments, driving, consent, lane -----------------------------------------------------------
+
+
+def wrong_arguments_later(facts: Facts, asked: SendVerb) -> Refusal | None:
+    """What is asked for later has to be right now."""
+    return Refusal("args", asked.wrong) if asked.at and asked.wrong else None
+
+
+def wrong_arguments(facts: Facts, asked: SubmitCommand) -> Refusal | None:
+    """As its driver declares them."""
+    return Refusal("args", asked.wrong) if asked.wrong else None
+
+
+def not_watched(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal | None:
+    """What drives needs somebody who watches. What a wizard has asked for drives while the player
+    of that wizard's part does, what belongs to no part while one of those whose part drives.
+
+    Where a lost line may be seen late, only a held key drives, and a control that says when it is
+    let go.
+    """
+    if asked.verb is None or not asked.verb.drives:
+        return None
+    driving, command = facts.driving, asked.command
+    if driving.unwatched:
+        return Refusal("unwatched", driving.unwatched, ATTACH)
+    part = driving.part
+    watching = [each for each in driving.watchers if part in (None, each.part)]
+    if part is not None and not watching:
+        reason = f"{console_of(part)} is not attached, or does not respond"
+        return Refusal("unwatched", reason, ATTACH)
+    held = [each for each in watching if each.held]
+    own = any(each.console == driving.console for each in held)
+    if own and command.source == "key" and command.key:
+        if (driving.console, command.key) in driving.keys:
+            return None
+        return Refusal("unwatched", LET_GO, "hold the key as long as it is to drive")
+    if held and len(held) == len(watching) and command.source not in SWITCHES:
+        line = f", inside {held[0].line}," if held[0].line else ""
+        reason = f"{console_of(held[0].part)}{line} drives only while a key is held"
+        return Refusal("unwatched", reason, HOLD)
+    return None
+
+
+def without_consent(facts: Facts, asked: DispatchCommand) -> Refusal | None:
+    """Only a person gives a consent, and only with one a face is learnt. The sentences do not say
+    whose consent it is about.
+    """
+    command = asked.command
+    if asked.verb.name == FACE_CONSENT:
+        if gives_consent(command.verb, command.args) and not _is_from_person(command):
+            return Refusal(
+                "consent",
+                "no person has given this consent",
+                f"let the wizard play a step `{FACE_CONSENT}: NAME` of the experiment file",
+            )
+    elif asked.verb.needs_consent and asked.person not in facts.consents:
+        return Refusal(
+            "consent",
+            "this person has not consented to having their face learnt",
+            f"ask them, then play a step `{FACE_CONSENT}: NAME`, with the same name",
+        )
+    return None
+
+
+def _is_from_person(command: Command) -> bool:
+    if command.action:
+        return command.source in BY_PERSON
+    # Whatever comes over a connection names it: no program can pass for the handshake.
+    return command.source == ENGAGEMENT and not (command.console or command.run)
+
+
+def faulted_lane(facts: Facts, asked: SubmitCommand) -> Refusal | None:
+    """A lane whose last job goes on in spite of its end takes nothing."""
+    if not asked.faulted:
+        return None
+    return Refusal(
+        "faulted",
+        f"{asked.command.driver} does not respond: its last command has not ended",
+        "wait until it responds, or end the session and check the device",
+    )
+
+
+# -- the table -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One reason: its name, what it is about, and why that may not happen (None: it may). `host`:
+    only the robot process knows; a console and `woz check` leave the row out.
+    """
+
+    name: str
+    about: tuple[type, ...]
+    why_not: Callable[[Facts, Any], Refusal | None]
+    host: bool = False
+
+
+_COMMAND = (SubmitCommand, DispatchCommand)
+
+TABLE: tuple[Row, ...] = (
+    Row("role", (ClientRequest,), watches, host=True),
+    Row("role", (ClientRequest,), participates, host=True),
+    Row("age", (ClientRequest,), too_old_request, host=True),
+    Row("role", (ClientRequest,), not_a_wizard, host=True),
+    Row("end", (ClientRequest,), ended_request),
+    Row("end", (ReleaseStop, SendVerb, SendOwnVerb), ended),
+    Row("unknown", (SendVerb, SendOwnVerb), no_such_verb),
+    Row("age", (ReleaseStop,), too_old_release, host=True),
+    Row("stop", (ReleaseStop,), not_confirmed, host=True),
+    Row("stop", (ReleaseStop,), not_stopped),
+    Row("age", (PlayAction, SendVerb), too_old, host=True),
+    Row("end", (PlayAction,), ended),
+    Row("unknown", (PlayAction,), no_such_action),
+    Row("lock", (PlayAction,), locked_action),
+    Row("lock", (PlayEffect,), locked_effect),
+    Row("record", (PlayAction,), unrecorded_action),
+    Row("record", (SendVerb,), unrecorded_verb),
+    Row("profile", (SendVerb,), profile_without_verb),
+    Row("lock", (SendVerb,), locked_verb),
+    Row("part", (PlayAction,), another_plays_action),
+    Row("part", (SendVerb,), another_plays_verb),
+    Row("moment", (SendVerb,), no_moment, host=True),
+    Row("stop", (PlayAction,), stop_pressed_action),
+    Row("stop", (SendVerb,), stop_pressed_later),
+    Row("arguments", (SendVerb,), wrong_arguments_later),
+    Row("profile", (PlayAction,), profile_without_action),
+    Row("moment", (PlayAction,), no_moment, host=True),
+    # What is asked of an action or a verb ends here; its commands go on.
+    Row("stop", _COMMAND, stop_pressed),
+    Row("record", _COMMAND, unrecorded_command),
+    Row("unknown", (SubmitCommand,), not_offered),
+    Row("driving", _COMMAND, not_watched, host=True),
+    Row("arguments", (SubmitCommand,), wrong_arguments),
+    Row("lane", (SubmitCommand,), faulted_lane, host=True),
+    Row("consent", (DispatchCommand,), without_consent, host=True),
+)
+
+
+def rows_about(question: type, rows: Iterable[Row] = TABLE) -> tuple[Row, ...]:
+    """The rows that look at such a question, in their order."""
+    return tuple(row for row in rows if question in row.about)
+
+
+_ROWS = {kind: rows_about(kind) for row in TABLE for kind in row.about}
+
+
+def why_not(facts: Facts, question: Question) -> Refusal | None:
+    """Why it may not happen now; None: it may."""
+    return first_refusal(_ROWS[type(question)], facts, question)
+
+
+def first_refusal(rows: Iterable[Row], facts: Facts, question: Question) -> Refusal | None:
+    """What the first row says that forbids it. One that raises forbids, too, and is named."""
+    for row in rows:
+        try:
+            refusal = row.why_not(facts, question)
+        except Exception as error:
+            log.exception("the row %r of the gate failed", row.name)
+            return Refusal(
+                "unchecked",
+                f"the check of {row.name!r} failed: {type(error).__name__}: {error}",
+                "this is an error in the program; the traceback is in the *.host.log",
+            )
+        if refusal is not None:
+            return refusal
+    return None

@@ -37,9 +37,9 @@ from woz_tui.config.experiment import (
     ParallelCalls,
     SessionSettings,
 )
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock

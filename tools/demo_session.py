@@ -21,11 +21,11 @@ from tests.session.rig import SessionRig
 from tools import EXPERIMENTS
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import PROTOCOL, Welcome
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.session import Session
 

@@ -26,10 +26,10 @@ from typing import Any
 from tests.session.rig import SessionRig
 from tests.session.study_rig import study_experiment
 from woz_tui.cli import main
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log
 from woz_tui.log.file_names import name_after
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import SessionIdentity
 
 KEY = RequestOrigin("key", "h", "con1")

@@ -12,8 +12,8 @@ import pytest
 
 from tests.bridge.rig import GENERAL, PATIENCE_S, PREDICTION, SEQUENCE, bridged
 from woz_tui.bml.ros_data import RosValue
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 
 ACK, NACK_FLUENCY, NACK_SOON, NACK_INVALID = (1, 1, 0), (1, 0, 1), (1, 0, 2), (1, 0, 3)
 START, STROKE, END = (2, 1, 0), (2, 2, 0), (2, 3, 0)

@@ -22,10 +22,10 @@ from woz_tui.config.engagement import PAPER, VISITOR, EngagementSettings
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.session import Session
 

@@ -27,7 +27,6 @@ from woz_tui.gate.table import why_not
 from woz_tui.host.dead_man_switch import DeadManSwitch
 from woz_tui.host.held_driving import _Hold
 from woz_tui.protocol import messages as m
-from woz_tui.session import action_runner
 from woz_tui.session.session import Session
 
 CONSOLES = ("con1", "con2", "con3", "")
@@ -161,7 +160,7 @@ def test_an_action_and_a_verb_are_judged_as_before(case: Case) -> None:
 
 def _compare(case: Case, session: Session) -> None:
     found = session.experiment.action(case.name)
-    old = action_runner.RequestOrigin(case.source, "", case.console)
+    old = RequestOrigin(case.source, "", case.console)
     new = RequestOrigin(case.source, "", case.console)
     facts = session.facts()
     question = PlayAction(

@@ -11,12 +11,12 @@ import msgspec
 from tests.session.rig import SessionRig
 from woz_tui.analysis.played_actions import PlayedSession, played_session
 from woz_tui.config.experiment import Call, FilePosition
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, fitted, plan_of
 from woz_tui.replay.rerun_player import RerunPlayer
-from woz_tui.session.action_runner import RequestOrigin
 
 KEY = RequestOrigin("key", "h", "con1")
 HAND = RequestOrigin("key", "h", "con9")

@@ -22,9 +22,9 @@ from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Engagement, Experiment, Panel
 from woz_tui.drivers.contract import Argument, Driver, DriverError, Job, Verb
 from woz_tui.drivers.fields import Range
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import SessionIdentity
 
 WIZARD = RequestOrigin("key", "k", "con1")

@@ -15,9 +15,9 @@ from msgspec import structs
 from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Call, Experiment, TextVariants
 from woz_tui.config.study import Design, Study
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import plan_of
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.action_texts import variant
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.redactor import Redactor

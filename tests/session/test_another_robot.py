@@ -10,9 +10,9 @@ from tests.session.rig import ScriptedDriver, SessionRig
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.plugins import installed
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import panel_views
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 
 KEY = RequestOrigin("key", "h", "con1")
 TEXT = """\

@@ -15,9 +15,9 @@ from woz_tui.bml.behaviour_calls import BmlTable, TableCall
 from woz_tui.config.experiment import Action, Panel, Profile, TextVariants
 from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL
 from woz_tui.drivers.contract import RejectedError
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.redactor import Redactor
 from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode
 from woz_tui.timeline.timeline import Timeline

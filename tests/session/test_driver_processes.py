@@ -9,10 +9,10 @@ import pytest
 from tests.network.installed_worker import installed_worker
 from tests.session.rig import SessionRig
 from woz_tui.config.loading import load
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.network import remote_driver
 from woz_tui.network.driver_process import ProcessDriver
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.testing import until
 from woz_tui.training.rehearsal_driver import rehearsed
 

@@ -23,10 +23,10 @@ from tests.session.rig import HERE, action, call, together
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Panel
 from woz_tui.drivers.contract import Argument, Ask, Job, Verb
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import PerceptionView, StudySettings
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.redactor import Redactor
 

@@ -13,9 +13,9 @@ import pytest
 from tests.session.rig import ScriptedDriver, SessionRig
 from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.contract import Scope
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 
 KEY = RequestOrigin("key", "h", "con1")

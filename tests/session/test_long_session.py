@@ -17,10 +17,10 @@ from tests.session.study_rig import STUDY, study_experiment
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.config.study import ResponseShaping
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 
 HALF_AN_HOUR = 1800.0

@@ -13,11 +13,11 @@ from tests.session.engagement_rig import WIZARD, EngagementRig, GuideDriver, gui
 from tests.session.rig import HERE, action, call, together
 from woz_tui.config.experiment import Panel
 from woz_tui.drivers.contract import DriverError, Job
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskVerb, Reply
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 
 PICTURE = "http://ada:PASSWORD@host/a.png?size=2&access_token=PASSWORD"

@@ -16,9 +16,9 @@ from tests.session.test_driver_requests import RequestOutcome, from_a_thread
 from woz_tui.config.experiment import Experiment, Profile
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Ask
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import panel_views
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 
 pytestmark = pytest.mark.toolkit("U3")

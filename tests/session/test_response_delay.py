@@ -15,8 +15,8 @@ from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import SessionRig
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Ask, Verb
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.response_delay import ResponseDelay, may_wait
 from woz_tui.system.clock import ManualClock
 

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from tests.session.rig import SessionRig, experiment
 from woz_tui.config.experiment import Phase
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.script_control import ScriptState
 

@@ -12,8 +12,8 @@ from tests.session.rig import ScriptedDriver, SessionRig, action, call, experime
 from woz_tui.config import utterance_template
 from woz_tui.config.experiment import FilePosition, Problem
 from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.action_texts import utterances
 from woz_tui.session.participant_identity import RequestError, SessionIdentity, check_participant
 from woz_tui.session.preflight import preflight

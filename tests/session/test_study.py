@@ -21,9 +21,9 @@ from tests.session.study_rig import (
     study_experiment,
 )
 from woz_tui.config.study import PerceptionLimits, Study
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import PreflightCheck
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.session_plan import study_snapshot

@@ -13,9 +13,9 @@ import pytest
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Action, Panel, Wait
 from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.episodes import ActionEpisode as Played
 from woz_tui.timeline.episodes import EpisodeOutcome

@@ -11,9 +11,9 @@ from typing import Any
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Panel
 from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.action_runner import RequestOrigin
 
 KEY = RequestOrigin("key", "x", "con1")
 

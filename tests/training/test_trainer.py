@@ -10,8 +10,8 @@ from typing import Self
 import pytest
 
 from tests.session.rig import Kind, SessionRig
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.training.cue_plan import PlannedCue
 from woz_tui.training.trainer import Trainer
 from woz_tui.training.training_visitor import AWAY_M, NEAR_M, TrainingVisitor

@@ -14,6 +14,7 @@ from msgspec.structs import replace
 from woz_tui.config.experiment import Call, Experiment, ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding, HandInput
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.client_connection import ClientConnection, part_text, take_over_hint
 from woz_tui.host.dead_man_switch import DeadManSwitch
 from woz_tui.host.picture_service import PictureService
@@ -68,7 +69,6 @@ from woz_tui.protocol.requests import (
     AskVerb,
     Reply,
 )
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.preflight import preflight
 from woz_tui.session.questionnaire_control import PARTICIPANT

@@ -13,6 +13,7 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
 from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, is_by_hand, weakest
 from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
@@ -25,15 +26,6 @@ from woz_tui.session.variables import MissingValueError
 REMEMBERED = 2000
 #: Lanes of the gaze and of the face: what is played there goes with what is said.
 _ACCOMPANYING = frozenset({"head", "face", "eyes"})
-
-
-@dataclass(frozen=True, slots=True)
-class RequestOrigin:
-    """Where a request came from: whose hand, which key, which console."""
-
-    source: str
-    key: str = ""
-    console: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,9 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import ActionRunner, RequestOrigin
+from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import ActionTexts
 
 #: The least that it waits, in seconds: whoever is late is woken soon, and not without a pause.

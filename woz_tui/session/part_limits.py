@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping
 
 from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.repairs import SAY
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol.panel_players import panel_players, player_names, players, verb_players
 from woz_tui.protocol.panels import covers_verb
-from woz_tui.session.action_runner import CommandRefusal, RequestOrigin
+from woz_tui.session.action_runner import CommandRefusal
 
 
 class PartLimits:

@@ -24,18 +24,14 @@ from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.requesters import WIZARD
-from woz_tui.session.action_runner import (
-    ActionRunner,
-    CommandRefusal,
-    LaterStart,
-    RequestOrigin,
-)
+from woz_tui.session.action_runner import ActionRunner, CommandRefusal, LaterStart
 from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
 from woz_tui.session.bml_player import BmlPlayer
 from woz_tui.session.driver_context import OnCompletion

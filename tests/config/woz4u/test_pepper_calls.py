@@ -13,8 +13,8 @@ from tests.config.woz4u.reading import CATALOGUE, read_experiment
 from tests.drivers.pepper.connection_rig import patience
 from tests.fakes.naoqi import StandIn, stand_in
 from tests.session.rig import SessionRig
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 
 KEY = RequestOrigin("key", "h", "con1")

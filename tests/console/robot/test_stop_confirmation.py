@@ -14,8 +14,8 @@ from woz_tui.console.cells import length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.replay.replay_timeline import replay_rows
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.session import Session
 
 NOW = scenes.NOW

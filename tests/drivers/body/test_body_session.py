@@ -16,8 +16,8 @@ from tools import EXPERIMENTS, show_tune
 from tools.demo_session import catalogue
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Ask
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 
 KEY = RequestOrigin("key", "h", "con1")

@@ -32,9 +32,9 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.contract import DriverError, Probe, RejectedError
 from woz_tui.drivers.face_store import FaceStore, default_path
 from woz_tui.drivers.plugins import installed
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Notice, Reading
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.system.clock import RealClock
 
 pytestmark = pytest.mark.safety

@@ -9,8 +9,8 @@ import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.host.test_programs import limited, program
+from woz_tui.gate.table import MOST_SCHEDULED
 from woz_tui.protocol import messages as m
-from woz_tui.session.session import MOST_SCHEDULED
 
 REQUESTS: list[tuple[str, dict[str, Any]]] = [
     ("action", {"action": "Hello"}),

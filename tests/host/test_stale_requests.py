@@ -11,7 +11,7 @@ import pytest
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.protocol import examples
 from tools import ROOT
-from woz_tui.host import request_handlers
+from woz_tui.gate.table import not_done
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import RealClock, boot_id
 
@@ -86,9 +86,7 @@ def test_the_page_of_the_protocol_names_all_of_it() -> None:
     page = (ROOT / "docs" / "reference" / "protocol.md").read_text(encoding="utf-8")
     named = page.partition("### Too old")[2].partition("The stop counts")[0]
     undone = {
-        str(request.__struct_config__.tag)
-        for request in examples.REQUESTS
-        if request_handlers._undone(request)
+        str(request.__struct_config__.tag) for request in examples.REQUESTS if not_done(request)
     }
     kinds = {kind for kind, _ in TIMELY}
     assert undone < kinds

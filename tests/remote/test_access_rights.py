@@ -23,7 +23,7 @@ from tests.remote.network import Machines, machines
 from woz_tui.cli.mcp import SessionTools
 from woz_tui.client import WozRefusedError
 from woz_tui.drivers.contract import Health
-from woz_tui.host.request_handlers import WATCHER_MAY
+from woz_tui.gate.table import WATCHER_MAY
 from woz_tui.network import remote_driver as remote_side
 from woz_tui.network import zenoh_line
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority

@@ -16,7 +16,8 @@ from tests.session.test_driver_requests import RequestOutcome, from_a_thread
 from woz_tui.config.experiment import Experiment, Profile
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Ask
-from woz_tui.gate.questions import RequestOrigin
+from woz_tui.gate.questions import RequestOrigin, SendVerb
+from woz_tui.gate.table import why_not
 from woz_tui.host.experiment_view import panel_views
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import RequestError
@@ -95,7 +96,7 @@ def test_controls_and_modes(
     tmp_path: Path, verb: str, args: dict[str, m.Json], allowed: bool
 ) -> None:
     async def scenario(rig: SessionRig) -> None:
-        refusal = rig.session.profiles.no_verb(verb, args)
+        refusal = why_not(rig.session.facts(), SendVerb(verb, args, "robot", KEY))
         assert (refusal is None) is allowed
         assert refusal is None or refusal.reason.endswith(NOT)
 

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from woz_tui.config.experiment import Profile
 from woz_tui.protocol.panel_players import PartedPanel
+
+
+class GatedPanel(PartedPanel, Protocol):
+    """What counts here of a panel, in the file or on the screen."""
+
+    @property
+    def locked(self) -> bool:
+        """Whether it is at first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +56,7 @@ class Facts:
         unconfirmed: Drivers that have not confirmed it.
         unrecorded: Why what happens now would not be recorded; empty: it is.
         panels: Of the file.
-        locked: Whether a panel is locked, by title.
+        locked: Whether a panel was locked or unlocked since, by title.
         phase: The heading of the phase that holds; empty: none.
         locked_by_phase: Panels that it has locked.
         profile: What the wizard may use; None: everything.
@@ -63,7 +72,7 @@ class Facts:
     stopped: bool = False
     unconfirmed: Sequence[str] = ()
     unrecorded: str = ""
-    panels: Sequence[PartedPanel] = ()
+    panels: Sequence[GatedPanel] = ()
     locked: Mapping[str, bool] = field(default_factory=dict)
     phase: str = ""
     locked_by_phase: Collection[str] = ()

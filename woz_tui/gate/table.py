@@ -307,7 +307,8 @@ def locked_effect(facts: Facts, asked: PlayEffect) -> Refusal | None:
 def locked_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
     """A verb is locked with the panels that cover it."""
     for panel in facts.panels:
-        if covers_verb(panel.covers, asked.verb, asked.driver) and facts.locked.get(panel.title):
+        locked = facts.locked.get(panel.title, panel.locked)
+        if locked and covers_verb(panel.covers, asked.verb, asked.driver):
             reason = f"the panel {panel.title!r} is locked, and with it {asked.verb!r}"
             return Refusal("locked", reason, _unlock(panel.title), "find")
     return None

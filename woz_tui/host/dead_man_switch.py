@@ -8,6 +8,8 @@ from woz_tui.bus.bus import ATTACH
 from woz_tui.host.client_connection import ClientConnection
 from woz_tui.host.held_driving import SWITCHES, Driving, HeldDriving
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.panel_players import players
+from woz_tui.protocol.panels import covers_verb
 from woz_tui.protocol.requests import AskAction, AskVerb
 from woz_tui.session.session import Session
 
@@ -37,7 +39,7 @@ class DeadManSwitch:
     Where a wizard's line may be lost without anybody seeing it (`driving_of`), only a held key
     drives, and a control that says when it is let go. What a wizard has asked for drives while the
     player of that wizard's part watches. What nobody's part has asked for (a program, a control
-    panel) drives while one of those watches whose part drives (see `PartLimits.drivers`).
+    panel) drives while one of those watches whose part drives (see `_drivers`).
 
     Args:
         session: Whose bus drives.
@@ -63,7 +65,7 @@ class DeadManSwitch:
         """
         bus, wizards = self._session.bus, self._wizards()
         self._parts |= {each.name: each.part for each in wizards}
-        drivers = self._session.parts.drivers(self._driving_verbs())
+        drivers = self._drivers()
         responsible = [each for each in wizards if each.name in drivers]
         watching = {each.part for each in responsible if not each.silent}
         silent = next((each.silent for each in responsible), NOBODY)
@@ -134,6 +136,19 @@ class DeadManSwitch:
             return f"{_line_of(held[0])} drives only while a key is held", HOLD
         self._drove.add(part)
         return "", ""
+
+    def _drivers(self) -> frozenset[str]:
+        """Consoles of the wizards whose part drives: who plays a panel that covers a verb that
+        does, or has an action with one; every wizard, where no panel does.
+        """
+        wizards, drives = self._session.state.wizards, self._driving_verbs()
+        found = [
+            players(panel.parts, wizards)
+            for panel in self._session.experiment.panels
+            if any(covers_verb(panel.covers, verb) for verb in drives)
+            or drives.intersection(call.verb for each in panel.actions for call in each.calls)
+        ]
+        return frozenset().union(*found) if found else frozenset(wizards)
 
     def _console_of(self, command: m.Command) -> str:
         run = self._session.state.actions.get(command.run)

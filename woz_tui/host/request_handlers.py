@@ -14,7 +14,9 @@ from msgspec.structs import replace
 from woz_tui.config.experiment import Call, Experiment, ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding, HandInput
-from woz_tui.gate.questions import RequestOrigin
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import ClientRequest, RequestOrigin
+from woz_tui.gate.table import not_done, why_not
 from woz_tui.host.client_connection import ClientConnection, part_text, take_over_hint
 from woz_tui.host.dead_man_switch import DeadManSwitch
 from woz_tui.host.picture_service import PictureService
@@ -61,7 +63,6 @@ from woz_tui.protocol.requests import (
     AskScript,
     AskSet,
     AskSound,
-    AskTakeOver,
     AskTalk,
     AskTraining,
     AskTrial,
@@ -79,10 +80,6 @@ from woz_tui.system.tasks import TaskSet
 
 log = logging.getLogger(__name__)
 
-#: What somebody who only watches may ask for; `SessionServer` answers stop and take-over itself.
-WATCHER_MAY = (AskDescribe, AskPreflight, AskMarker, AskNote, AskPicture, AskSound, AskTakeOver)
-#: What a participant may ask for, who sits at a terminal to answer a questionnaire.
-PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: Sources of what the robot process, its drivers and its re-runs do by themselves: no console's.
 NOT_OF_CLIENTS = frozenset(
     {"engagement", "replay", "phase", "midi", "gamepad", "stream-deck", "driver", "body"}
@@ -131,10 +128,12 @@ class RequestHandlers:
         """Carry `request` out and reply; every request gets exactly one reply; a picture is one."""
         if client.view is not None:
             request = client.view.redactor.request(request)
-        if client.role == "watcher" and not isinstance(request, WATCHER_MAY):
-            self._only_watches(client, request)
-        elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
-            client.refuse(request.ref, "this console can only answer questionnaires")
+        question = self._question(client, request)
+        refusal = why_not(Facts(ended=self._session.ended), question)
+        if refusal is not None:
+            with self._session.hub.on_behalf_of(client.name):
+                self._session.log_too_old(refusal)
+            client.refuse(request.ref, refusal.reason, refusal.remedy, refusal.command)
         elif isinstance(request, AskDescribe):
             client.send(Reply(ref=request.ref, ok=True, data=self._session.describe()))
         elif isinstance(request, AskPicture):
@@ -155,17 +154,18 @@ class RequestHandlers:
         except RequestError as error:
             client.send(_refused(client, request, error))
 
-    def _only_watches(self, client: ClientConnection, request: AnyRequest) -> None:
-        what = part_text(client)
-        if self.can_take_over(client):
-            reason = f"this console only watches, and nobody plays {what}"
-            client.refuse(request.ref, reason, command="take_over")
-        else:
-            client.refuse(
-                request.ref,
-                f"this console only watches; another console plays {what}",
-                take_over_hint(client),
-            )
+    def _question(self, client: ClientConnection, request: AnyRequest) -> ClientRequest:
+        stale = self._stale(request) if not_done(request) else ""
+        if client.role != "watcher":
+            return ClientRequest(request, client.role, stale)
+        return ClientRequest(
+            request,
+            client.role,
+            stale,
+            plays=part_text(client),
+            vacant=self.can_take_over(client),
+            take_over=take_over_hint(client),
+        )
 
     def _answer_at_once(self, client: ClientConnection, request: AnyRequest) -> Reply:
         ends: dict[str, ActionEnd | End] = {}
@@ -217,8 +217,6 @@ class RequestHandlers:
                 session.release(source, stale, missing)
             case AskControls():
                 self._hand(client, request)
-            case _ if stale and (undone := _undone(request)):
-                session.refuse(undone, stale)
             case AskCancel(run=ended):
                 session.cancel(ended, self._by(client))
             case AskEmptyQueue():
@@ -237,14 +235,10 @@ class RequestHandlers:
                 session.use_profile(profile, source)
                 self.on_panels()
             case AskUnrecorded():
-                if client.role != "wizard":
-                    raise RequestError("only a wizard can go on without a record")
-                session.record.go_on()
+                session.go_on_unrecorded()
             case AskEnd(reason=reason):
                 session.end_tells = tells
                 self.on_end(reason)
-            case _ if session.ended:
-                raise RequestError("the session is ending")
             case AskPhase(phase=phase, source=source, key=key):
                 session.phase(phase, RequestOrigin(source, key, client.name))
             case AskAssign(participant=participant, order=order):
@@ -278,8 +272,6 @@ class RequestHandlers:
 
     def _script(self, client: ClientConnection, request: AskScript, stale: str) -> str:
         if request.to is not None or request.by:
-            if stale:
-                self._session.refuse("Script not moved", stale)
             self._session.move_script(request.to, request.by)
         if not request.play:
             return ""
@@ -495,26 +487,6 @@ def _by_a_client(client: ClientConnection, request: AnyRequest) -> AnyRequest:
         case AskEnd(reason="wizard") if client.role == "program":
             return replace(request, reason="program")
     return request
-
-
-_UNDONE: dict[type, str] = {
-    AskProfile: "Profile not changed",
-    AskPhase: "Phase not changed",
-    AskUnrecorded: "Not going on without a record",
-    AskEnd: "Session not ended",
-}
-
-
-def _undone(request: AnyRequest) -> str:
-    """What is not done if the request is too old: it would let something move, or mean another
-    thing by now. Empty: it is done all the same, as are records and whatever takes away.
-    """
-    match request:
-        case AskLock(panel=panel, locked=False):
-            return f"Panel {panel!r} not unlocked"
-        case AskMistake(run=""):
-            return "Last action not marked as a mistake"
-    return _UNDONE.get(type(request), "")
 
 
 def _refused(client: ClientConnection, request: AnyRequest, error: RequestError) -> Reply:

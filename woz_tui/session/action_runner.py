@@ -13,7 +13,7 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
 from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
-from woz_tui.gate.questions import RequestOrigin
+from woz_tui.gate.questions import Refusal, RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, is_by_hand, weakest
 from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
@@ -29,25 +29,13 @@ _ACCOMPANYING = frozenset({"head", "face", "eyes"})
 
 
 @dataclass(frozen=True, slots=True)
-class CommandRefusal:
-    """Why a command is not even tried: as a word (of `m.Refused`) and in a sentence. `hint` and
-    `command` as in `RequestError`.
-    """
-
-    code: str
-    reason: str
-    hint: str = ""
-    command: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class LaterStart:
     """When something is to begin, on the axis of `t`, and what then says why it may not: much can
     have been locked since it was asked for.
     """
 
     at: int
-    why_not: Callable[[], CommandRefusal | None]
+    why_not: Callable[[], Refusal | None]
 
 
 @dataclass
@@ -200,7 +188,7 @@ class ActionRunner:
         call: Call,
         origin: RequestOrigin,
         when_busy: str = "queue",
-        refusal: CommandRefusal | None = None,
+        refusal: Refusal | None = None,
         on_end: Callable[[m.End], None] | None = None,
         *,
         like: m.Command | None = None,
@@ -265,7 +253,7 @@ class ActionRunner:
         whole: m.Command,
         call: Call,
         when_busy: str,
-        refusal: CommandRefusal | None,
+        refusal: Refusal | None,
         on_end: Callable[[m.End], None],
     ) -> str:
         """Send one command as a part of what the command `whole` plays; its id."""

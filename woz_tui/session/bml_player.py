@@ -32,11 +32,11 @@ from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.session_verbs import BML, PERFORMERS
 from woz_tui.drivers.contract import Driver, Forecast, Job, RejectedError, Scope
-from woz_tui.gate.questions import RequestOrigin
+from woz_tui.gate.questions import Refusal, RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, weakest
 from woz_tui.protocol.messages import Json
-from woz_tui.session.action_runner import ActionRunner, CommandRefusal
+from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.prediction import forecast
 from woz_tui.timeline.session_state import SessionState
@@ -115,7 +115,7 @@ class BmlPlayer:
         *,
         read: Callable[[], Experiment],
         catalogue: Mapping[str, type[Driver]],
-        refusal: Callable[[Call, RequestOrigin], CommandRefusal | None],
+        refusal: Callable[[Call, RequestOrigin], Refusal | None],
     ) -> None:
         self._hub = hub
         self._state = state

@@ -20,7 +20,7 @@ from pathlib import Path
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import settings_to_json
-from woz_tui.config.experiment import Action, Engagement
+from woz_tui.config.experiment import Engagement
 from woz_tui.config.session_verbs import ENGAGEMENT, engagement_verbs
 from woz_tui.config.utterance_template import VISITOR
 from woz_tui.drivers.contract import Job, RejectedError, Scope, Verb
@@ -117,11 +117,6 @@ class EngagementController:
         """Variables for utterances: `{visitor}`, empty while nobody is known."""
         model = self._model
         return {VISITOR: model.visitors.name(model.follower.model.visitor)} if model else {}
-
-    def only_informs_model(self, action: Action | None) -> bool:
-        """Whether an action does nothing but tell the model something."""
-        calls = action.calls if action else ()
-        return bool(calls) and all(call.driver == ENGAGEMENT for call in calls)
 
     # -- a performer on the bus --------------------------------------------------------------------
 

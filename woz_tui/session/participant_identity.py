@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from woz_tui.config.participant_pattern import SIMPLER, describe_pattern, matches
+from woz_tui.gate.questions import Refusal
 
 if TYPE_CHECKING:
     from woz_tui.config.experiment import Experiment
@@ -29,6 +30,11 @@ class RequestError(ValueError):
         self.reason = reason
         self.hint = f"there are {', '.join(conditions)}" if conditions else hint
         self.conditions = conditions
+
+    @classmethod
+    def of(cls, refusal: Refusal) -> RequestError:
+        """What the gate says."""
+        return cls(refusal.reason, refusal.remedy, command=refusal.command)
 
 
 @dataclass(frozen=True, slots=True)

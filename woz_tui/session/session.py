@@ -10,7 +10,8 @@ import contextlib
 import logging
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NoReturn
+from functools import partial
+from typing import Any
 
 import msgspec
 
@@ -24,14 +25,22 @@ from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.gate.facts import Facts
-from woz_tui.gate.questions import RequestOrigin
+from woz_tui.gate.questions import (
+    PlayAction,
+    Refusal,
+    ReleaseStop,
+    RequestOrigin,
+    SendOwnVerb,
+    SendVerb,
+)
+from woz_tui.gate.table import another_plays_action, why_not
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.requesters import WIZARD
-from woz_tui.session.action_runner import ActionRunner, CommandRefusal, LaterStart
+from woz_tui.session.action_runner import ActionRunner, LaterStart
 from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
 from woz_tui.session.bml_player import BmlPlayer
 from woz_tui.session.driver_context import OnCompletion
@@ -39,13 +48,11 @@ from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
-from woz_tui.session.part_limits import PartLimits
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
-from woz_tui.session.profile_limits import ProfileLimits, lock_on, panel_refusal
+from woz_tui.session.profile_limits import ProfileLimits
 from woz_tui.session.recent_messages import RecentMessages
-from woz_tui.session.record_gate import RecordGate
 from woz_tui.session.repair_control import RepairController
 from woz_tui.session.response_delay import ResponseDelay
 from woz_tui.session.script_control import ScriptController
@@ -63,10 +70,6 @@ from woz_tui.timeline.session_state import SessionState
 CLOCK_TIE_S = 30.0
 log = logging.getLogger(__name__)
 
-#: Requests that may wait for their moment, and how far it may be away, in microseconds.
-MOST_SCHEDULED, FURTHEST_US = 256, 86_400_000_000
-#: What helps against a press that came too late.
-AGAIN = "press it again"
 #: A stamp that says that a stop is older is taken for a mistake, in microseconds.
 OLDEST_STOP_US = 60_000_000
 #: Seconds between two checkpoints of the log.
@@ -106,7 +109,6 @@ class Session:
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
-        self.record = RecordGate(self.hub, self.recorder)
         self.hub.listen(self._on_message)
         self.hub.listen(self.recent.add)
         self.phases = PhaseController(
@@ -134,7 +136,6 @@ class Session:
         folder = self.recorder.folder
         self.engagement = EngagementController(robot, self.state, self.locked, folder)
         self.profiles = ProfileLimits(self.hub.publish)
-        self.parts = PartLimits(lambda: self.experiment, lambda: self.state.wizards, self._helpers)
         self.study = StudyController(
             self.hub,
             self.state,
@@ -302,51 +303,30 @@ class Session:
         begin, on the axis of `t`; 0: now.
         """
         action = self.experiment.action(name)
-        panel = action.panel if action else ""
-        why_not = self._why_not(name, origin)
-        reason = stale or why_not or self._no_moment(at)
-        if reason or action is None:
-            self.runner.refuse(name, panel, origin, reason)
+        repair = action in self.experiment.repairs
+        question = PlayAction(name, action, origin, stale, at, repair)
+        if (refusal := why_not(self.facts(), question)) is not None:
+            panel = action.panel if action else ""
+            self.runner.refuse(name, panel, origin, refusal.reason)
             self.scripts.publish()
-            if stale:
-                raise RequestError(f"{name!r} not played ({stale})", AGAIN)
-            hint, command = self._what_would_help(action, origin) if why_not else ("", "")
-            raise RequestError(reason, hint, command=command)
-        if not action.steps and action in self.experiment.repairs:
+            if refusal.code == "stale":
+                raise RequestError(f"{name!r} not played ({stale})", refusal.remedy)
+            raise RequestError.of(refusal)
+        assert action is not None
+        if not action.steps and repair:
             return self.repairs.play(action, origin, when_busy, at)
-        later = LaterStart(at, lambda: self._refusal_of(name, origin)) if at else None
+        later = LaterStart(at, partial(self._no_action, name, origin)) if at else None
         run, refused = self.runner.play(action, origin, when_busy, later=later)
         self.scripts.publish()
         if refused is not None:
             raise refused
         return run
 
-    def _no_moment(self, at: int) -> str:
-        """Why nothing can be asked for the moment `at` (0: now); empty: it can."""
-        if not at:
-            return ""
-        late_us = self.hub.now() - at
-        if abs(late_us) > FURTHEST_US:
-            return "the moment is more than a day away"
-        if late_us > 0:
-            return f"too late: it was to begin {late_us / 1_000_000:.3f} s ago"
-        if len(self.runner.scheduled) >= MOST_SCHEDULED:
-            return f"{MOST_SCHEDULED} requests wait for their moment already"
-        return ""
-
-    def _refusal_of(self, name: str, origin: RequestOrigin) -> CommandRefusal | None:
-        """Why an action cannot begin although it could when it was asked for."""
-        reason = self._why_not(name, origin)
-        return CommandRefusal("locked", reason) if reason else None
-
-    def _what_would_help(self, action: Action | None, origin: RequestOrigin) -> tuple[str, str]:
-        """What to do so that the action can be played, and the console's key for it."""
-        if action is None or self.ended:
-            return "", ""
-        if closed := self._closed_to_all(action):
-            return closed.hint, closed.command
-        belongs = not self.parts.no_action(action, origin)
-        return "", ("release" if self.bus.latched else "profile") if belongs else ""
+    def _no_action(self, name: str, origin: RequestOrigin) -> Refusal | None:
+        """Why this hand may not play it at the moment; None: it may."""
+        action = self.experiment.action(name)
+        repair = action in self.experiment.repairs
+        return why_not(self.facts(), PlayAction(name, action, origin, repair=repair))
 
     def facts(self) -> Facts:
         """What holds now, for the gate."""
@@ -355,6 +335,7 @@ class Session:
             now=self.hub.now(),
             ended=self.ended,
             stopped=self.bus.latched,
+            unconfirmed=self.bus.unconfirmed if self.bus.latched else (),
             unrecorded=self.recorder.refusal(),
             panels=self.experiment.panels,
             locked=self.locked,
@@ -365,24 +346,6 @@ class Session:
             helpers=self._helpers(),
             scheduled=len(self.runner.scheduled),
         )
-
-    def _why_not(self, name: str, origin: RequestOrigin) -> str:
-        if self.ended:
-            return "the session is ending"
-        action = self.experiment.action(name)
-        if action is None:
-            return f"there is no action {name!r}"
-        if closed := self._closed_to_all(action):
-            return closed.reason
-        if reason := self.parts.no_action(action, origin):
-            return reason
-        if self.bus.latched and not self.engagement.only_informs_model(action):
-            return "the stop is pressed"
-        return "" if action in self.experiment.repairs else self.profiles.no_action(action)
-
-    def _closed_to_all(self, action: Action) -> CommandRefusal | None:
-        lock = lock_on(action, self.locked, self.phases.why_locked(action.panel))
-        return lock or self.record.no_action(action)
 
     def send(
         self,
@@ -402,30 +365,37 @@ class Session:
         `stale`: why the press is too old to be sent; the refusal is in the log too. `tells` and
         `unfilled` as in `messages.Command`. `at` as for `play`.
         """
-        call = replace(self._call(verb, args, on), tells=tells, unfilled=unfilled or {})
-        refusal = CommandRefusal("stale", stale, AGAIN) if stale else self._no_verb(call, origin)
-        later = None
-        if at and refusal is None:
-            refusal = self._no_later_verb(call, at)
-            later = LaterStart(at, lambda: self._no_verb(call, origin))
+        named = self._driver_offering(verb, on)
+        nobody = named if isinstance(named, Refusal) else None
+        driver = "" if isinstance(named, Refusal) else named
+        call = Call(verb, dict(args), driver, tells=tells, unfilled=unfilled or {})
+        wrong = self._wrong_arguments(call) if at else ""
+        question = SendVerb(verb, call.args, driver, origin, stale, at, nobody, wrong)
+        refusal = self._why_not_sent(question)
+        later = LaterStart(at, partial(self._no_verb, call, origin)) if at else None
         command = self.runner.send(call, origin, when_busy or "queue", refusal, later=later).command
         if refusal is not None:
-            raise RequestError(refusal.reason, refusal.hint, command=refusal.command)
+            raise RequestError.of(refusal)
         return command
 
-    def _no_later_verb(self, call: Call, at: int) -> CommandRefusal | None:
-        """Why a verb cannot be asked for the moment `at`: what the bus would say only then."""
+    def _why_not_sent(self, question: SendVerb | SendOwnVerb) -> Refusal | None:
+        """Why a verb may not be sent. Raises `RequestError` where no driver can be named, so that
+        no command is refused in the log.
+        """
+        refusal = why_not(self.facts(), question)
+        if refusal is not None and refusal.code in ("ended", "unknown"):
+            raise RequestError.of(refusal)
+        return refusal
+
+    def _wrong_arguments(self, call: Call) -> str:
+        """What is wrong with the arguments, which the bus would say only when they are due."""
         known = self.bus.verb(call.driver, call.verb)
-        if late := self._no_moment(at):
-            return CommandRefusal("late", late)
-        if self.bus.latched:
-            return CommandRefusal("stopped", "the stop is pressed")
         try:
             if known is not None:
                 checked(known, call.args)
         except ArgumentError as error:
-            return CommandRefusal("args", str(error))
-        return None
+            return str(error)
+        return ""
 
     async def predict_action(self, name: str, kept: Kept) -> Prediction:
         """How an action would go if it were played now. Raises `RequestError`."""
@@ -466,14 +436,9 @@ class Session:
         self.texts.publish_all()
         return True
 
-    def _no_verb(self, call: Call, origin: RequestOrigin) -> CommandRefusal | None:
+    def _no_verb(self, call: Call, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not send it at the moment; None: it may."""
-        return (
-            self.record.no_verb(call.verb, call.args)
-            or self.profiles.no_verb(call.verb, call.args)
-            or panel_refusal(self.experiment, self.locked, call.verb, call.driver)
-            or self.parts.no_verb(call.verb, call.driver, origin)
-        )
+        return why_not(self.facts(), SendVerb(call.verb, call.args, call.driver, origin))
 
     def _helpers(self) -> dict[str, str]:
         """Programs and control panels that belong to a part, with it."""
@@ -494,31 +459,30 @@ class Session:
             return f"too late: the key was pressed {age_us / 1_000_000:.1f} s ago"
         return ""
 
-    def refuse(self, what: str, why: str) -> NoReturn:
-        """Log that something was not done which is neither an action nor a command."""
-        self.hub.publish(m.Notice(level="warning", text=f"{what} ({why})"))
-        raise RequestError(f"{what} ({why})", AGAIN)
-
-    def _call(self, verb: str, args: Mapping[str, m.Json], on: str) -> Call:
-        if self.ended:
-            raise RequestError("the session is ending")
-        return Call(verb, dict(args), self._driver_for(verb, on))
+    def log_too_old(self, refusal: Refusal) -> None:
+        """What is too old is in the log, also if it is neither an action nor a command."""
+        if refusal.code == "stale":
+            self.hub.publish(m.Notice(level="warning", text=refusal.reason))
 
     def _driver_for(self, verb: str, on: str) -> str:
+        named = self._driver_offering(verb, on)
+        if isinstance(named, Refusal):
+            raise RequestError.of(named)
+        return named
+
+    def _driver_offering(self, verb: str, on: str) -> str | Refusal:
+        """The driver that is meant, or why none can be named."""
         offering = [name for name, verbs in self.bus.verbs.items() if verb in verbs]
         if on:
             offering = [n for n in offering if n in (on, *PERFORMERS) or n.startswith(f"{on}.")]
         if len(offering) == 1:
             return offering[0]
         if offering:
-            raise RequestError(
-                f"{verb!r} is offered by {' and '.join(offering)}", "name one of them with `on`"
-            )
+            reason = f"{verb!r} is offered by {' and '.join(offering)}"
+            return Refusal("unknown", reason, "name one of them with `on`")
         verbs = sorted({known for offered in self.bus.verbs.values() for known in offered})
-        raise RequestError(
-            f"no driver{f' {on!r}' if on else ''} offers {verb!r}",
-            f"there are {', '.join(verbs)}",
-        )
+        reason = f"no driver{f' {on!r}' if on else ''} offers {verb!r}"
+        return Refusal("unknown", reason, f"there are {', '.join(verbs)}")
 
     def script_next(self, origin: RequestOrigin, stale: str = "") -> str:
         """Play the script's next line and move on; its run id. `stale` as for `play`."""
@@ -542,10 +506,12 @@ class Session:
 
     def _is_of_another(self, action: e.ActionEpisode) -> bool:
         """Whether a wizard has just pressed what another one plays: the script hears nothing."""
-        request, found = action.request, self.experiment.action(action.label)
-        if action.end is not None or found is None:
+        request = action.request
+        if action.end is not None:
             return False
-        return bool(self.parts.no_action(found, RequestOrigin(request.source, "", request.console)))
+        origin = RequestOrigin(request.source, "", request.console)
+        asked = PlayAction(action.label, self.experiment.action(action.label), origin)
+        return another_plays_action(self.facts(), asked) is not None
 
     def _has_not_begun(self, run: str) -> bool:
         """Whether a run was asked for now, and nothing of it has begun."""
@@ -608,17 +574,11 @@ class Session:
         whoever asks knows that they have not confirmed the stop. Raises `RequestError` if there
         are others.
         """
-        if self.ended:
-            raise RequestError("the session is ending")
-        if stale:
-            self.refuse("Stop not released", stale)
-        if missing := ", ".join(name for name in self.bus.unconfirmed if name not in known):
-            raise RequestError(
-                f"the stop is not confirmed by {missing}, which may still move",
-                "look at it, then release the stop at a wizard's console, which asks once more",
-            )
-        if not self.bus.release(source):
-            raise RequestError("the stop is not pressed")
+        refusal = why_not(self.facts(), ReleaseStop(stale, known))
+        if refusal is not None:
+            self.log_too_old(refusal)
+            raise RequestError.of(refusal)
+        self.bus.release(source)
         self._driver_manager.resume()
 
     # -- what drivers ask for ----------------------------------------------------------------
@@ -669,12 +629,15 @@ class Session:
                 raise RequestError(f"a driver cannot ask for {ask.what!r}")
 
     def _send_for(self, driver: str, ask: Ask, done: OnCompletion) -> None:
-        call = self._call(ask.name, ask.args, self._driver_of_same_robot(driver, ask.on))
-        origin, refusal = RequestOrigin(ask.source, ask.key, driver), None
-        if stale := self._old(ask):
-            refusal = CommandRefusal("stale", stale)
-        elif is_by_hand(ask.source, ask.key):
-            refusal = self._no_verb(call, origin)
+        named = self._driver_offering(ask.name, self._driver_of_same_robot(driver, ask.on))
+        nobody = named if isinstance(named, Refusal) else None
+        call = Call(ask.name, dict(ask.args), "" if isinstance(named, Refusal) else named)
+        origin = RequestOrigin(ask.source, ask.key, driver)
+        asked: SendVerb | SendOwnVerb = SendOwnVerb(nobody)
+        if is_by_hand(ask.source, ask.key):
+            stale = self._old(ask)
+            asked = SendVerb(call.verb, call.args, call.driver, origin, stale, nobody=nobody)
+        refusal = self._why_not_sent(asked)
 
         def ended(end: m.End) -> None:
             done(isinstance(end, m.Done), end.reason)
@@ -725,6 +688,15 @@ class Session:
         return beside if not on or beside in self.drivers else on
 
     # -- marks and settings ------------------------------------------------------------------
+
+    def go_on_unrecorded(self) -> None:
+        """The wizard goes on without a record until a folder takes the log. Raises `RequestError`
+        if one does.
+        """
+        if not self.recorder.waive(self.hub.now()):
+            raise RequestError("the log is written: nothing is refused for it")
+        self.hub.publish(m.RecordWaived())
+        self.hub.publish(self.recorder.state())
 
     def mark(self, text: str, source: str, tells: tuple[str, ...] = (), at: int = -1) -> None:
         """A marker in the log, of the moment `at` on the axis of `t` (-1: now); `tells` as in

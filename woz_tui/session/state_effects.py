@@ -19,6 +19,9 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 
 from woz_tui.config.experiment import Action, Call, ParallelCalls, Step
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import PlayEffect
+from woz_tui.gate.table import why_not
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
@@ -153,9 +156,10 @@ class StateEffects:
         action = self._robot.experiment().action(name)
         if action is None:
             self._report(f"there is no action {name!r}")
-        elif action.locked or self._locked.get(action.panel, False):
-            reason = f"{action.name!r} is locked" if action.locked else "its panel is locked"
-            self._began(self._robot.runner.refuse(name, action.panel, ORIGIN, reason))
+            return
+        refusal = why_not(Facts(locked=self._locked), PlayEffect(name, action))
+        if refusal is not None:
+            self._began(self._robot.runner.refuse(name, action.panel, ORIGIN, refusal.reason))
         else:
             self._play(action, again)
 

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.example_counts import many
 from tests.protocol.examples import REQUESTS
 from tests.session.rig import HERE, action, call, together
 from woz_tui.config.experiment import Panel, Profile
@@ -240,7 +241,7 @@ questions = st.one_of(
 
 
 @given(worlds, questions, texts(("stopped", "ended", "unrecorded", "locked", "profile")))
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=many(500), deadline=None)
 def test_what_is_taken_away_never_forbids_and_the_first_row_decides(
     facts: Facts, question: Question, code: str
 ) -> None:

@@ -13,9 +13,10 @@ import pytest
 from tests.session.rig import HERE, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, Wait
 from woz_tui.gate.questions import RequestOrigin
+from woz_tui.gate.table import LET_GO
 from woz_tui.host.client_connection import ClientConnection, RequestScheduler
 from woz_tui.host.dead_man_switch import DeadManSwitch
-from woz_tui.host.held_driving import FIRST_REPEAT_S, LET_GO, NEXT_REPEAT_S
+from woz_tui.host.held_driving import FIRST_REPEAT_S, NEXT_REPEAT_S
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AnyRequest, AskAction, AskLetGo, AskScript, AskVerb, Hello

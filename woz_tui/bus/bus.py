@@ -12,10 +12,11 @@ import functools
 import logging
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Protocol
 
 import msgspec
 
-from woz_tui.bus.consents import Consents
+from woz_tui.bus.consents import Consents, person_of
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import Lane, PendingCommand
 from woz_tui.drivers.argument_check import ArgumentError, checked
@@ -28,8 +29,10 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.driver_call import DriverCall, guarded
-from woz_tui.drivers.robot_verbs import takes_hands_off
 from woz_tui.drivers.secret_arguments import hidden
+from woz_tui.gate.facts import Driving, Facts
+from woz_tui.gate.questions import DispatchCommand, Refusal, SubmitCommand
+from woz_tui.gate.table import why_not
 from woz_tui.protocol.action_messages import STOP_PROMISE_S
 from woz_tui.protocol.messages import (
     AnyMessage,
@@ -50,18 +53,23 @@ from woz_tui.system.tasks import TaskSet, wait_at_most
 CAPACITY = 16
 #: Commands of a verb that do not wait for each other, at the most; further ones wait.
 MOST_TOGETHER = 64
-#: What helps where nobody watches.
-ATTACH = "attach a wizard's console"
 #: How long drivers have to confirm a stop, in seconds.
 STOP_WAIT_S = STOP_PROMISE_S
 
 log = logging.getLogger(__name__)
 
-#: What helps where nothing is recorded.
-UNRECORDED_REMEDY = "go on without a record (a wizard only), or free space for the log"
-
 #: A driver's stop under way.
 StopTask = asyncio.Task[StopReport | None]
+
+
+class DrivingWatch(Protocol):
+    """Knows who watches over what drives."""
+
+    def facts(self, command: Command) -> Driving:
+        """Who watches over this command."""
+
+    def begins(self, command: Command) -> None:
+        """It may drive, and does."""
 
 
 class Bus:
@@ -122,8 +130,8 @@ class Bus:
         self.latched = False
         #: Why the robot may not drive at this moment; empty while a wizard watches.
         self.unwatched = ""
-        #: The same of one command that drives, and what to do about it; empty: it may drive.
-        self.watch: Callable[[Command], tuple[str, str]] | None = None
+        #: Who watches over what drives.
+        self.watch: DrivingWatch | None = None
 
     def offer(self, driver: str, verbs: Iterable[Verb]) -> None:
         """`driver` offers these verbs from now on: the same, perhaps with other choices."""
@@ -150,22 +158,45 @@ class Bus:
             on_end,
             requested_us=recorded.t,
         )
-        if self.latched and command.driver not in self._unstopped:
-            pending.refuse("stopped", "the stop is pressed", "release the stop first")
-        elif not takes_hands_off(command.verb, command.args) and (why := self._unrecorded()):
-            pending.refuse("unrecorded", why, UNRECORDED_REMEDY)
-        elif verb is None:
-            pending.refuse("unknown", self._unknown(command))
-        elif verb.drives and (unwatched := self._unwatched(recorded))[0]:
-            pending.refuse("unwatched", *unwatched)
-        else:
-            try:
-                args = checked(verb, command.args)
-            except ArgumentError as error:
-                pending.refuse("args", str(error))
-            else:
-                self._lane(command.driver, verb).accept(pending, args, command.when_busy)
+        args, wrong = self._arguments(verb, command)
+        question = SubmitCommand(
+            recorded,
+            verb,
+            "" if verb is not None else self._unknown(command),
+            wrong,
+            stoppable=command.driver not in self._unstopped,
+            faulted=verb is not None and self._is_faulted(command.driver, verb),
+        )
+        if (refusal := why_not(self._facts(recorded, verb), question)) is not None:
+            pending.refuse(refusal.code, refusal.reason, refusal.remedy)
+        elif verb is not None:
+            if verb.drives and self.watch is not None:
+                self.watch.begins(recorded)
+            self._lane(command.driver, verb).accept(pending, args, command.when_busy)
         return recorded
+
+    def _facts(self, command: Command, verb: Verb | None) -> Facts:
+        """What holds now for a command, for the gate."""
+        driving = Driving(self.unwatched)
+        if verb is not None and verb.drives and self.watch is not None and not self.unwatched:
+            driving = self.watch.facts(command)
+        return Facts(
+            stopped=self.latched,
+            unrecorded=self._unrecorded(),
+            driving=driving,
+            consents=self.consents.people,
+        )
+
+    def _why_not_dispatched(self, pending: PendingCommand) -> Refusal | None:
+        """Why a command may not go to its driver now; None: it may, and does."""
+        command, verb = pending.command, pending.verb
+        person = person_of(command, verb)
+        stoppable = command.driver not in self._unstopped
+        question = DispatchCommand(command, verb, stoppable, person)
+        refusal = why_not(self._facts(command, verb), question)
+        if refusal is None and verb.needs_consent:
+            self.consents.use(command, person)
+        return refusal
 
     def refuse(
         self,
@@ -186,21 +217,28 @@ class Bus:
             args = hidden(offered.get(verb), args)
         return dict(args)
 
-    def _unwatched(self, command: Command) -> tuple[str, str]:
-        """Why a command may not drive now, and what to do about it; empty: it may."""
-        if self.unwatched:
-            return self.unwatched, ATTACH
-        return ("", "") if self.watch is None else self.watch(command)
+    def _arguments(self, verb: Verb | None, command: Command) -> tuple[Mapping[str, Json], str]:
+        """The arguments with what is filled in, or what is wrong with them."""
+        try:
+            return ({} if verb is None else checked(verb, command.args)), ""
+        except ArgumentError as error:
+            return {}, str(error)
 
     def _unknown(self, command: Command) -> str:
         if command.driver not in self._drivers:
             return f"there is no driver {command.driver!r}"
         return f"{command.driver} does not offer {command.verb!r}"
 
-    def _lane(self, driver: str, verb: Verb) -> Lane:
+    def _lane_name(self, driver: str, verb: Verb) -> str:
         name = f"{verb.lane}~{verb.name}" if verb.stream else verb.lane
-        if verb.together:
-            name = self._idle_lane(driver, name)
+        return self._idle_lane(driver, name) if verb.together else name
+
+    def _is_faulted(self, driver: str, verb: Verb) -> bool:
+        lane = self._lanes.get((driver, self._lane_name(driver, verb)))
+        return lane is not None and lane.faulted
+
+    def _lane(self, driver: str, verb: Verb) -> Lane:
+        name = self._lane_name(driver, verb)
         lane = self._lanes.get((driver, name))
         if lane is None:
             performer, hub = self._drivers[driver], self._hub
@@ -210,7 +248,7 @@ class Bus:
                 performer,
                 hub,
                 self._capacity,
-                consents=self.consents,
+                why_not=self._why_not_dispatched,
                 folder=self._folder,
             )
             self._lanes[driver, name] = lane

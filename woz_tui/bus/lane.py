@@ -20,11 +20,11 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.bus.consents import Consents
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.bundled_media import located, named, named_text
 from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
 from woz_tui.drivers.driver_call import DriverCall, guarded
+from woz_tui.gate.questions import Refusal
 from woz_tui.protocol import codec
 from woz_tui.protocol.action_messages import EVIDENCE, Evidence
 from woz_tui.protocol.messages import (
@@ -203,7 +203,7 @@ class Lane:
         hub: Hub,
         capacity: int,
         *,
-        consents: Consents,
+        why_not: Callable[[PendingCommand], Refusal | None],
         folder: Path,
     ) -> None:
         self.name = name
@@ -211,7 +211,7 @@ class Lane:
         self._driver = driver
         self._hub = hub
         self._capacity = capacity
-        self._consents = consents
+        self._why_not = why_not
         self._folder = folder
         self._waiting: deque[tuple[PendingCommand, Mapping[str, Json]]] = deque()
         self._current: PendingCommand | None = None
@@ -234,14 +234,7 @@ class Lane:
     # -- coming in ---------------------------------------------------------------------------
 
     def accept(self, pending: PendingCommand, args: Mapping[str, Json], when_busy: str) -> None:
-        """Accept, queue or refuse a command."""
-        if self.faulted:
-            pending.refuse(
-                "faulted",
-                f"{self.driver_name} does not respond: its last command has not ended",
-                "wait until it responds, or end the session and check the device",
-            )
-            return
+        """Accept or queue a command, or refuse it because others are before it."""
         if pending.verb.stream or when_busy == "replace":
             self._make_way(pending)
         elif (when_busy == "refuse" or not pending.verb.waits) and (self.busy or self._waiting):
@@ -294,8 +287,8 @@ class Lane:
             if deadline and self._hub.now() > deadline:
                 pending.refuse("late", "it was queued too long")
                 continue
-            if (without := self._consents.refusal(pending.command, pending.verb)) is not None:
-                pending.refuse("consent", without.reason, without.remedy)
+            if (refusal := self._why_not(pending)) is not None:
+                pending.refuse(refusal.code, refusal.reason, refusal.remedy)
                 continue
             self._start(pending, args)
 

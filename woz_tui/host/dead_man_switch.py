@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from woz_tui.bus.bus import ATTACH
+from woz_tui.gate.facts import Driving, Watcher, console_of
 from woz_tui.host.client_connection import ClientConnection
-from woz_tui.host.held_driving import SWITCHES, Driving, HeldDriving
+from woz_tui.host.held_driving import DrivingMode, HeldDriving
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panel_players import players
 from woz_tui.protocol.panels import covers_verb
@@ -15,22 +15,6 @@ from woz_tui.session.session import Session
 
 #: Why nobody drives.
 NOBODY = "no wizard's console is attached"
-
-
-#: What helps where only a held key drives.
-HOLD = "give it a key of its own and hold that; session: {driving: pressed} takes the risk"
-
-
-def _line_of(client: ClientConnection) -> str:
-    """What a sentence calls a console by the line that it has."""
-    line = client.hello.line if client.hello is not None else ""
-    console = console_of(client.part)
-    return f"{console}, inside {line}," if line else console
-
-
-def console_of(part: str) -> str:
-    """What a sentence calls the console that plays `part`."""
-    return f"the console that plays {part}" if part else "the wizard's console"
 
 
 class DeadManSwitch:
@@ -57,7 +41,7 @@ class DeadManSwitch:
         self._watching: set[str] = set()
         self._held = HeldDriving(session)
         session.bus.unwatched = NOBODY
-        session.bus.watch = self._why_not
+        session.bus.watch = self
 
     def update(self) -> None:
         """Consoles came, went, fell silent or were heard again: end driving for which nobody is
@@ -87,7 +71,7 @@ class DeadManSwitch:
             return f"{console_of(part)} is not attached any more"
         return players[0].silent or f"{console_of(part)} does not drive any more"
 
-    def driving_of(self, client: ClientConnection) -> Driving:
+    def driving_of(self, client: ClientConnection) -> DrivingMode:
         """How keys of this console drive."""
         said = self._session.experiment.session.driving
         if said != "auto":
@@ -118,24 +102,22 @@ class DeadManSwitch:
         calls = action.calls if action is not None else ()
         return not self._driving_verbs().isdisjoint(call.verb for call in calls)
 
-    def _why_not(self, command: m.Command) -> tuple[str, str]:
-        """Why a command does not drive now, and what to do about it; empty: it may."""
+    def facts(self, command: m.Command) -> Driving:
+        """Who watches over a command, for the gate."""
         console = self._console_of(command)
-        part = self._parts.get(console)
-        watching = [
-            each for each in self._wizards() if not each.silent and part in (None, each.part)
-        ]
-        if part is not None and not watching:
-            return f"{console_of(part)} is not attached, or does not respond", ATTACH
-        held = [each for each in watching if self.driving_of(each) == "held"]
-        own = next((each for each in held if each.name == console), None)
-        if own is not None and command.source == "key" and command.key:
-            if why := self._held.drive(console, command.key, command.command):
-                return why, "hold the key as long as it is to drive"
-        elif held and len(held) == len(watching) and command.source not in SWITCHES:
-            return f"{_line_of(held[0])} drives only while a key is held", HOLD
-        self._drove.add(part)
-        return "", ""
+        watchers = [self._watcher(each) for each in self._wizards() if not each.silent]
+        return Driving("", console, self._parts.get(console), watchers, self._held.keys)
+
+    def _watcher(self, client: ClientConnection) -> Watcher:
+        line = client.hello.line if client.hello is not None else ""
+        return Watcher(client.name, client.part, self.driving_of(client) == "held", line)
+
+    def begins(self, command: m.Command) -> None:
+        """It drives: note whose it is, and which key."""
+        console = self._console_of(command)
+        if command.source == "key":
+            self._held.drive(console, command.key, command.command)
+        self._drove.add(self._parts.get(console))
 
     def _drivers(self) -> frozenset[str]:
         """Consoles of the wizards whose part drives: who plays a panel that covers a verb that

@@ -8,10 +8,11 @@ held down repeats, so its repeats are the evidence that somebody is still there.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Literal
 
+from woz_tui.gate.table import LET_GO
 from woz_tui.host.repeat_delay import RepeatDelays
 from woz_tui.protocol.messages import Notice
 from woz_tui.session.session import Session
@@ -20,13 +21,9 @@ from woz_tui.session.session import Session
 #: 250 to 660 ms before the first repeat, and 25 to 100 ms between the others; lines have jitter.
 #: The first holds until a console's own is known (`RepeatDelays`).
 FIRST_REPEAT_S, NEXT_REPEAT_S = 0.75, 0.4
-#: Why a drive has ended.
-LET_GO = "the key was let go"
-#: Sources of what lies on a control that says itself when it is let go.
-SWITCHES = frozenset({"midi", "gamepad", "stream-deck"})
 
 #: How a line drives: while a key is held, or as far as one press says.
-Driving = Literal["held", "pressed"]
+DrivingMode = Literal["held", "pressed"]
 
 
 @dataclass(slots=True)
@@ -82,13 +79,15 @@ class HeldDriving:
             raise
         return hold.run
 
-    def drive(self, console: str, key: str, command: str) -> str:
-        """A command drives because of a key; why it may not (empty: it may)."""
-        hold = self._holds.get((console, key))
-        if hold is None:
-            return LET_GO
-        hold.commands.append(command)
-        return ""
+    @property
+    def keys(self) -> Collection[tuple[str, str]]:
+        """Those that are down, by console."""
+        return self._holds.keys()
+
+    def drive(self, console: str, key: str, command: str) -> None:
+        """A command drives, and it may be because of a key that is down."""
+        if (hold := self._holds.get((console, key))) is not None:
+            hold.commands.append(command)
 
     def let_go(self, console: str, key: str = "") -> None:
         """A key is up, or all keys of a console are: what they drive ends."""

@@ -12,6 +12,7 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.config.experiment import Experiment
+from woz_tui.gate.facts import console_of
 from woz_tui.host.client_connection import (
     LINGER_S,
     ClientConnection,
@@ -20,7 +21,7 @@ from woz_tui.host.client_connection import (
     part_text,
     take_over_hint,
 )
-from woz_tui.host.dead_man_switch import DeadManSwitch, console_of
+from woz_tui.host.dead_man_switch import DeadManSwitch
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import codec

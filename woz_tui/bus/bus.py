@@ -158,28 +158,38 @@ class Bus:
             on_end,
             requested_us=recorded.t,
         )
-        args, wrong = self._arguments(verb, command)
+        args: Mapping[str, Json] = {}
+        wrong = ""
+        try:
+            args = checked(verb, command.args) if verb is not None else args
+        except ArgumentError as error:
+            wrong = str(error)
+        lane = None if verb is None else self._lane_name(command.driver, verb)
+        known = None if lane is None else self._lanes.get((command.driver, lane))
         question = SubmitCommand(
             recorded,
             verb,
-            "" if verb is not None else self._unknown(command),
+            self._unknown(command) if verb is None else "",
             wrong,
             stoppable=command.driver not in self._unstopped,
-            faulted=verb is not None and self._is_faulted(command.driver, verb),
+            faulted=known is not None and known.faulted,
         )
         if (refusal := why_not(self._facts(recorded, verb), question)) is not None:
             pending.refuse(refusal.code, refusal.reason, refusal.remedy)
         elif verb is not None:
             if verb.drives and self.watch is not None:
                 self.watch.begins(recorded)
-            self._lane(command.driver, verb).accept(pending, args, command.when_busy)
+            assert lane is not None
+            self._lane(command.driver, lane).accept(pending, args, command.when_busy)
         return recorded
 
     def _facts(self, command: Command, verb: Verb | None) -> Facts:
         """What holds now for a command, for the gate."""
-        driving = Driving(self.unwatched)
-        if verb is not None and verb.drives and self.watch is not None and not self.unwatched:
-            driving = self.watch.facts(command)
+        driving = None
+        if verb is not None and verb.drives:
+            driving = Driving(self.unwatched)
+            if self.watch is not None and not self.unwatched:
+                driving = self.watch.facts(command)
         return Facts(
             stopped=self.latched,
             unrecorded=self._unrecorded(),
@@ -194,7 +204,7 @@ class Bus:
         stoppable = command.driver not in self._unstopped
         question = DispatchCommand(command, verb, stoppable, person)
         refusal = why_not(self._facts(command, verb), question)
-        if refusal is None and verb.needs_consent:
+        if refusal is None and verb.needs_consent and person is not None:
             self.consents.use(command, person)
         return refusal
 
@@ -217,13 +227,6 @@ class Bus:
             args = hidden(offered.get(verb), args)
         return dict(args)
 
-    def _arguments(self, verb: Verb | None, command: Command) -> tuple[Mapping[str, Json], str]:
-        """The arguments with what is filled in, or what is wrong with them."""
-        try:
-            return ({} if verb is None else checked(verb, command.args)), ""
-        except ArgumentError as error:
-            return {}, str(error)
-
     def _unknown(self, command: Command) -> str:
         if command.driver not in self._drivers:
             return f"there is no driver {command.driver!r}"
@@ -233,12 +236,7 @@ class Bus:
         name = f"{verb.lane}~{verb.name}" if verb.stream else verb.lane
         return self._idle_lane(driver, name) if verb.together else name
 
-    def _is_faulted(self, driver: str, verb: Verb) -> bool:
-        lane = self._lanes.get((driver, self._lane_name(driver, verb)))
-        return lane is not None and lane.faulted
-
-    def _lane(self, driver: str, verb: Verb) -> Lane:
-        name = self._lane_name(driver, verb)
+    def _lane(self, driver: str, name: str) -> Lane:
         lane = self._lanes.get((driver, name))
         if lane is None:
             performer, hub = self._drivers[driver], self._hub

@@ -58,10 +58,12 @@ class Consents:
                     self.people -= {uses} if uses else set()
 
 
-def person_of(command: Command, verb: Verb) -> Person:
-    """Whose face a command learns."""
+def person_of(command: Command, verb: Verb) -> Person | None:
+    """Whose face a command learns, or who says whether it may be; None: it has to do with none."""
+    if verb.name == FACE_CONSENT:
+        return _person(command, "name")
     if not verb.needs_consent:
-        return "", ""
+        return None
     return _person(command, verb.arguments[0].name if verb.arguments else "")
 
 

@@ -63,7 +63,7 @@ class Facts:
         wizards: Consoles that play, with their parts.
         helpers: Programs and drivers that belong to a part, with it.
         scheduled: How many requests wait for their moment.
-        driving: Who watches.
+        driving: Who watches over the command that is asked about; None: it does not drive.
         consents: Who has consented to having their face learnt, and by which driver.
     """
 
@@ -80,7 +80,7 @@ class Facts:
     wizards: Mapping[str, str] = field(default_factory=dict)
     helpers: Mapping[str, str] = field(default_factory=dict)
     scheduled: int = 0
-    driving: Driving = Driving()
+    driving: Driving | None = None
     consents: Collection[tuple[str, str]] = ()
 
 

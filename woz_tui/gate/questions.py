@@ -155,14 +155,14 @@ class SubmitCommand:
 
 @dataclass(frozen=True, slots=True)
 class DispatchCommand:
-    """A command that goes to its driver now. `person`: of whom it learns the face, or who consents
-    (driver and name).
+    """A command that goes to its driver now. `person` (driver and name): whose face it learns, or
+    who consents; None: it has to do with nobody's face.
     """
 
     command: Command
     verb: Verb
     stoppable: bool = True
-    person: tuple[str, str] = ("", "")
+    person: tuple[str, str] | None = None
 
 
 Question = (

@@ -114,8 +114,6 @@ def not_a_wizard(facts: Facts, asked: ClientRequest) -> Refusal | None:
 
 def stop_pressed_action(facts: Facts, asked: PlayAction) -> Refusal | None:
     """An action that only tells the engagement model something is played all the same."""
-    if not facts.stopped:
-        return None
     calls = asked.action.calls if asked.action is not None else ()
     if calls and all(call.driver == ENGAGEMENT for call in calls):
         return None
@@ -124,12 +122,12 @@ def stop_pressed_action(facts: Facts, asked: PlayAction) -> Refusal | None:
 
 def stop_pressed_later(facts: Facts, asked: SendVerb) -> Refusal | None:
     """A verb for later is refused when it is asked for, one for now on its way into its lane."""
-    return Refusal("stopped", "the stop is pressed") if facts.stopped and asked.at else None
+    return Refusal("stopped", "the stop is pressed") if asked.at else None
 
 
 def stop_pressed(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal | None:
     """Nothing reaches a driver until the stop is released."""
-    if facts.stopped and asked.stoppable:
+    if asked.stoppable:
         return Refusal("stopped", "the stop is pressed", "release the stop first")
     return None
 
@@ -153,27 +151,25 @@ def not_stopped(facts: Facts, asked: ReleaseStop) -> Refusal | None:
 # -- ended, stale, unknown -----------------------------------------------------------------------
 
 
-def ended(facts: Facts, asked: object) -> Refusal | None:
+def ended(facts: Facts, asked: object) -> Refusal:
     """Nothing begins while the session ends."""
-    return Refusal("ended", "the session is ending") if facts.ended else None
+    return Refusal("ended", "the session is ending")
 
 
 def ended_request(facts: Facts, asked: ClientRequest) -> Refusal | None:
     """Nor is anything else done that nobody needs then."""
-    if not facts.ended or isinstance(asked.request, WHILE_ENDING):
-        return None
-    return ended(facts, asked)
+    return None if isinstance(asked.request, WHILE_ENDING) else ended(facts, asked)
 
 
-def too_old(facts: Facts, asked: PlayAction | SendVerb) -> Refusal | None:
+def too_old(facts: Facts, asked: PlayAction | SendVerb) -> Refusal:
     """What was pressed too long ago is not done: the room has changed."""
-    return Refusal("stale", asked.stale, AGAIN) if asked.stale else None
+    return Refusal("stale", asked.stale, AGAIN)
 
 
 def too_old_request(facts: Facts, asked: ClientRequest) -> Refusal | None:
     """As `UNDONE` says it."""
     undone = not_done(asked.request)
-    return Refusal("stale", f"{undone} ({asked.stale})", AGAIN) if undone and asked.stale else None
+    return Refusal("stale", f"{undone} ({asked.stale})", AGAIN) if undone else None
 
 
 def not_done(request: r.AnyRequest) -> str:
@@ -188,9 +184,9 @@ def not_done(request: r.AnyRequest) -> str:
     return UNDONE.get(type(request), "")
 
 
-def too_old_release(facts: Facts, asked: ReleaseStop) -> Refusal | None:
+def too_old_release(facts: Facts, asked: ReleaseStop) -> Refusal:
     """A release lets things move again."""
-    return Refusal("stale", f"Stop not released ({asked.stale})", AGAIN) if asked.stale else None
+    return Refusal("stale", f"Stop not released ({asked.stale})", AGAIN)
 
 
 def no_such_action(facts: Facts, asked: PlayAction) -> Refusal | None:
@@ -203,9 +199,9 @@ def no_such_verb(facts: Facts, asked: SendVerb | SendOwnVerb) -> Refusal | None:
     return asked.nobody
 
 
-def not_offered(facts: Facts, asked: SubmitCommand) -> Refusal | None:
+def not_offered(facts: Facts, asked: SubmitCommand) -> Refusal:
     """Its driver has to offer it."""
-    return None if asked.verb else Refusal("unknown", asked.unknown)
+    return Refusal("unknown", asked.unknown)
 
 
 # -- part and profile ----------------------------------------------------------------------------
@@ -321,31 +317,29 @@ def _unlock(panel: str) -> str:
 
 def unrecorded_action(facts: Facts, asked: PlayAction) -> Refusal | None:
     """Nothing of an action begins if something of it would not be recorded."""
-    if not facts.unrecorded or asked.action is None:
-        return None
-    if all(takes_hands_off(call.verb, call.args) for call in asked.action.calls):
+    if asked.action is None or all(
+        takes_hands_off(call.verb, call.args) for call in asked.action.calls
+    ):
         return None
     return Refusal("unrecorded", facts.unrecorded, GO_ON, "unrecorded")
 
 
 def unrecorded_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
     """What would not be recorded does not begin."""
-    if not facts.unrecorded or takes_hands_off(asked.verb, asked.args):
+    if takes_hands_off(asked.verb, asked.args):
         return None
     return Refusal("unrecorded", facts.unrecorded, GO_ON, "unrecorded")
 
 
 def unrecorded_command(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal | None:
     """Also the command with whose own line this was found out."""
-    if not facts.unrecorded or takes_hands_off(asked.command.verb, asked.command.args):
+    if takes_hands_off(asked.command.verb, asked.command.args):
         return None
     return Refusal("unrecorded", facts.unrecorded, GO_ON)
 
 
 def no_moment(facts: Facts, asked: PlayAction | SendVerb) -> Refusal | None:
     """What is asked for a moment has to reach it."""
-    if not asked.at:
-        return None
     late_us = facts.now - asked.at
     if abs(late_us) > FURTHEST_US:
         return Refusal("late", "the moment is more than a day away")
@@ -361,12 +355,12 @@ def no_moment(facts: Facts, asked: PlayAction | SendVerb) -> Refusal | None:
 
 def wrong_arguments_later(facts: Facts, asked: SendVerb) -> Refusal | None:
     """What is asked for later has to be right now."""
-    return Refusal("args", asked.wrong) if asked.at and asked.wrong else None
+    return Refusal("args", asked.wrong) if asked.at else None
 
 
-def wrong_arguments(facts: Facts, asked: SubmitCommand) -> Refusal | None:
+def wrong_arguments(facts: Facts, asked: SubmitCommand) -> Refusal:
     """As its driver declares them."""
-    return Refusal("args", asked.wrong) if asked.wrong else None
+    return Refusal("args", asked.wrong)
 
 
 def not_watched(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal | None:
@@ -376,9 +370,9 @@ def not_watched(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal
     Where a lost line may be seen late, only a held key drives, and a control that says when it is
     let go.
     """
-    if asked.verb is None or not asked.verb.drives:
-        return None
     driving, command = facts.driving, asked.command
+    if driving is None:
+        return None
     if driving.unwatched:
         return Refusal("unwatched", driving.unwatched, ATTACH)
     part = driving.part
@@ -427,10 +421,8 @@ def _is_from_person(command: Command) -> bool:
     return command.source == ENGAGEMENT and not (command.console or command.run)
 
 
-def faulted_lane(facts: Facts, asked: SubmitCommand) -> Refusal | None:
+def faulted_lane(facts: Facts, asked: SubmitCommand) -> Refusal:
     """A lane whose last job goes on in spite of its end takes nothing."""
-    if not asked.faulted:
-        return None
     return Refusal(
         "faulted",
         f"{asked.command.driver} does not respond: its last command has not ended",
@@ -443,13 +435,17 @@ def faulted_lane(facts: Facts, asked: SubmitCommand) -> Refusal | None:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One reason: its name, what it is about, and why that may not happen (None: it may). `host`:
-    only the robot process knows; a console and `woz check` leave the row out.
+    """One reason: its name, what it is about, and why that may not happen (None: it may).
+
+    It is looked at only where there is the `fact`, and what is `asked` (names of fields; empty: it
+    always is). `host`: only the robot process knows; a console and `woz check` leave the row out.
     """
 
     name: str
     about: tuple[type, ...]
     why_not: Callable[[Facts, Any], Refusal | None]
+    fact: str = ""
+    asked: str = ""
     host: bool = False
 
 
@@ -458,39 +454,39 @@ _COMMAND = (SubmitCommand, DispatchCommand)
 TABLE: tuple[Row, ...] = (
     Row("role", (ClientRequest,), watches, host=True),
     Row("role", (ClientRequest,), participates, host=True),
-    Row("age", (ClientRequest,), too_old_request, host=True),
+    Row("age", (ClientRequest,), too_old_request, asked="stale", host=True),
     Row("role", (ClientRequest,), not_a_wizard, host=True),
-    Row("end", (ClientRequest,), ended_request),
-    Row("end", (ReleaseStop, SendVerb, SendOwnVerb), ended),
-    Row("unknown", (SendVerb, SendOwnVerb), no_such_verb),
-    Row("age", (ReleaseStop,), too_old_release, host=True),
-    Row("stop", (ReleaseStop,), not_confirmed, host=True),
+    Row("end", (ClientRequest,), ended_request, fact="ended"),
+    Row("end", (ReleaseStop, SendVerb, SendOwnVerb), ended, fact="ended"),
+    Row("unknown", (SendVerb, SendOwnVerb), no_such_verb, asked="nobody"),
+    Row("age", (ReleaseStop,), too_old_release, asked="stale", host=True),
+    Row("stop", (ReleaseStop,), not_confirmed, fact="unconfirmed", host=True),
     Row("stop", (ReleaseStop,), not_stopped),
-    Row("age", (PlayAction, SendVerb), too_old, host=True),
-    Row("end", (PlayAction,), ended),
+    Row("age", (PlayAction, SendVerb), too_old, asked="stale", host=True),
+    Row("end", (PlayAction,), ended, fact="ended"),
     Row("unknown", (PlayAction,), no_such_action),
     Row("lock", (PlayAction,), locked_action),
     Row("lock", (PlayEffect,), locked_effect),
-    Row("record", (PlayAction,), unrecorded_action),
-    Row("record", (SendVerb,), unrecorded_verb),
-    Row("profile", (SendVerb,), profile_without_verb),
-    Row("lock", (SendVerb,), locked_verb),
-    Row("part", (PlayAction,), another_plays_action),
-    Row("part", (SendVerb,), another_plays_verb),
-    Row("moment", (SendVerb,), no_moment, host=True),
-    Row("stop", (PlayAction,), stop_pressed_action),
-    Row("stop", (SendVerb,), stop_pressed_later),
-    Row("arguments", (SendVerb,), wrong_arguments_later),
-    Row("profile", (PlayAction,), profile_without_action),
-    Row("moment", (PlayAction,), no_moment, host=True),
+    Row("record", (PlayAction,), unrecorded_action, fact="unrecorded"),
+    Row("record", (SendVerb,), unrecorded_verb, fact="unrecorded"),
+    Row("profile", (SendVerb,), profile_without_verb, fact="profile"),
+    Row("lock", (SendVerb,), locked_verb, fact="panels"),
+    Row("part", (PlayAction,), another_plays_action, fact="wizards"),
+    Row("part", (SendVerb,), another_plays_verb, fact="wizards"),
+    Row("moment", (SendVerb,), no_moment, asked="at", host=True),
+    Row("stop", (PlayAction,), stop_pressed_action, fact="stopped"),
+    Row("stop", (SendVerb,), stop_pressed_later, fact="stopped"),
+    Row("arguments", (SendVerb,), wrong_arguments_later, asked="wrong"),
+    Row("profile", (PlayAction,), profile_without_action, fact="profile"),
+    Row("moment", (PlayAction,), no_moment, asked="at", host=True),
     # What is asked of an action or a verb ends here; its commands go on.
-    Row("stop", _COMMAND, stop_pressed),
-    Row("record", _COMMAND, unrecorded_command),
-    Row("unknown", (SubmitCommand,), not_offered),
-    Row("driving", _COMMAND, not_watched, host=True),
-    Row("arguments", (SubmitCommand,), wrong_arguments),
-    Row("lane", (SubmitCommand,), faulted_lane, host=True),
-    Row("consent", (DispatchCommand,), without_consent, host=True),
+    Row("stop", _COMMAND, stop_pressed, fact="stopped"),
+    Row("record", _COMMAND, unrecorded_command, fact="unrecorded"),
+    Row("unknown", (SubmitCommand,), not_offered, asked="unknown"),
+    Row("driving", _COMMAND, not_watched, fact="driving", host=True),
+    Row("arguments", (SubmitCommand,), wrong_arguments, asked="wrong"),
+    Row("lane", (SubmitCommand,), faulted_lane, asked="faulted", host=True),
+    Row("consent", (DispatchCommand,), without_consent, asked="person", host=True),
 )
 
 
@@ -510,6 +506,10 @@ def why_not(facts: Facts, question: Question) -> Refusal | None:
 def first_refusal(rows: Iterable[Row], facts: Facts, question: Question) -> Refusal | None:
     """What the first row says that forbids it. One that raises forbids, too, and is named."""
     for row in rows:
+        if row.fact and not getattr(facts, row.fact):
+            continue
+        if row.asked and not getattr(question, row.asked):
+            continue
         try:
             refusal = row.why_not(facts, question)
         except Exception as error:

@@ -143,10 +143,17 @@ class Bus:
 
     # -- commands ----------------------------------------------------------------------------
 
-    def submit(self, command: Command, on_end: Callable[[End], None] | None = None) -> Command:
+    def submit(
+        self,
+        command: Command,
+        on_end: Callable[[End], None] | None = None,
+        again: Callable[[], Refusal | None] | None = None,
+    ) -> Command:
         """Record `command`, then queue or refuse it; returns it as recorded.
 
         `on_end` is called once, in the loop, with how it ended; possibly before this returns.
+        `again` is asked when it goes to its driver after it has waited: whoever requested it may
+        not be allowed to any more.
         """
         verb = self.verb(command.driver, command.verb)
         command = _shown(verb, command)
@@ -157,6 +164,7 @@ class Bus:
             self._hub,
             on_end,
             requested_us=recorded.t,
+            again=again,
         )
         args: Mapping[str, Json] = {}
         wrong = ""
@@ -204,6 +212,8 @@ class Bus:
         stoppable = command.driver not in self._unstopped
         question = DispatchCommand(command, verb, stoppable, person)
         refusal = why_not(self._facts(command, verb), question)
+        if refusal is None and pending.waited and pending.again is not None:
+            refusal = pending.again()
         if refusal is None and verb.needs_consent and person is not None:
             self.consents.use(command, person)
         return refusal

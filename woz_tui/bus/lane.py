@@ -71,6 +71,9 @@ class PendingCommand:
     on_end: Callable[[End], None] | None = None
     end: End | None = None
     requested_us: int = 0
+    #: Asked when it goes out although it has waited: why it may not any more.
+    again: Callable[[], Refusal | None] | None = None
+    waited: bool = False
     timers: list[asyncio.TimerHandle] = field(default_factory=list)
 
     def belongs_to(self, run: str) -> bool:
@@ -244,6 +247,7 @@ class Lane:
             what = f"queue full ({len(self._waiting)})"
             pending.refuse("full", what, "empty the queue, or wait")
             return
+        pending.waited = self.busy or bool(self._waiting)
         self._waiting.append((pending, args))
         self._watch_deadline(pending)
         self._pump()

@@ -28,14 +28,8 @@ REMEMBERED = 2000
 _ACCOMPANYING = frozenset({"head", "face", "eyes"})
 
 
-@dataclass(frozen=True, slots=True)
-class LaterStart:
-    """When something is to begin, on the axis of `t`, and what then says why it may not: much can
-    have been locked since it was asked for.
-    """
-
-    at: int
-    why_not: Callable[[], Refusal | None]
+#: Says why what was requested may not begin any more: much can have been locked since.
+WhyNot = Callable[[], Refusal | None]
 
 
 @dataclass
@@ -43,7 +37,8 @@ class ActionRun:
     """One action being played; `pending` are the commands of the present step, of `together`
     in all, and `arriving` those whose motion it waits for. `left`: how it ends after this step,
     unless something of the step goes wrong. `refused`: the command because of which it never began.
-    `evidence`: of what was done so far.
+    `evidence`: of what was done so far. `again` is asked when it begins after it has waited, and
+    `forbidden` is what that said.
     """
 
     id: str
@@ -61,6 +56,8 @@ class ActionRun:
     ended: m.ActionEnd | None = None
     refused: m.Refused | None = None
     evidence: set[str] = field(default_factory=set)
+    again: WhyNot | None = None
+    forbidden: Refusal | None = None
 
     @property
     def still_to_come(self) -> list[Call]:
@@ -123,12 +120,14 @@ class ActionRunner:
         origin: RequestOrigin,
         when_busy: str = "",
         steps: Steps | None = None,
-        later: LaterStart | None = None,
+        *,
+        at: int = 0,
+        again: WhyNot | None = None,
     ) -> tuple[str, RequestError | None]:
         """Begin an action: run id, and why it was refused (None: it was not).
 
-        `steps`: what it does, filled in, where that is not what stands in the file. `later`: it
-        does not begin now.
+        `steps`: what it does, filled in, where that is not what stands in the file. `at`: when it
+        begins, on the axis of `t`; 0: now. `again` is asked when it begins after it has waited.
         """
         without = [each.what for each in action.left_out]
         run_id = self._request(action.name, action.panel, origin, without)
@@ -139,13 +138,14 @@ class ActionRunner:
         except MissingValueError as error:
             self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
             return run_id, missing_value_error(error)
-        run = ActionRun(run_id, action, origin, steps, when_busy or action.when_busy)
+        run = ActionRun(run_id, action, origin, steps, when_busy or action.when_busy, again=again)
         self._runs[run_id] = run
-        if later is not None:
-            self._schedule(run_id, action.name, later, lambda: self._begin_late(run, later))
+        if at:
+            self._schedule(run_id, action.name, at, functools.partial(self._begin_late, run))
             return run_id, None
         calls = calls_in(steps)
-        if not self._holds(run_id, action.name, origin, calls, lambda: self._advance(run)):
+        begin = functools.partial(self._begin_allowed, run)
+        if not self._holds(run_id, action.name, origin, calls, begin):
             self._advance(run)
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
             self._supersede(run.id, action.label, origin, calls)
@@ -153,21 +153,25 @@ class ActionRunner:
             self._texts.take_back()
         return run_id, _refusal_of(run)
 
-    def _begin_late(self, run: ActionRun, later: LaterStart) -> None:
-        if (refusal := later.why_not()) is not None:
+    def _begin_allowed(self, run: ActionRun) -> None:
+        """Begin what had to wait, unless it became forbidden meanwhile."""
+        if run.again is not None and (refusal := run.again()) is not None:
             name, reason = run.action.name, refusal.reason
             self._finish(run, m.ActionRefused(run=run.id, action=name, reason=reason))
-            return
-        self._advance(run)
+        else:
+            self._advance(run)
+
+    def _begin_late(self, run: ActionRun) -> None:
+        self._begin_allowed(run)
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
             self._supersede(run.id, run.action.label, run.origin, calls_in(run.steps))
 
-    def _schedule(self, run: str, name: str, later: LaterStart, begin: Callable[[], None]) -> None:
+    def _schedule(self, run: str, name: str, at: int, begin: Callable[[], None]) -> None:
         """Call `begin` at its moment, unless the run or command has been ended by then."""
-        self._hub.publish(m.ActionScheduled(run=run, action=name, at=later.at))
+        self._hub.publish(m.ActionScheduled(run=run, action=name, at=at))
 
         def due() -> None:
-            wait_us = later.at - self._hub.now()
+            wait_us = at - self._hub.now()
             if wait_us > 0:
                 self.scheduled[run] = loop.call_later(wait_us / 1_000_000, due)
                 return
@@ -192,12 +196,13 @@ class ActionRunner:
         on_end: Callable[[m.End], None] | None = None,
         *,
         like: m.Command | None = None,
-        later: LaterStart | None = None,
+        at: int = 0,
+        again: WhyNot | None = None,
     ) -> m.Command:
         """Send one command that belongs to no action; with a `refusal` it is only logged.
 
-        `like`: it repeats this command, and is called after the same action in the log. `later`: it
-        does not begin now.
+        `like`: it repeats this command, and is called after the same action in the log. `at` and
+        `again` as in `play`.
         """
         command = self._command(call, origin, when_busy=when_busy)
         if like is not None:
@@ -224,23 +229,26 @@ class ActionRunner:
         def submit() -> m.Command:
             self._held.pop(command.command, None)
             late = self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0
-            return self._bus.submit(msgspec.structs.replace(command, deadline_us=late), ended)
+            command_now = msgspec.structs.replace(command, deadline_us=late)
+            return self._bus.submit(command_now, ended, again)
 
-        if later is not None:
+        def begin() -> bool:
+            """What had to wait, unless it became forbidden meanwhile; says whether it was sent."""
+            if again is not None and (refusal := again()) is not None:
+                self._let_go(command.command, refusal.reason, refusal.code)
+                return False
+            submit()
+            return True
+
+        def begin_late() -> None:
+            if begin() and not refused:
+                self._supersede(command.command, call.verb, origin, [call])
+
+        if at:
             self._held[command.command] = command, on_end
-            why_not = later.why_not
-
-            def begin() -> None:
-                if (refusal := why_not()) is not None:
-                    self._let_go(command.command, refusal.reason, refusal.code)
-                    return
-                submit()
-                if not refused:
-                    self._supersede(command.command, call.verb, origin, [call])
-
-            self._schedule(command.command, call.verb, later, begin)
+            self._schedule(command.command, call.verb, at, begin_late)
             return command
-        if self._holds(command.command, call.verb, origin, [call], submit):
+        if self._holds(command.command, call.verb, origin, [call], begin):
             self._held[command.command] = command, on_end
         else:
             command = submit()
@@ -351,7 +359,20 @@ class ActionRunner:
         run.arriving = {command.command for call, command in pairs if call.until}
         run.together = len(commands)
         for command in commands:
-            self._bus.submit(command, functools.partial(self._ended, run, command.verb))
+            again = None
+            if run.at == 0 and run.again is not None:
+                again = functools.partial(self._why_not_any_more, run, command.command)
+            self._bus.submit(command, functools.partial(self._ended, run, command.verb), again)
+
+    def _why_not_any_more(self, run: ActionRun, command: str) -> Refusal | None:
+        """Why a command of a run's first step may not go out after it has waited; once something of
+        the run has begun, it goes on: what an action locks does not cut it off itself.
+        """
+        if run.forbidden is None and run.again is not None:
+            others_wait = run.pending - {command} <= {*self._bus.waiting}
+            if others_wait and len(run.pending) == run.together:
+                run.forbidden = run.again()
+        return run.forbidden
 
     def _command(
         self,
@@ -598,6 +619,6 @@ def _reason(verb: str, end: m.End) -> str:
             return f"not said: {reason}" if verb == "say" else f"not played: {reason}"
         case m.Refused(code="full", reason=reason):
             return f"{reason}: not played"
-        case m.Refused(code="unrecorded", reason=reason):
+        case m.Refused(code="unrecorded" | "locked" | "part" | "profile", reason=reason):
             return reason
     return f"{end.driver}: {end.reason}" if end.reason else end.driver

@@ -40,7 +40,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.requesters import WIZARD
-from woz_tui.session.action_runner import ActionRunner, LaterStart
+from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
 from woz_tui.session.bml_player import BmlPlayer
 from woz_tui.session.driver_context import OnCompletion
@@ -315,8 +315,8 @@ class Session:
         assert action is not None
         if not action.steps and repair:
             return self.repairs.play(action, origin, when_busy, at)
-        later = LaterStart(at, partial(self._no_action, name, origin)) if at else None
-        run, refused = self.runner.play(action, origin, when_busy, later=later)
+        again = partial(self._no_action, name, origin)
+        run, refused = self.runner.play(action, origin, when_busy, at=at, again=again)
         self.scripts.publish()
         if refused is not None:
             raise refused
@@ -372,11 +372,11 @@ class Session:
         wrong = self._wrong_arguments(call) if at else ""
         question = SendVerb(verb, call.args, driver, origin, stale, at, nobody, wrong)
         refusal = self._why_not_sent(question)
-        later = LaterStart(at, partial(self._no_verb, call, origin)) if at else None
-        command = self.runner.send(call, origin, when_busy or "queue", refusal, later=later).command
+        again = partial(self._no_verb, call, origin)
+        sent = self.runner.send(call, origin, when_busy or "queue", refusal, at=at, again=again)
         if refusal is not None:
             raise RequestError.of(refusal)
-        return command
+        return sent.command
 
     def _why_not_sent(self, question: SendVerb | SendOwnVerb) -> Refusal | None:
         """Why a verb may not be sent. Raises `RequestError` where no driver can be named, so that
@@ -642,7 +642,9 @@ class Session:
         def ended(end: m.End) -> None:
             done(isinstance(end, m.Done), end.reason)
 
-        sent = self.runner.send(call, origin, ask.when_busy or "queue", refusal, ended)
+        again = partial(self._no_verb, call, origin) if isinstance(asked, SendVerb) else None
+        when_busy = ask.when_busy or "queue"
+        sent = self.runner.send(call, origin, when_busy, refusal, ended, again=again)
         if ask.key:
             self._held[driver, ask.key] = sent.command
         if refusal is not None:

@@ -47,8 +47,9 @@ What becomes of a small file:
                                the next line  └─────────────────────────────────────────┘
 ```
 
-`woz new` writes a file to begin with, `woz check FILE` finds every mistake with its line, and a
-session reads the file again with one key (ctrl+e) while it runs. Seconds may carry a unit
+`woz new` writes a file to begin with, `woz check FILE` finds every mistake with its line,
+`woz check --why KEY FILE` says whether locks, phases, parts and profiles let a key be pressed, and
+a session reads the file again with one key (ctrl+e) while it runs. Seconds may carry a unit
 (`300 ms`, `4 s`, `2 min`). Text needs quotes only where YAML needs them: `No`, `007` and `12:30`
 stay what they are.
 """

@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.cli import robot_fit, study_summary
+from woz_tui.cli import check_why, robot_fit, study_summary
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import keys
 from woz_tui.config.engagement import SIGNS, VISITOR, EngagementSettings
@@ -73,6 +73,13 @@ def add(parser: ArgumentParser) -> None:
         help="what another robot than the file's own does of each action: a robot file, the name"
         " of one, or a type; all: every robot there is a file of",
     )
+    parser.add_argument(
+        "--why",
+        default="",
+        metavar="KEY",
+        help="whether a key's action may be played when the session begins, in each phase and with"
+        " each profile, and if not why; KEY can be an action's name or a verb, too",
+    )
     parser.add_argument("--keymap", type=Path, help="the keys with a wizard's keymap file")
     parser.add_argument(
         "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
@@ -103,6 +110,8 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         else:
             matrix.show(TextConsole(page=_PAGE))
         return 1 if matrix.wrong else 0
+    if arguments.why:
+        return check_why.show(experiment, arguments.why, as_json=arguments.format == "json")
     terminal = (
         keys.TERMINALS[arguments.terminal]
         if arguments.terminal

@@ -437,6 +437,20 @@ class Experiment:
         """The phase called `name`, or None."""
         return next((phase for phase in self.phases if phase.name == name), None)
 
+    @property
+    def first_phase(self) -> Phase | None:
+        """The phase that holds when a session begins; in a study with trials none does until one
+        begins.
+        """
+        return self.phases[0] if self.phases and self.study.design is None else None
+
+    def locked_by(self, phase: Phase | None) -> frozenset[str]:
+        """Panels that are locked while a phase holds, because they belong to others."""
+        if phase is None or not phase.lock_others or not phase.panels:
+            return frozenset()
+        others = {panel for each in self.phases for panel in each.panels}
+        return frozenset(others - {*phase.panels})
+
     def driver(self, name: str) -> DriverSpec | None:
         """The driver called `name`, or None."""
         return next((spec for spec in self.drivers if spec.name == name), None)

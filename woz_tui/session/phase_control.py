@@ -92,8 +92,9 @@ class PhaseController:
         with trials no phase holds until one begins.
         """
         experiment = self._read()
-        none = source != "trial" and experiment.study.design is not None
-        first = None if none or not experiment.phases else experiment.phases[0]
+        first = experiment.first_phase
+        if source == "trial":
+            first = next(iter(experiment.phases), None)
         if first is not None or self.name:
             self.enter(first, source)
         return first
@@ -121,10 +122,7 @@ class PhaseController:
         What a hand has locked stays so.
         """
         experiment = self._read()
-        others: set[str] = set()
-        if phase is not None and phase.lock_others:
-            others = {panel for each in experiment.phases for panel in each.panels}
-            others -= {*phase.panels} if phase.panels else others
+        others = experiment.locked_by(phase)
         there = {panel.title for panel in experiment.panels}
         for panel in sorted((self.locked - others) & there):
             self._lock(panel, False)

@@ -1,0 +1,145 @@
+"""`woz check --why KEY`: whether something may be played, as the gate says it of the file alone."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from rich.text import Text
+
+from woz_tui.config.experiment import Experiment, Phase
+from woz_tui.config.keys.keymap import actions_on
+from woz_tui.console.text_console import TextConsole
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import (
+    DispatchCommand,
+    PlayAction,
+    Refusal,
+    RequestOrigin,
+    SendVerb,
+    SubmitCommand,
+)
+from woz_tui.gate.table import TABLE, why_not
+from woz_tui.protocol.messages import Json
+
+#: What stands before a sentence about the state of a session that has just begun.
+BEGINNING = "at the beginning"
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A state of a session of this file, in words; `part`: of the wizard who asks."""
+
+    when: str
+    facts: Facts
+    part: str = ""
+
+
+def show(experiment: Experiment, key: str, *, as_json: bool) -> int:
+    """Print what the gate says of everything that `key` means; 1 if it means nothing."""
+    found = list(_asked(experiment, key))
+    if not found:
+        print(f"{key!r} is no key of an action, no action and no verb", file=sys.stderr)
+        return 1
+    answers = [
+        (heading, [(each, why_not(each.facts, question)) for each, question in questions])
+        for heading, questions in found
+    ]
+    unknown = _rows_of_the_host()
+    if as_json:
+        plain = [
+            {"what": heading, "answers": [_plain(moment.when, why) for moment, why in told]}
+            for heading, told in answers
+        ]
+        print(json.dumps({"asked": key, "found": plain, "not_looked_at": unknown}, indent=2))
+        return 0
+    console = TextConsole()
+    for heading, told in answers:
+        console.print(Text(heading, style="bold"), soft_wrap=True)
+        for moment, refusal in told:
+            console.print(Text(f"  {moment.when}: {_sentence(refusal)}"), soft_wrap=True)
+    console.print(Text(f"only a session knows: {', '.join(unknown)}", style="dim"), soft_wrap=True)
+    return 0
+
+
+def _asked(
+    experiment: Experiment, key: str
+) -> Iterator[tuple[str, list[tuple[Moment, PlayAction | SendVerb]]]]:
+    """Headings, and what is asked of the gate at which moment."""
+    moments = list(_moments(experiment))
+    actions = actions_on(key, experiment.actions, experiment.keyboard)
+    named = experiment.action(key)
+    for action in [*actions, *([named] if named is not None and named not in actions else [])]:
+        repair = action in experiment.repairs
+        yield (
+            f"{action.label} ({action.key or 'no key'}, panel {action.panel})",
+            [
+                (each, PlayAction(action.name, action, _origin(each), repair=repair))
+                for each in moments
+            ],
+        )
+    for spec in experiment.drivers:
+        if key in {verb.name for verb in spec.verbs}:
+            yield (
+                f"{key} by itself, on {spec.name}",
+                [(each, SendVerb(key, {}, spec.name, _origin(each))) for each in moments],
+            )
+
+
+def _origin(moment: Moment) -> RequestOrigin:
+    return RequestOrigin("key", "", moment.part)
+
+
+def _moments(experiment: Experiment) -> Iterator[Moment]:
+    """The beginning, as each part; then each phase and each profile."""
+    first = experiment.first_phase
+    for part in experiment.parts or [""]:
+        when = f"{BEGINNING}, as {part}" if part else BEGINNING
+        yield Moment(when, _facts(experiment, first, part), part)
+    for phase in experiment.phases:
+        if phase != first:
+            yield Moment(f"in the phase {phase.heading}", _facts(experiment, phase))
+    for name, profile in experiment.profiles.items():
+        facts = replace(_facts(experiment, first), profile=profile)
+        yield Moment(f"with the profile {name}", facts)
+
+
+def _facts(experiment: Experiment, phase: Phase | None, part: str = "") -> Facts:
+    """What holds while a phase does, and nobody has locked or unlocked anything by hand. `part`:
+    a wizard plays each part.
+    """
+    by_phase = experiment.locked_by(phase)
+    locked = {panel.title: panel.locked for panel in experiment.panels}
+    return Facts(
+        panels=experiment.panels,
+        locked=locked | dict.fromkeys(by_phase, True),
+        phase=phase.heading if phase is not None else "",
+        locked_by_phase=by_phase - {title for title, own in locked.items() if own},
+        wizards={each: each for each in experiment.parts} if part else {},
+    )
+
+
+def _sentence(refusal: Refusal | None) -> str:
+    if refusal is None:
+        return "yes"
+    return f"no: {refusal.reason}" + (f"; {refusal.remedy}" if refusal.remedy else "")
+
+
+def _plain(when: str, refusal: Refusal | None) -> Json:
+    if refusal is None:
+        return {"when": when, "ok": True}
+    return {
+        "when": when,
+        "ok": False,
+        "code": refusal.code,
+        "reason": refusal.reason,
+        "hint": refusal.remedy,
+    }
+
+
+def _rows_of_the_host() -> list[str]:
+    """Names of the rows that are left out here, of what is pressed and of its commands."""
+    about = {PlayAction, SendVerb, SubmitCommand, DispatchCommand}
+    return [*dict.fromkeys(row.name for row in TABLE if row.host and about & {*row.about})]

@@ -217,6 +217,22 @@ def test_locked_panels_and_lost_drivers() -> None:
     assert state(picture, "Hello") is ButtonState.READY
 
 
+def test_a_grey_button_knows_what_the_gate_says() -> None:
+    """The same words as the robot process has for a press."""
+
+    def notes(*messages: Incoming) -> list[str]:
+        picture = welcomed_state(*messages)
+        return [picture.button_view(panel, panel.actions[0], NOW).note for panel in picture.panels]
+
+    titles = [panel.title for panel in welcomed_state().panels]
+    assert notes(*[m.PanelLocked(panel=title, locked=False) for title in titles]) == [""] * len(
+        titles
+    )
+    assert notes(*[m.PanelLocked(panel=title, locked=True) for title in titles]) == [
+        f"the panel {title!r} is locked" for title in titles
+    ]
+
+
 def test_a_verb_of_two_drivers_is_reachable_while_one_is_left() -> None:
     first = msgspec.structs.replace(
         scenes.welcome(), verbs={"left": ["say"], "right": ["say"]}, drivers=["left", "right"]

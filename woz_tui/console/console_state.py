@@ -28,6 +28,9 @@ from woz_tui.console.running_actions import ActiveRun, RunningActions, RunOutcom
 from woz_tui.console.stop_confirmation import short_names
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import STALE_US, ButtonState, ButtonView, DriverView, SensorView
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import GatedCall, PlayAction, Refusal, RequestOrigin
+from woz_tui.gate.table import why_not
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.action_messages import HANDS
@@ -683,6 +686,20 @@ class ConsoleState:
         """Whether this wizard's keys of the panel are refused, because another one plays it."""
         return self.role == "wizard" and self.played_by(panel) != ""
 
+    def why_not(self, panel: PanelView, action: ActionView) -> Refusal | None:
+        """Why the gate would not let an action be played, as far as this console knows; the status
+        line says that of a stop, and of a log that nobody takes.
+        """
+        wizards = self.session.wizards
+        facts = Facts(
+            panels=self.panels,
+            locked={panel.title: self.is_locked(panel)},
+            wizards=wizards if self.role == "wizard" and len(wizards) > 1 else {},
+        )
+        button = _Button(panel.title, action.locked)
+        origin = RequestOrigin("key", "", self.console)
+        return why_not(facts, PlayAction(action.name, button, origin))
+
     def button_view(self, panel: PanelView, action: ActionView, now: int) -> ButtonView:
         """How an action stands at `now`."""
         current = self.runs.of(action.name)
@@ -694,8 +711,8 @@ class ConsoleState:
         failure = self.runs.failure_of(action.name)
         if failure is not None:
             return ButtonView(ButtonState.FAILED, note=failure.reason)
-        if action.locked or self.is_locked(panel) or self.is_of_others(panel):
-            return ButtonView(ButtonState.LOCKED)
+        if (refusal := self.why_not(panel, action)) is not None:
+            return ButtonView(ButtonState.LOCKED, note=refusal.reason)
         missing = self.missing_driver(action)
         if missing:
             return ButtonView(ButtonState.UNREACHABLE, note=missing)
@@ -727,6 +744,15 @@ class ConsoleState:
     def is_stale(self, sensor: SensorView, now: int) -> bool:
         """Whether a sensor's value should look old."""
         return bool(self.lost) or sensor.is_stale(now, self.health(sensor.driver))
+
+
+@dataclass(frozen=True, slots=True)
+class _Button:
+    """An action, as the gate wants to know it. What a profile does not allow is locked here."""
+
+    panel: str
+    locked: bool
+    calls: Sequence[GatedCall] = ()
 
 
 def _under_way(run: ActiveRun, now: int, *, timed: bool) -> ButtonView:

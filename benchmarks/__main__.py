@@ -24,7 +24,13 @@ from tests.peers.places import PEERS
 ROOT = Path(__file__).parents[1]
 #: Benchmark -> what must stand in its tables.
 TABLES: dict[str, tuple[str, ...]] = {
-    "key_latency": ("idle: key to perform", "load: key to perform", "50 Hz loop"),
+    "key_latency": (
+        "idle: key to perform",
+        "load: key to perform",
+        "idle: to command dispatched",
+        "50 Hz loop",
+    ),
+    "host_functions": ("socket to session", "lane to driver", "heard"),
     "stop_latency": ("idle: escape + key", "asleep: ctrl+c", "spinning: escape"),
     "driver_process": ("verb: to perform", "stop: to its confirmation", "memory"),
     "midi_latency": ("a body at 50 Hz", "a body at 100 Hz", "byte to setpoint"),

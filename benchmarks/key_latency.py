@@ -7,8 +7,9 @@ driver, which notes when `perform` was called. In turns with it a bare asyncio p
 of its own is pressed: the floor; and two such programs, the first of which hands each key to the
 second over a Unix socket: what two processes cost that do nothing else. Once with nothing else
 going on, once in the worst load: six readings at 30 Hz and 300 log lines a second, all shown; once
-crowded: a program that computes all the time on every core, as speech and cameras do. Then from
-the key to the first setpoint on the wire of emulated servos; there the servo loop's 50 Hz set
+crowded: a program that computes all the time on every core, as speech and cameras do. The log says
+where a press spent its time; `host_functions.py` counts what it passes there. Then from the key to
+the first setpoint on the wire of emulated servos; there the servo loop's 50 Hz set
 the pace.
 """
 
@@ -21,8 +22,9 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 
 from benchmarks.figures import Spread, machine, table, verdict
@@ -44,6 +46,13 @@ from benchmarks.sessions import (
 GOAL_P50, GOAL_P99 = 3.0, 5.0
 #: Where others take every core: times the floor's p50, at p50 and at p99.
 CROWDED_P50, CROWDED_P99 = 5.0, 25.0
+#: Where a press spends its time, in order.
+LEGS = (
+    "console, socket, whether it may happen",
+    "action requested to command requested",
+    "to command dispatched",
+    "to perform",
+)
 #: The servo loop's period, in milliseconds.
 PERIOD_MS = 20.0
 #: Goal position of the X series.
@@ -73,6 +82,8 @@ class Measured:
     console: Spread
     lost: int
     crowded: bool = False
+    #: Milliseconds of each leg of a press.
+    legs: dict[str, Spread] = field(default_factory=dict)
 
     @property
     def ratios(self) -> tuple[float, float]:
@@ -122,10 +133,37 @@ def scene(
                 sent.append(Entry(where.press(key.encode()), what))
                 gaps.rest()
         time.sleep(0.5)
-        took, lost = matched(pressed[0], entries(it.journal))
+        performed = entries(it.journal)
+        took, lost = matched(pressed[0], performed)
+        legs = by_leg(pressed[0], it.folder, performed)
         bottom, _ = matched(pressed[1], entries(journal))
         far, _ = matched(pressed[2], entries(far_journal))
-    return Measured(name, Spread.of(bottom), Spread.of(far), Spread.of(took), lost, crowded)
+    return Measured(name, Spread.of(bottom), Spread.of(far), Spread.of(took), lost, crowded, legs)
+
+
+def by_leg(pressed: Sequence[Entry], folder: Path, performed: Sequence[Entry]) -> dict[str, Spread]:
+    """Milliseconds of each leg: up to the first line in the log, then from line to line."""
+    noted: dict[str, list[Entry]] = {
+        "action.requested": [],
+        "command.requested": [],
+        "command.dispatched": [],
+    }
+    wall_ns = time.time_ns() - time.monotonic_ns()
+    said: dict[str, str] = {}
+    for log in (folder / "recordings").glob("*.jsonl"):
+        for line in map(json.loads, log.read_text().splitlines()):
+            if line["kind"] == "command.requested":
+                said[line["command"]] = line["action"]
+            if (found := noted.get(line["kind"])) is not None:
+                at = datetime.fromisoformat(line["ts"]).timestamp() * 1e9
+                action = line.get("action") or said[line["command"]]
+                key = action.removeprefix("Action ").lower()
+                found.append(Entry(round(at) - wall_ns, f"perform {key}"))
+    stations = [pressed, *noted.values(), performed]
+    return {
+        name: Spread.of(matched(begin, end)[0])
+        for name, begin, end in zip(LEGS, stations[:-1], stations[1:], strict=True)
+    }
 
 
 @contextlib.contextmanager
@@ -215,6 +253,15 @@ def main() -> None:
         f"p99 <= {CROWDED_P99:g})",
         ("", "presses", "p50", "p99", "worst", "p50 / floor", "p99 / floor", "lost"),
         [line for measured in scenes for line in tell(measured)],
+    )
+    table(
+        "Where a press spends its time, ms",
+        ("", "presses", "p50", "p99", "worst"),
+        [
+            _figures(f"{measured.name}: {leg}", spread)
+            for measured in scenes
+            for leg, spread in measured.legs.items()
+        ],
     )
     took, lost = to_the_wire(arguments.servo_presses, max(1.0, settle))
     wire = Spread.of(took)

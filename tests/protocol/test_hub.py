@@ -11,7 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from woz_tui.bus.hub import Hub, Subscription
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import AnyMessage, Done, Marker, Message, Note, Reading
+from woz_tui.protocol.messages import Ack, AnyMessage, Done, End, Marker, Message, Note, Reading
 from woz_tui.system.clock import ManualClock
 
 
@@ -91,6 +91,34 @@ def test_everybody_hears_in_order_even_if_a_listener_answers() -> None:
     assert [seq for who, seq in diary.entries if who == "recorder"] == [0, 1, 2, 3]
     assert [seq for who, seq in diary.entries if who == "listener"] == [0, 1, 2, 3]
     assert [codec.decode_message(line).seq for line in subscription.take_all()] == [0, 1, 2, 3]
+
+
+def test_a_listener_is_called_with_the_kinds_that_it_names_in_order_of_listening() -> None:
+    hub, heard = Hub(ManualClock(), CallOrder().record), []
+    hub.listen(lambda message: heard.append(("ends", type(message))), End, Note)
+    hub.listen(lambda message: heard.append(("all", type(message))))
+    hub.listen(lambda message: heard.append(("others", type(message))), but=(Ack, Reading))
+    done = Done(command="c1", latency_us=0, duration_us=1, sent={})
+    for message in (done, Note(text="one"), Reading(sensor="distance", value=1.0)):
+        hub.publish(message)
+    assert heard == [
+        *(("ends", Done), ("all", Done)),
+        *(("ends", Note), ("all", Note), ("others", Note)),
+        ("all", Reading),
+    ]
+
+
+def test_who_comes_or_goes_between_two_messages_of_a_kind_hears_the_second_or_only_the_first() -> (
+    None
+):
+    diary = CallOrder()
+    hub = Hub(ManualClock(), CallOrder().record)
+    hub.publish(Note(text="nobody is there"))
+    hub.listen(diary.hear, Note, Marker)
+    hub.publish(Note(text="one"))
+    hub.ignore(diary.hear, Note, Marker)
+    hub.publish(Note(text="two"))
+    assert diary.entries == [("listener", 1)]
 
 
 def test_a_subscriber_is_woken_once_until_it_takes() -> None:

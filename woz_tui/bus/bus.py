@@ -40,6 +40,7 @@ from woz_tui.protocol.messages import (
     DriverConnected,
     DriverConnecting,
     DriverFaulted,
+    DriverHealth,
     DriverLost,
     End,
     Json,
@@ -124,7 +125,7 @@ class Bus:
         #: Since the last stop of everything: who was lost, and who is back or there at last.
         self._lost: set[str] = set()
         self._back: set[str] = set()
-        hub.listen(self._on_message)
+        hub.listen(self._on_message, DriverHealth)
         #: Whose faces may be learnt.
         self.consents = Consents(hub)
         self.latched = False

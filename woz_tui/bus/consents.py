@@ -33,7 +33,7 @@ class Consents:
     _using: dict[str, Person] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.hub.listen(self._on_message)
+        self.hub.listen(self._on_message, Command, End)
 
     def given(self, driver: str, name: str) -> bool:
         """Whether `driver` may learn the face of `name` now."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import msgspec
 
@@ -82,6 +83,19 @@ class Subscription:
         return lines
 
 
+@dataclass(frozen=True, slots=True)
+class _Listener:
+    """Who is called, with which kinds of messages (none named: all), and with which of them not."""
+
+    call: Callable[[Any], object]
+    kinds: tuple[type[Message], ...]
+    but: tuple[type[Message], ...]
+
+    def hears(self, kind: type[Message]) -> bool:
+        """Whether it is called with messages of this kind."""
+        return issubclass(kind, self.kinds or Message) and not issubclass(kind, self.but)
+
+
 class Hub:
     """Stamps, records and distributes. Used from one thread, the robot process's event loop."""
 
@@ -90,7 +104,9 @@ class Hub:
         self._record = record
         self._zero_us = clock.now_us()
         self._seq = 0
-        self._listeners: list[Callable[[AnyMessage], object]] = []
+        self._listeners: list[_Listener] = []
+        #: Whom a kind of message calls, in order; found when the first one comes.
+        self._hearers: dict[type[Message], tuple[Callable[[Any], object], ...]] = {}
         self._subscriptions: list[Subscription] = []
         self._undelivered: deque[AnyMessage] = deque()
         self._delivering = False
@@ -154,14 +170,32 @@ class Hub:
         try:
             while self._undelivered:
                 message = self._undelivered.popleft()
-                for listener in self._listeners:
-                    listener(message)
+                hearers = self._hearers.get(type(message))
+                if hearers is None:
+                    hearers = self._hearers[type(message)] = tuple(
+                        each.call for each in self._listeners if each.hears(type(message))
+                    )
+                for call in hearers:
+                    call(message)
         finally:
             self._delivering = False
 
-    def listen(self, listener: Callable[[AnyMessage], object]) -> None:
-        """Call `listener` with every message, in the loop; it must be quick and must not raise."""
-        self._listeners.append(listener)
+    def listen(
+        self,
+        listener: Callable[[Any], object],
+        *kinds: type[Message],
+        but: tuple[type[Message], ...] = (),
+    ) -> None:
+        """Call `listener` with every message of these kinds (none named: of all) but those of
+        `but`, in the loop; it must be quick and must not raise. Who listens first hears first.
+        """
+        self._listeners.append(_Listener(listener, kinds, but))
+        self._hearers.clear()
+
+    def ignore(self, listener: Callable[[Any], object], *kinds: type[Message]) -> None:
+        """Undo `listen` with the same kinds: it is not called with the next message."""
+        self._listeners.remove(_Listener(listener, kinds, ()))
+        self._hearers.clear()
 
     def subscribe(
         self,

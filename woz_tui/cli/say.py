@@ -164,12 +164,11 @@ async def _heard(speaker: Speaker, args: Mapping[str, Json]) -> int:
     moved = asyncio.Event()
     health: list[m.DriverHealth] = []
 
-    def listen(message: m.Message) -> None:
-        if isinstance(message, m.DriverHealth):
-            health.append(message)
-            moved.set()
+    def listen(message: m.DriverHealth) -> None:
+        health.append(message)
+        moved.set()
 
-    hub.listen(listen)
+    hub.listen(listen, m.DriverHealth)
     context = SessionDriverContext(speaker.name, hub, clock, speaker.folder)
     driver = speaker.kind(speaker.name, speaker.settings, context)
     try:

@@ -35,7 +35,7 @@ from woz_tui.protocol.requests import (
     Hello,
     Reply,
 )
-from woz_tui.session.recent_messages import RecentMessages
+from woz_tui.session.recent_messages import UNLISTED, RecentMessages
 from woz_tui.session.redactor import Redactor
 from woz_tui.system.clock import Standstill
 
@@ -57,7 +57,12 @@ class RoleView:
         for message in before:
             redactor.apply(message)
         for message in recent:
-            self._remember(redactor.message(message))
+            self._keep(redactor.message(message))
+
+    def listen(self, hub: Hub) -> None:
+        """Follow the session."""
+        hub.listen(self._remember, but=UNLISTED)
+        hub.listen(self.redactor.apply, *self.redactor.READS)
 
     def redacted(self, message: m.Message) -> m.Message | None:
         """What this role gets of `message`; None: nothing."""
@@ -65,17 +70,15 @@ class RoleView:
             self._last = message, self.redactor.message(message)
         return self._last[1]
 
-    def on_message(self, message: m.AnyMessage) -> None:
-        """`message` has been published."""
-        self._remember(self.redacted(message))
-        self.redactor.apply(message)
-
     @property
     def recent(self) -> list[m.AnyMessage]:
         """The last lines as they were seen."""
         return self._recent.lines
 
-    def _remember(self, message: Any) -> None:
+    def _remember(self, message: m.AnyMessage) -> None:
+        self._keep(self.redacted(message))
+
+    def _keep(self, message: Any) -> None:
         if message is not None:
             self._recent.add(message)
 

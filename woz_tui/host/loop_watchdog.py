@@ -21,7 +21,7 @@ import msgspec
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.driver_call import CALLING, LONG_STEPS, DriverCall, LongStep
-from woz_tui.protocol.messages import AnyMessage, ProcessStalled, SessionEnd
+from woz_tui.protocol.messages import ProcessStalled, SessionEnd
 from woz_tui.session.driver_faults import owners_of_file
 from woz_tui.system.processor_time import STALL_S, ProcessorWaits
 
@@ -72,7 +72,7 @@ class LoopWatchdog:
     def __init__(self, drivers: Mapping[str, Driver], hub: Hub) -> None:
         self._drivers = drivers
         self._hub = hub
-        hub.listen(self._on_message)
+        hub.listen(self._on_end, SessionEnd)
         self._loop = asyncio.get_running_loop()
         self._thread = threading.get_ident()
         self._beat_s = time.monotonic()
@@ -87,9 +87,7 @@ class LoopWatchdog:
         self._beat()
         threading.Thread(target=self._look, name="watchdog", daemon=True).start()
 
-    def _on_message(self, message: AnyMessage) -> None:
-        if not isinstance(message, SessionEnd):
-            return
+    def _on_end(self, message: SessionEnd) -> None:
         self._ended.set()
         signal.signal(signal.SIGCONT, signal.SIG_DFL)
         if self._timer is not None:

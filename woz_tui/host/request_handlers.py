@@ -120,7 +120,7 @@ class RequestHandlers:
         self.can_take_over: Callable[[ClientConnection], bool] = lambda client: False
         #: What has ended while a request is carried out, by run or command; None: none is.
         self._ends: dict[str, ActionEnd | End] | None = None
-        session.hub.listen(self._note_end)
+        session.hub.listen(self._note_end, ActionEnd, End)
         #: Called before an experiment is adopted.
         self.on_reload: Callable[[Experiment], None] = lambda experiment: None
 

@@ -86,7 +86,9 @@ class RerunSession:
             lead_us=LEAD_US if options.headless else WARNING_US,
             stale_us=round(self._session.experiment.session.stale_after * 1_000_000),
         )
-        self._session.hub.listen(self._on_message)
+        self._session.hub.listen(
+            self._on_message, m.DriverHealth, m.ConsoleAttached, m.ConsoleLost, m.StopConfirmed
+        )
 
     def begin_when_ready(self) -> None:
         """Begin as soon as everything is there; the session must be open."""

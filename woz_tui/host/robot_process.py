@@ -214,7 +214,7 @@ async def _serve(
     session = Session(experiment, _offered(options, catalogue), identity, recorder, clock)
     sessions.append(session)
     participants: set[str] = set()
-    session.hub.listen(functools.partial(_note_participant, participants))
+    session.hub.listen(functools.partial(_note_participant, participants), m.SessionChanged)
     if options.profile:
         session.use_profile(options.profile, "start")
     read = functools.partial(load, options.experiment, catalogue, robot=options.robot)
@@ -294,11 +294,10 @@ def _let_in(address: str, host: SessionServer) -> RemoteAccess:
     remote = RemoteAccess(host.path, address, hub.publish)
     remote.start(session.experiment.session.access)
 
-    def adopt(message: m.AnyMessage) -> None:
-        if isinstance(message, m.ExperimentReloaded):
-            remote.adopt(session.experiment.session.access)
+    def adopt(message: m.ExperimentReloaded) -> None:
+        remote.adopt(session.experiment.session.access)
 
-    hub.listen(adopt)
+    hub.listen(adopt, m.ExperimentReloaded)
     return remote
 
 
@@ -322,8 +321,8 @@ async def _assign_proposed(session: Session) -> None:
         )
 
 
-def _note_participant(participants: set[str], message: m.AnyMessage) -> None:
-    if isinstance(message, m.SessionChanged) and message.participant:
+def _note_participant(participants: set[str], message: m.SessionChanged) -> None:
+    if message.participant:
         participants.add(message.participant)
 
 

@@ -87,7 +87,7 @@ class SessionServer:
         self.for_program = False
         self._views = {name: self._view(name) for name in ("wizard", PARTICIPANT)}
         for view in self._views.values():
-            session.hub.listen(view.on_message)
+            view.listen(session.hub)
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         handlers.on_end = self.end
         handlers.on_panels = self._panels_changed

@@ -74,7 +74,7 @@ class TrainingSession:
             self._acts,
             self._over,
         )
-        self._session.hub.listen(self._on_message)
+        self._session.hub.listen(self._on_message, m.ConsoleAttached, m.CueAnswered)
         host.handlers.on_training = self._begin
 
     def end(self) -> None:

@@ -77,7 +77,7 @@ class RerunPlayer:
         self.ends: Counter[str] = Counter()
         self.under_way = False
         self.over: m.RerunEnded | None = None
-        hub.listen(self._on_message)
+        hub.listen(self._on_stop, m.StopPressed)
 
     @property
     def sent(self) -> int:
@@ -120,8 +120,8 @@ class RerunPlayer:
         )
         self._ended(self.over)
 
-    def _on_message(self, message: m.AnyMessage) -> None:
-        if isinstance(message, m.StopPressed) and message.scope == "all":
+    def _on_stop(self, message: m.StopPressed) -> None:
+        if message.scope == "all":
             self.end(STOPPED)
 
     # -- in time -----------------------------------------------------------------------------

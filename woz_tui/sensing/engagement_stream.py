@@ -310,6 +310,8 @@ _READ: Mapping[type, Callable[[EngagementFollower, Any], Transition | None]] = {
     m.SessionChanged: EngagementFollower._session,
     m.ClockTie: EngagementFollower._nothing,
 }
+#: The kinds of messages that it reads.
+READ = tuple(_READ)
 
 
 def _sensors(settings: EngagementSettings) -> dict[str, str]:

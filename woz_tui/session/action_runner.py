@@ -104,7 +104,7 @@ class ActionRunner:
         self.by_hand = ""
         #: The last one that each connection asked for.
         self.last_over: dict[str, str] = {}
-        hub.listen(self._on_message)
+        hub.listen(self._on_message, m.MotionArrived, m.MotionInterrupted)
 
     # -- asked for ---------------------------------------------------------------------------
 
@@ -411,10 +411,8 @@ class ActionRunner:
                 run.evidence.add(end.evidence)
             self._settle(run, end.command)
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.MotionArrived | m.MotionInterrupted) -> None:
         """A step may wait for a motion that goes on after its command."""
-        if not isinstance(message, m.MotionArrived | m.MotionInterrupted):
-            return
         command = message.command
         run = next((run for run in self._runs.values() if command in run.arriving), None)
         if run is None or command not in run.pending:

@@ -160,7 +160,7 @@ class ActionTexts:
         self._last: tuple[Action, set[tuple[str, Sequence[str]]]] | None = None
         self._participant = ""
         self._published: list[str | None] | None = None
-        hub.listen(self._on_message)
+        hub.listen(self._on_message, *_CHANGES)
 
     def play(self, action: Action) -> Steps:
         """The steps of an action that is played now; its variants move on.
@@ -227,7 +227,7 @@ class ActionTexts:
             self._publish(actions[first : first + AT_ONCE])
 
     def _on_message(self, message: m.AnyMessage) -> None:
-        if isinstance(message, _CHANGES) and self._published is not None:
+        if self._published is not None:
             values = self._values()
             if self._published != [values.get(name) for name in _MOVING]:
                 self.publish_all()

@@ -125,7 +125,7 @@ class BmlPlayer:
         self._refusal = refusal
         #: Those under way, and the last of those that are over; as they came.
         self._blocks: list[_Played] = []
-        hub.listen(self._on_message)
+        hub.listen(self._on_message, m.Command)
 
     @property
     def _under_way(self) -> list[_Played]:
@@ -405,13 +405,11 @@ class BmlPlayer:
 
     # -- the wizard's hand -------------------------------------------------------------------------
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.Command) -> None:
         """What the wizard does now comes before what a block still has to do in the same lane, and
         before what a guest's block does there.
         """
-        if not isinstance(message, m.Command) or message.driver in PERFORMERS:
-            return
-        if message.source not in HANDS or message.source == GUEST:
+        if message.driver in PERFORMERS or message.source not in HANDS or message.source == GUEST:
             return
         run = message.run or message.command
         for played in self._under_way:

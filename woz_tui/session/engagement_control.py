@@ -27,7 +27,7 @@ from woz_tui.drivers.contract import Job, RejectedError, Scope, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import Transition
-from woz_tui.sensing.engagement_stream import EngagementFollower
+from woz_tui.sensing.engagement_stream import READ, EngagementFollower
 from woz_tui.session.attention_control import AttentionController
 from woz_tui.session.engagement_robot import EngagementRobot, WakeUpTimer
 from woz_tui.session.state_effects import StateEffects
@@ -38,6 +38,12 @@ from woz_tui.timeline.session_state import SessionState
 SHOWN_EVERY_US = 200_000
 #: So many different failures are told; who has more has a bug that these show already.
 FAILURES = 20
+
+#: What is heard always, and what while the file has the section.
+_OF_FILE = m.ExperimentReloaded, m.EngagementAdopted
+_OF_MODEL = tuple(
+    {*READ, m.StopPressed, m.StopReleased, m.End, m.ActionEnd, m.DriverConnected} - {*_OF_FILE}
+)
 
 log = logging.getLogger(__name__)
 
@@ -81,7 +87,7 @@ class EngagementController:
         self.offered: tuple[Verb, ...] = ()
         #: The settings as the log has them; none without the section.
         self._published_settings: dict[str, m.Json] = {}
-        self._hub.listen(self._on_message)
+        self._hub.listen(self._on_message, *_OF_FILE)
         self._publish_settings()
 
     # -- what the session asks ---------------------------------------------------------------------
@@ -103,6 +109,7 @@ class EngagementController:
             self._show_timer.cancel()
             self._show_timer = None
         if model is not None:
+            self._hub.ignore(self._on_message, *_OF_MODEL)
             model.visitors.close()
             model.attention.close()
 
@@ -260,6 +267,7 @@ class EngagementController:
             follower = EngagementFollower(settings)
             visitors = VisitorRecognition(self._robot, settings, self._logs)
             self._model = _Model(follower, visitors, self._attention(follower, settings))
+            self._hub.listen(self._on_message, *_OF_MODEL)
             return
         model.visitors.adopt(settings)
         if not model.attention.fits(settings):

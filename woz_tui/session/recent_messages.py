@@ -9,19 +9,10 @@ from woz_tui.protocol import messages as m
 #: How many of them there are.
 MOST = 200
 #: What no list of events has a line for: samples, what is shown, what a log says of itself.
-_UNLISTED = (
-    m.Reading
-    | m.Shown
-    | m.EngagementShown
-    | m.ExperimentFiles
-    | m.SessionPlan
-    | m.RerunSent
-    | m.ActionScheduled
-    | m.MotionArrived
-    | m.MotionInterrupted
-    | m.VerbsUnable
-    | m.CommandMark
-    | m.BlockPlanned
+UNLISTED = (
+    *(m.Reading, m.Shown, m.EngagementShown, m.ExperimentFiles, m.SessionPlan, m.RerunSent),
+    *(m.ActionScheduled, m.MotionArrived, m.MotionInterrupted, m.VerbsUnable, m.CommandMark),
+    *(m.BlockPlanned,),
 )
 
 
@@ -45,7 +36,7 @@ class RecentMessages:
 
     def lists(self, message: m.AnyMessage) -> bool:
         """Whether the next message is one for a list of events."""
-        if isinstance(message, _UNLISTED):
+        if isinstance(message, UNLISTED):
             return False
         if isinstance(message, m.Command) and message.passing:
             self._passing.add(message.command)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import PurePath
-from typing import Any
+from typing import Any, ClassVar
 
 from msgspec.structs import fields, replace
 
@@ -114,6 +114,11 @@ class Redactor:
     `apply` every message in its order, whoever sees it; `message`, `welcome`, `panels` and `reply`
     give what the role may have.
     """
+
+    #: What `apply` reads.
+    READS: ClassVar[tuple[type[m.Message], ...]] = (
+        *(m.Reading, m.Command, m.SessionPlan, m.PerceptionChanged),
+    )
 
     def __init__(self, study: s.StudySettings | None = None) -> None:
         self.perception = PerceptionFilter()
@@ -482,6 +487,8 @@ class CoderRedactor(Redactor):
 
 class ParticipantRedactor(Redactor):
     """A participant's view: questionnaires, when they are due, the stop; no condition by name."""
+
+    READS = (m.SessionPlan,)
 
     def __bool__(self) -> bool:
         """Whether anything is kept."""

@@ -43,10 +43,8 @@ class RepairController:
         """Participant and condition."""
         return self.state.study.participant, self.state.study.condition
 
-    def on_message(self, message: m.AnyMessage) -> None:
+    def on_dispatched(self, message: m.Dispatched) -> None:
         """Remember what was said last, and to whom; repairs themselves are passed over."""
-        if not isinstance(message, m.Dispatched):
-            return
         command = self.state.commands.get(message.command)
         if command is None or command.request.verb not in SPEAKING_VERBS:
             return

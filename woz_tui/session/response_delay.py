@@ -52,7 +52,7 @@ class ResponseDelay:
         #: What is held, each with its cue and the moment at which it begins.
         self._held: deque[tuple[PendingCue, str, Callable[[], object]]] = deque()
         self._timer: asyncio.TimerHandle | None = None
-        hub.listen(self._on_message)
+        hub.listen(self._on_message, m.ShapingChanged, m.SpeechEnded, m.EngagementChanged, m.Marker)
 
     def _on_message(self, message: m.AnyMessage) -> None:
         match message:

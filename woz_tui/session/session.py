@@ -52,7 +52,7 @@ from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.profile_limits import ProfileLimits
-from woz_tui.session.recent_messages import RecentMessages
+from woz_tui.session.recent_messages import UNLISTED, RecentMessages
 from woz_tui.session.repair_control import RepairController
 from woz_tui.session.response_delay import ResponseDelay
 from woz_tui.session.script_control import ScriptController
@@ -109,8 +109,8 @@ class Session:
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
-        self.hub.listen(self._on_message)
-        self.hub.listen(self.recent.add)
+        self.hub.listen(self._on_message)  # before all others: they find the state as of now
+        self.hub.listen(self.recent.add, but=UNLISTED)
         self.phases = PhaseController(
             self.hub.publish,
             self.state.study,
@@ -210,7 +210,7 @@ class Session:
         self.repairs = RepairController(
             lambda: self.experiment, self.state, self.runner, self.texts
         )
-        self.hub.listen(self.repairs.on_message)
+        self.hub.listen(self.repairs.on_dispatched, m.Dispatched)
         robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
         self.blocks.bus, self.blocks.runner = self.bus, self.runner
         #: The last command of each control of a panel, by driver and control.

@@ -63,7 +63,7 @@ class Trainer:
         self._running = False
         self._segment = 0
         self._tasks: list[asyncio.Task[None]] = []
-        hub.listen(self._on_message)
+        hub.listen(self._on_message, m.ActionRequested, m.ActionEnd, m.StopPressed, m.StopReleased)
 
     def begin(self) -> None:
         """Let the visitor live and give the first cue after its pause."""

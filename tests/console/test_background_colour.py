@@ -23,6 +23,8 @@ from woz_tui.console.theme import choose_appearance, save_theme, saved_theme
 
 WHITE = b"\x1b]11;rgb:ffff/ffff/ffff\x1b\\"
 BLACK = b"\x1b]11;rgb:00/00/00\x07"
+#: What every terminal answers behind it: which terminal it is.
+KIND = b"\x1b[?62;22c"
 #: What a person may press meanwhile; no key begins like the rest of an answer.
 TYPED = st.lists(st.sampled_from([b"\x1b", b"\x03", b"h", b" ", b"\x1b[A", b"\r"]), max_size=6)
 ANSWERS = st.sampled_from([WHITE, BLACK, b"\x1b]11;rgb:12/ab\x07", b"\x1b]11;rgba:1/2/3/4\x1b\\"])
@@ -129,19 +131,21 @@ def terminal(*pieces: bytes) -> Iterator[int]:
 @pytest.mark.parametrize(
     ("pieces", "found"),
     [
-        ((WHITE,), TerminalBackground(True)),
-        ((BLACK,), TerminalBackground(False)),
-        ((b"h", b"\x1b", WHITE), TerminalBackground(True, ("escape",))),
-        ((WHITE[:9], WHITE[9:]), TerminalBackground(True)),
-        ((b"\x03", BLACK), TerminalBackground(False, ("ctrl+c",))),
+        ((WHITE + KIND,), TerminalBackground(True)),
+        ((BLACK, KIND), TerminalBackground(False)),
+        ((b"h", b"\x1b", WHITE, KIND), TerminalBackground(True, ("escape",))),
+        ((WHITE[:9], WHITE[9:] + KIND), TerminalBackground(True)),
+        ((b"\x03", BLACK + KIND), TerminalBackground(False, ("ctrl+c",))),
+        ((KIND,), TerminalBackground()),
+        ((b"h", b"\x03", KIND), TerminalBackground(None, ("ctrl+c",))),
     ],
 )
-def test_the_window_is_over_with_the_answer(
+def test_the_window_is_over_with_the_answers(
     pieces: tuple[bytes, ...], found: TerminalBackground
 ) -> None:
     with terminal(*pieces) as tty:
         before = termios.tcgetattr(tty)
-        assert ask_background(tty, tty, 30.0) == found
+        assert ask_background(tty, tty, 3600.0) == found
         assert termios.tcgetattr(tty) == before
 
 

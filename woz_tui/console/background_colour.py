@@ -1,8 +1,10 @@
 """Asks a terminal for the colour of its ground, before any session is attached.
 
 The answer begins with ESC, which is the stop. So it is asked for in a short window only, in which
-nothing is played; a stop pressed meanwhile is kept, and carried out first of all. An answer that
-comes later is known to the console's scanner, which drops it.
+nothing is played; a stop pressed meanwhile is kept, and carried out first of all. Behind it the
+terminal is asked what it is, which every terminal answers: with that answer the window is over,
+also where nobody tells the colour. An answer that comes later is known to the console's scanner,
+which drops it.
 """
 
 from __future__ import annotations
@@ -17,8 +19,8 @@ from dataclasses import dataclass
 from woz_tui.console.byte_scanner import Scanner
 from woz_tui.console.escape_sequences import StopToken, TerminalReply
 
-QUESTION = b"\x1b]11;?\x1b\\"
-#: How long the answer may take, in seconds.
+QUESTION = b"\x1b]11;?\x1b\\\x1b[c"
+#: How long the answers may take, in seconds.
 WINDOW_S = 0.3
 #: In per mille: a ground at least so bright is light.
 _LIGHT = 500
@@ -59,8 +61,9 @@ def _read_answer(source: int, until: float) -> TerminalBackground:
     scanner.expects_background = True
     light: bool | None = None
     stops: list[str] = []
-    while light is None or scanner.waiting is not None:
-        left = until - time.monotonic() if light is None else 0.0
+    answered = False
+    while not answered or scanner.waiting is not None:
+        left = until - time.monotonic() if not answered else 0.0
         pause = left if scanner.waiting is None else scanner.waiting
         if pause <= 0:
             break
@@ -72,12 +75,10 @@ def _read_answer(source: int, until: float) -> TerminalBackground:
         for token in tokens:
             if isinstance(token, StopToken):
                 stops.append(token.source)
-            elif (
-                isinstance(token, TerminalReply)
-                and token.what == "background"
-                and len(token.values) == 3
-            ):
-                light = _brightness(token.values) >= _LIGHT
+            elif isinstance(token, TerminalReply):
+                answered = answered or token.what == "attributes"
+                if token.what == "background" and len(token.values) == 3:
+                    light = _brightness(token.values) >= _LIGHT
         if not data:
             break
     stops += [token.source for token in scanner.close() if isinstance(token, StopToken)]

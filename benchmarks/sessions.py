@@ -33,6 +33,10 @@ SETTLE_S = 2.0
 #: Seconds between two presses, drawn at random so that they fall into every phase of a painting.
 GAPS_S = (0.02, 0.07)
 
+# As on a wizard's machine: without it each start compiles a hundred files, which takes as long as
+# everything else.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 #: What a plain terminal answers: where the cursor is, how it is, what it is.
 _ANSWERS = {
     b"\x1b[6n": b"\x1b[1;1R",

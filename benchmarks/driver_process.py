@@ -32,7 +32,6 @@ from woz_tui.config.experiment import (
     Call,
     DriverSpec,
     Experiment,
-    FilePosition,
     Panel,
     ParallelCalls,
     SessionSettings,

@@ -18,7 +18,8 @@ from collections import deque
 from collections.abc import Callable
 
 from benchmarks.figures import Spread, machine, table, verdict
-from woz_tui.config.engagement import FILTERS, SIGNS, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import FILTERS, SIGNS
 from woz_tui.sensing.engagement_model import EngagementModel
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.sample_rows import SampleRowReader

@@ -25,7 +25,7 @@ from pathlib import Path
 import msgspec
 
 from benchmarks.figures import machine, percentile, table, verdict
-from woz_tui.config.engagement import STATES
+from woz_tui.config.engagement_words import STATES
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 

@@ -20,7 +20,7 @@ from woz_tui.analysis.figures import ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.html import timeline_items
 from woz_tui.analysis.participants import condition_text
 from woz_tui.analysis.timeline_lanes import drawing_of
-from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.config.performers import PERFORMERS
 from woz_tui.export.event_extraction import EventExtractor
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.tiers import TierSpan, tiers_of

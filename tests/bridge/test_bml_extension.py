@@ -17,7 +17,7 @@ from woz_tui.bml.realizer import BmlRealizer, Feedback
 from woz_tui.bml.ros_data import RosDataError
 from woz_tui.client import connect
 from woz_tui.config.bml_section import robot_calls
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.config.topic_table import load_table
 from woz_tui.protocol.messages import Json

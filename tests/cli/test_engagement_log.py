@@ -18,7 +18,8 @@ from tools.demo_session import catalogue
 from woz_tui import cli
 from woz_tui.cli.engagement_compare import MOVED, ONLY_COMPUTED, ONLY_RECORDED, SAME, paired
 from woz_tui.cli.engagement_log import rerun
-from woz_tui.config.engagement import PAPER, VISITOR, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import PAPER, VISITOR
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed

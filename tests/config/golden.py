@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from tests.config.catalogue import CATALOGUE
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 
 BROKEN = Path(__file__).parent / "broken"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.config.catalogue import CATALOGUE
-from woz_tui.config.experiment import Action, Experiment, ExperimentError
+from woz_tui.config.experiment import Action, Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 
 HELLO = "{key: h, label: Hello, say: Hello}"

@@ -9,7 +9,8 @@ import pytest
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import ROBOT, panel
 from woz_tui.config.bundled_files import robot_files
-from woz_tui.config.experiment import Experiment, ExperimentError, ParallelCalls
+from woz_tui.config.experiment import Experiment, ParallelCalls
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
 

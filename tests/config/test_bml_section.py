@@ -12,7 +12,7 @@ from woz_tui.bml.behaviour_calls import UnplayableError
 from woz_tui.bml.bml_block import Behaviour
 from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.bundled_files import robot_files
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load, load_robot_file
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.plugins import installed

@@ -10,7 +10,7 @@ import pytest
 from tests.config.catalogue import CATALOGUE
 from tests.config.golden import BROKEN, names, sentences
 from tests.config.reading import HEAD, errors, panel
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.config.problems import MAX_PROBLEMS
 

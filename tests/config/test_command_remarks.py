@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 import pytest
 
 from tests.config.catalogue import Bare
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.config.problems import MAX_PROBLEMS
 from woz_tui.drivers.contract import UNKNOWN, Argument, Ask, Driver, Finding, Verb, Written

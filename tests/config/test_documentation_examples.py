@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 import yaml
 
-from woz_tui.config.experiment import ExperimentError, Problem
 from woz_tui.config.experiment_file import TOP_LEVEL
+from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 

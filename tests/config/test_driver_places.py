@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.config.experiment import DriverPlace, ExperimentError
+from woz_tui.config.experiment import DriverPlace
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load, load_robot
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.plugins import installed

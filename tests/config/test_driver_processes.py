@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.network.installed_worker import installed_worker
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load_robot
 from woz_tui.drivers.plugins import Catalogue, installed
 from woz_tui.session.driver_manager import working_together

@@ -11,13 +11,14 @@ from hypothesis import strategies as st
 
 from tests.config.catalogue import CATALOGUE, Voice, VoiceSettings
 from tests.config.reading import HEAD, HELLO, ROBOT, errors, panel, read_experiment, warned
-from woz_tui.config import engagement as shapes
+from woz_tui.config import engagement_words as shapes
 from woz_tui.config.actions import ACTION_FIELDS
 from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, Call, Engagement, Experiment, ParallelCalls, Wait
 from woz_tui.config.loading import load
-from woz_tui.config.session_verbs import ENGAGEMENT, engagement_verbs
+from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.config.sign_values import argument_problem, sign_value
 from woz_tui.drivers.contract import Verb
 from woz_tui.sensing.filters import least

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.engagement import (
-    CONDITION,
     EngagementSettings,
     HandshakeSettings,
     JointSettings,
@@ -21,6 +20,7 @@ from woz_tui.config.engagement import (
     Timeouts,
 )
 from woz_tui.config.engagement_json import settings_from_json, settings_to_json
+from woz_tui.config.engagement_words import CONDITION
 
 EVERYTHING = EngagementSettings(
     start="hold",

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config import keys
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.keys import (
     KITTY,
     LAYOUTS,
@@ -26,6 +26,7 @@ from woz_tui.config.keys import (
     normal_key,
 )
 from woz_tui.config.keys.chords import NAMED
+from woz_tui.config.keys.keymap_file import load_keymap
 from woz_tui.console.byte_scanner import Scanner
 from woz_tui.console.escape_sequences import Key
 
@@ -339,7 +340,7 @@ def test_no_name_of_textuals_is_too_strange(key: str, character: str | None) -> 
 def keymap_errors(path: Path, text: str) -> list[str]:
     path.write_text(text, encoding="utf-8")
     with pytest.raises(ExperimentError) as caught:
-        keys.load_keymap(path)
+        load_keymap(path)
     return [str(problem).removeprefix(f"{path}:") for problem in caught.value.problems]
 
 
@@ -356,20 +357,20 @@ def test_the_consoles_keys_are_all_different_and_none_is_the_stop_but_the_stop()
 def test_a_keymap_moves_the_consoles_keys(tmp_path: Path) -> None:
     path = tmp_path / "keymap.yaml"
     path.write_text("say: Ctrl-G\nmarker: '#'\n")
-    moved = {item.id: item.chord for item in keys.load_keymap(path)}
+    moved = {item.id: item.chord for item in load_keymap(path)}
     assert (moved["say"], moved["marker"], moved["note"]) == ("ctrl+g", "#", ",")
 
 
 def test_an_empty_keymap_changes_nothing(tmp_path: Path) -> None:
     path = tmp_path / "keymap.yaml"
     path.write_text("# nothing\n")
-    assert keys.load_keymap(path) == keys.BUILTIN_KEYS
+    assert load_keymap(path) == keys.BUILTIN_KEYS
 
 
 def test_a_keymap_may_use_the_key_of_one_that_yields(tmp_path: Path) -> None:
     path = tmp_path / "keymap.yaml"
     path.write_text("say: '@'\n")
-    assert {item.id: item.chord for item in keys.load_keymap(path)}["say"] == "@"
+    assert {item.id: item.chord for item in load_keymap(path)}["say"] == "@"
     text = "say: '@'\nrobot: '@'\n"
     assert len(keymap_errors(tmp_path / "k.yaml", text)) == 2
 
@@ -377,7 +378,7 @@ def test_a_keymap_may_use_the_key_of_one_that_yields(tmp_path: Path) -> None:
 def test_two_keys_may_change_places(tmp_path: Path) -> None:
     path = tmp_path / "keymap.yaml"
     path.write_text("say: ':'\nfind: /\n")
-    assert {item.id: item.chord for item in keys.load_keymap(path)}["find"] == "/"
+    assert {item.id: item.chord for item in load_keymap(path)}["find"] == "/"
 
 
 def test_the_stop_cannot_be_moved_nor_taken(tmp_path: Path) -> None:
@@ -396,7 +397,7 @@ def test_what_counts_in_text_fields_is_on_no_key_that_is_typed(tmp_path: Path, n
     (found,) = keymap_errors(tmp_path / "k.yaml", f"{name}: R\n")
     assert found.startswith(f"1:1: {name}: 'R' could not be typed")
     (tmp_path / "k.yaml").write_text(f"{name}: f10\n")
-    assert {each.id: each.chord for each in keys.load_keymap(tmp_path / "k.yaml")}[name] == "f10"
+    assert {each.id: each.chord for each in load_keymap(tmp_path / "k.yaml")}[name] == "f10"
 
 
 def test_what_else_a_keymap_cannot_say(tmp_path: Path) -> None:
@@ -414,7 +415,7 @@ def test_what_else_a_keymap_cannot_say(tmp_path: Path) -> None:
 
 def test_a_keymap_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(ExperimentError, match="there is no such file"):
-        keys.load_keymap(tmp_path / "none.yaml")
+        load_keymap(tmp_path / "none.yaml")
 
 
 @pytest.mark.parametrize("number", range(13, 25))
@@ -436,5 +437,5 @@ def test_a_sign_in_a_keymap_is_written_as_itself(tmp_path: Path) -> None:
     (problem,) = keymap_errors(tmp_path / "k.yaml", "note: shift+0\n")
     assert "the sign itself" in problem
     (tmp_path / "k.yaml").write_text("note: shift+n\nsay: shift+f5\n")
-    moved = {item.id: item.chord for item in keys.load_keymap(tmp_path / "k.yaml")}
+    moved = {item.id: item.chord for item in load_keymap(tmp_path / "k.yaml")}
     assert (moved["note"], moved["say"]) == ("N", "shift+f5")

@@ -11,7 +11,8 @@ import yaml
 
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import ROBOT, panel
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.languages import FOLDER, shipped
 from woz_tui.config.loading import load
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.config.reading import HEAD, errors, read_experiment
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.plugins import installed

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from tests.config.catalogue import CATALOGUE
 from tests.config.golden import BROKEN
 from woz_tui.config.annotated_decoder import names_of
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import SourceFile, decode_utf8
 from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport

@@ -10,11 +10,11 @@ from tests.console import scenes
 from tests.console.dialogs import open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.scripted_feed import raw
+from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
-from woz_tui.session.variables import HIDDEN_TEXT
 
 NOW = scenes.NOW
 KRILL = "Whales eat four tonnes of krill a day."

@@ -8,8 +8,9 @@ from textual.events import Key
 
 from tests.console import engagement_scene, scenes
 from tests.console.piloting import ConsolePilot, piloted_console
-from woz_tui.config.engagement import STATES
-from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
+from woz_tui.config.engagement_words import STATES
+from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.full_engagement import full_rows

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.console import engagement_scene, scenes
 from tests.console.dialogs import open_dialog
 from tests.console.piloting import piloted_console
-from woz_tui.config.engagement import STATES
+from woz_tui.config.engagement_words import STATES
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.console.cells import length
 from woz_tui.console.console_state import ConsoleState

@@ -11,7 +11,8 @@ import pytest
 from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, ServoSettings, verbs
 
 from tests.drivers.servo_rig import HEAD
-from woz_tui.config.experiment import Experiment, ExperimentError, ParallelCalls
+from woz_tui.config.experiment import Experiment, ParallelCalls
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import KINDS

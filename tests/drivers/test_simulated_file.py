@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.simulated import ScheduledFault, SimulatedJoint, SimulatedSettings
 
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
 from woz_tui.protocol import messages as m

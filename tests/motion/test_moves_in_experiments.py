@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 

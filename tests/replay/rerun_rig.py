@@ -10,7 +10,8 @@ import msgspec
 
 from tests.session.rig import SessionRig
 from woz_tui.analysis.played_actions import PlayedSession, played_session
-from woz_tui.config.experiment import Call, FilePosition
+from woz_tui.config.experiment import Call
+from woz_tui.config.file_position import FilePosition
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import codec

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import messages as m

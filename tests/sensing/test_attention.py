@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.config.engagement import MODES, AttentionSettings
+from woz_tui.config.engagement import AttentionSettings
+from woz_tui.config.engagement_words import MODES
 from woz_tui.sensing.attention import (
     Attention,
     GazeDirection,

@@ -11,16 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.engagement import (
-    MODES,
-    OUTCOMES,
-    RUNS,
-    SIGNS,
-    STATES,
     EngagementSettings,
     HandshakeSettings,
     SignSettings,
     SoundSettings,
 )
+from woz_tui.config.engagement_words import MODES, OUTCOMES, RUNS, SIGNS, STATES
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition

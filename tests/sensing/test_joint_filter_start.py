@@ -7,7 +7,7 @@ import random
 import pytest
 
 from tests.sensing.visitor_samples import GONE, WITH, Visit
-from woz_tui.config.engagement import SIGNS
+from woz_tui.config.engagement_words import SIGNS
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.joint_filter import RECENT, JointFilter
 from woz_tui.sensing.state_machine import State

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.visitor_samples import GONE, PERIOD, WITH, Visit
-from woz_tui.config.engagement import FILTERS, START_UPS, SignSettings
+from woz_tui.config.engagement import SignSettings
+from woz_tui.config.engagement_words import FILTERS, START_UPS
 from woz_tui.sensing.model_time import LONGEST_PAUSE, SECOND, ModelClock, microseconds
 from woz_tui.sensing.state_machine import State
 

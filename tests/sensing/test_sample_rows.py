@@ -16,14 +16,8 @@ from hypothesis import strategies as st
 from tests.example_counts import many
 from tests.sensing.test_state_transitions import BEYOND, PAPER
 from tests.sensing.visitor_samples import GONE
-from woz_tui.config.engagement import (
-    FILTERS,
-    START_UPS,
-    EngagementSettings,
-    SignSettings,
-    SoundSettings,
-    Timeouts,
-)
+from woz_tui.config.engagement import EngagementSettings, SignSettings, SoundSettings, Timeouts
+from woz_tui.config.engagement_words import FILTERS, START_UPS
 from woz_tui.sensing.sample_rows import Row, SampleRowReader
 from woz_tui.sensing.state_machine import Event, State
 

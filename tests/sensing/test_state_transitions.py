@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.visitor_samples import GONE, WITH, Visit, nobody_greets
-from woz_tui.config.engagement import OUTCOMES, STATES, STOPPED, HandshakeSettings, Timeouts
+from woz_tui.config.engagement import HandshakeSettings, Timeouts
+from woz_tui.config.engagement_words import OUTCOMES, STATES, STOPPED
 from woz_tui.sensing import state_machine
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.state_machine import (

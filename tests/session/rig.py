@@ -15,13 +15,13 @@ from woz_tui.config.experiment import (
     Call,
     DriverSpec,
     Experiment,
-    FilePosition,
     Panel,
     ParallelCalls,
     SessionSettings,
     Step,
     Wait,
 )
+from woz_tui.config.file_position import FilePosition
 from woz_tui.drivers.contract import (
     Argument,
     Driver,

@@ -192,13 +192,11 @@ def test_an_error_that_recurs_is_counted_and_not_repeated(
 
 
 def test_a_driver_that_is_well_again_and_fails_again_says_both(tmp_path: Path) -> None:
-    health: list[m.AnyMessage] = []
+    health: list[m.DriverHealth] = []
 
     async def scenario(rig: SessionRig) -> None:
         context = rig.session.drivers["robot"].context
-        rig.session.hub.listen(
-            lambda line: health.append(line) if isinstance(line, m.DriverHealth) else None
-        )
+        rig.session.hub.listen(health.append, m.DriverHealth)
         wrong: Any = "1234"
         for _ in range(2):
             for _ in range(2):

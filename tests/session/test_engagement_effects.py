@@ -19,7 +19,8 @@ from tests.session.engagement_rig import (
     in_room,
 )
 from tests.session.rig import call, together
-from woz_tui.config.engagement import STATES, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import STATES
 from woz_tui.config.experiment import Profile, TextVariants, Wait
 from woz_tui.drivers.contract import DriverError, Health, Job
 from woz_tui.protocol import messages as m

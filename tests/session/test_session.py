@@ -10,7 +10,7 @@ import pytest
 
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config import utterance_template
-from woz_tui.config.experiment import FilePosition, Problem
+from woz_tui.config.file_position import FilePosition, Problem
 from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m

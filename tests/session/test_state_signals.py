@@ -13,7 +13,8 @@ from PIL import Image, ImageChops, ImageSequence
 
 from tests.session.rig import HERE, NoSettings, action, call, experiment, together
 from tools import signal_pictures
-from woz_tui.config.engagement import STATES, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import STATES
 from woz_tui.config.experiment import DriverSpec, Engagement, Experiment
 from woz_tui.drivers.bundled_media import FOLDER, located
 from woz_tui.drivers.contract import Argument, Verb

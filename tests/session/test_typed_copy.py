@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import HEAD, panel
-from woz_tui.config.experiment import Action, Experiment, ExperimentError
+from woz_tui.config.experiment import Action, Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Driver

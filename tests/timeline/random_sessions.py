@@ -10,7 +10,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from tests.protocol.examples import messages as examples
-from woz_tui.config.engagement import STATES
+from woz_tui.config.engagement_words import STATES
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 

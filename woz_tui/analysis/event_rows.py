@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any, TypeVar
 
-from woz_tui.config.session_verbs import BML, PERFORMERS
+from woz_tui.config.performers import BML, PERFORMERS
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import is_by_hand
 from woz_tui.timeline import episodes as e

@@ -6,7 +6,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from woz_tui.analysis.event_rows import first_plan, moments
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import BY_ITSELF, HANDS
 from woz_tui.timeline.episodes import (

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from woz_tui.analysis.event_rows import PREFLIGHT, is_direct, moments, of_robot, value_text
-from woz_tui.config.session_verbs import BML
+from woz_tui.config.performers import BML
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.session_state import LATEST_TIME

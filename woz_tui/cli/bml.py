@@ -25,7 +25,7 @@ from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
 from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.bundled_files import is_path, robot_files
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.loading import load_robot_file
 from woz_tui.console.text_console import TextConsole

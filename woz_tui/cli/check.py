@@ -17,19 +17,20 @@ from rich.text import Text
 from woz_tui.cli import check_why, robot_fit, study_summary
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import keys
-from woz_tui.config.engagement import SIGNS, VISITOR, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, signs_given
+from woz_tui.config.engagement_words import SIGNS, VISITOR
 from woz_tui.config.experiment import (
     Action,
     Call,
     DriverSpec,
     Engagement,
     Experiment,
-    ExperimentError,
-    Problem,
     TextVariants,
     Wait,
 )
+from woz_tui.config.file_position import ExperimentError, Problem
+from woz_tui.config.keys.keymap_file import load_keymap
 from woz_tui.config.loading import load, load_robot
 from woz_tui.config.robots import is_robot_file
 from woz_tui.config.sensor_names import published_names
@@ -99,7 +100,7 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         every = arguments.robot == robot_fit.ALL
         experiment = load(arguments.file, catalogue, robot="" if every else arguments.robot)
         layout = arguments.layout or experiment.keyboard
-        builtins = keys.load_keymap(arguments.keymap) if arguments.keymap else keys.BUILTIN_KEYS
+        builtins = load_keymap(arguments.keymap) if arguments.keymap else keys.BUILTIN_KEYS
     except ExperimentError as error:
         _print_errors(error.problems, arguments)
         return 1

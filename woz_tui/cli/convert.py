@@ -12,8 +12,8 @@ from pathlib import Path, PurePosixPath
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import woz4u
-from woz_tui.config.experiment import ExperimentError
 from woz_tui.config.experiment_file import TOP_LEVEL
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport

@@ -16,7 +16,8 @@ from rich.text import Text
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.cli.shared_options import add_robot
-from woz_tui.config.experiment import DriverSpec, ExperimentError, Problem
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Finding, Probe

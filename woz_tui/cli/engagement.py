@@ -18,14 +18,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.config.engagement import (
-    CONDITION,
-    FILTERS,
-    SIGNS,
-    START_UPS,
-    TURNS,
-    EngagementSettings,
-)
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import CONDITION, FILTERS, SIGNS, START_UPS, TURNS
 
 if TYPE_CHECKING:
     from woz_tui.sensing.sample_rows import SampleRowReader

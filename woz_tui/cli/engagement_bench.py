@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.cli.argument_types import number
-from woz_tui.config.engagement import CONDITION, SIGNS, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import CONDITION, SIGNS
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -16,9 +16,10 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.config.engagement import PAPER, RUNS, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import settings_from_json, settings_to_json
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.engagement_words import PAPER, RUNS
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.log.log_reader import Damage, LogLine, read
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
@@ -446,7 +447,7 @@ def _experiment_of(log: Path, start: m.SessionStart) -> tuple[Path | None, str]:
 
 def _unlike(file: Path, start: m.SessionStart) -> str:
     """Why `file` is not the experiment of the session; empty: it is."""
-    from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
+    from woz_tui.config.file_position import ExperimentError  # noqa: PLC0415
     from woz_tui.config.loading import load  # noqa: PLC0415
     from woz_tui.drivers import plugins  # noqa: PLC0415
 

@@ -56,7 +56,7 @@ def with_error_sentences(
 def _sentences(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str | None:
     """The error in sentences; None if it is a bug of the program."""
     # Here, so that what needs no explanation starts without them.
-    from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
+    from woz_tui.config.file_position import ExperimentError  # noqa: PLC0415
     from woz_tui.drivers.plugins import PluginError  # noqa: PLC0415
     from woz_tui.session.participant_identity import RequestError  # noqa: PLC0415
 

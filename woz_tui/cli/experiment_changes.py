@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.replay import experiment_origin
 from woz_tui.replay.experiment_origin import ExperimentOrigin
 from woz_tui.session.redactor import Redactor

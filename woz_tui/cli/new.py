@@ -22,7 +22,8 @@ from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import utterance_template
 from woz_tui.config.bundled_files import ROBOTS, is_path, robot_files
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.keys import LAYOUTS
 from woz_tui.config.languages import DEFAULT, shipped
 from woz_tui.config.loading import load

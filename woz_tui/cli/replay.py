@@ -14,7 +14,8 @@ from woz_tui.cli.console_start import detect_appearance
 from woz_tui.cli.experiment_changes import change_lines, error_lines
 from woz_tui.cli.shared_options import add_keymap, add_theme
 from woz_tui.config.bundled_files import bundled_file
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.keys.terminals import detect_terminal
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import Catalogue, installed

@@ -25,7 +25,8 @@ from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess, host_argum
 from woz_tui.cli.shared_options import builtins
 from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.bundled_files import bundled_file
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.keys.console_keys import BuiltinKey
 from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path

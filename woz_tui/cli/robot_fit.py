@@ -12,10 +12,11 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui.config.bundled_files import robot_files
-from woz_tui.config.experiment import Action, Call, Experiment, ExperimentError, ParallelCalls
+from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
+from woz_tui.config.performers import PERFORMERS
 from woz_tui.config.robots import PLAY
-from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol.messages import Json

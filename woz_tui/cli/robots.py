@@ -17,7 +17,8 @@ from woz_tui.cli.check import verb_rows
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.bundled_files import robot_files
-from woz_tui.config.experiment import DriverSpec, ExperimentError
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.json_schema import sample_settings
 from woz_tui.config.loading import load_robot
 from woz_tui.config.problems import hint

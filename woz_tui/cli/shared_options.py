@@ -112,6 +112,6 @@ def builtins(arguments: Namespace) -> Sequence[BuiltinKey]:
         file = config_folder() / "woz" / "keymap.yaml"
         if not file.exists():
             return BUILTIN_KEYS
-    from woz_tui.config.keys import load_keymap  # noqa: PLC0415 - few wizards have a file
+    from woz_tui.config.keys.keymap_file import load_keymap  # noqa: PLC0415 - few wizards have a file
 
     return load_keymap(file)

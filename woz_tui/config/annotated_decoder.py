@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
 from woz_tui.config import media_files
-from woz_tui.config.experiment import FilePosition, Problem
+from woz_tui.config.file_position import FilePosition, Problem
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport, join
 from woz_tui.config.yaml_cursor import (

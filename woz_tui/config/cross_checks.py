@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from woz_tui.config.actions import ActionDraft, check_actions
 from woz_tui.config.annotated_decoder import values_with_note
 from woz_tui.config.command_remarks import SECRET, hidden_arguments
-from woz_tui.config.experiment import Action, Experiment, FilePosition, Panel
+from woz_tui.config.experiment import Action, Experiment, Panel
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.keys.keymap import FileKeys, actions_on, typeable
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.robots import DriverRequests, Robots, VerbOffer

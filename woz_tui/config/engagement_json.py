@@ -10,7 +10,8 @@ from typing import Any
 import msgspec
 
 from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
-from woz_tui.config.engagement import PAPER, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import PAPER
 from woz_tui.drivers.fields import OneOf
 from woz_tui.protocol.envelope import Json
 

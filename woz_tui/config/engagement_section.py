@@ -22,20 +22,14 @@ from woz_tui.config.annotated_decoder import (
     read_settings,
     split_annotation,
 )
-from woz_tui.config.engagement import (
-    CONDITION,
-    SIGNS,
-    STATES,
-    STOPPED,
-    EngagementSettings,
-    HandshakeSettings,
-    SoundSettings,
-)
+from woz_tui.config.engagement import EngagementSettings, HandshakeSettings, SoundSettings
+from woz_tui.config.engagement_words import CONDITION, SIGNS, STATES, STOPPED
 from woz_tui.config.experiment import Action, Call, Engagement, ParallelCalls, Step, Wait
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.robots import Robots
 from woz_tui.config.sensor_names import published_names
-from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
+from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.config.sign_values import SENSOR
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import Cursor, read_text

@@ -13,51 +13,13 @@ from typing import Annotated, Any, Literal
 
 from woz_tui.bml.behaviour_calls import BmlTable
 from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.file_position import NOWHERE, FilePosition, Problem
 from woz_tui.config.study import Study
 from woz_tui.drivers.contract import Verb
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOrMore, Range, Seconds, Unique
 from woz_tui.network.listen_address import DRIVERS_LISTEN
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import STALE_S, QuestionnaireWords
-
-
-@dataclass(frozen=True, slots=True)
-class FilePosition:
-    """Where something stands: file, line and column, both counted from 1."""
-
-    file: str
-    line: int
-    column: int
-
-    def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
-
-
-#: Where what was not read from a file stands.
-NOWHERE = FilePosition("", 0, 0)
-
-
-@dataclass(frozen=True, slots=True)
-class Problem:
-    """One error or warning in a file; `where` says its `path` in words, where there are any."""
-
-    place: FilePosition
-    path: str
-    message: str
-    warning: bool = False
-    where: str = ""
-
-    def __str__(self) -> str:
-        warning = "warning: " if self.warning else ""
-        return f"{self.place}: {warning}{self.where or self.path}: {self.message}"
-
-
-class ExperimentError(Exception):
-    """The file cannot be used; `problems` holds every reason, sorted by place."""
-
-    def __init__(self, problems: list[Problem]) -> None:
-        super().__init__("\n".join(map(str, problems)))
-        self.problems = problems
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,10 +24,12 @@ from woz_tui.config.engagement_section import ENTERED, ON_ENTER
 from woz_tui.config.experiment import OWN_PROCESS, SHARED_PROCESS, DriverPlace
 from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
 from woz_tui.config.languages import SPOKEN, Language
+from woz_tui.config.performers import BML
 from woz_tui.config.robots import AT, NAMED, PROCESS
-from woz_tui.config.session_verbs import BML, BML_VERB, WAIT, engagement_verbs, session_verbs
-from woz_tui.config.study import CUES, Design
+from woz_tui.config.session_verbs import BML_VERB, WAIT, engagement_verbs, session_verbs
+from woz_tui.config.study import Design
 from woz_tui.config.study_sections import NAME_PATTERN
+from woz_tui.config.study_words import CUES
 from woz_tui.drivers import fields
 from woz_tui.drivers.contract import Argument, Driver, Verb
 from woz_tui.protocol.messages import Json

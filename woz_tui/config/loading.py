@@ -26,20 +26,14 @@ from woz_tui.config.experiment import DriverSpec, Experiment
 from woz_tui.config.experiment_file import TOP_LEVEL, ExperimentFile
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.languages import Language
+from woz_tui.config.performers import BML, ENGAGEMENT, SESSION
 from woz_tui.config.phases import read_phases
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.profiles import ProfileTargets, read_profiles
 from woz_tui.config.repairs import RepairReader
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import check_shown, published_names
-from woz_tui.config.session_verbs import (
-    BML,
-    BML_VERB,
-    ENGAGEMENT,
-    SESSION,
-    engagement_verbs,
-    session_verbs,
-)
+from woz_tui.config.session_verbs import BML_VERB, engagement_verbs, session_verbs
 from woz_tui.config.study_sections import StudyReferences, read_study
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import (

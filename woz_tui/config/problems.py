@@ -8,12 +8,15 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 
-from woz_tui.config.experiment import ExperimentError, FilePosition, Problem
-from woz_tui.config.file_text import SourceFile
+from woz_tui.config.file_position import ExperimentError, FilePosition, Problem
 from woz_tui.drivers.secret_arguments import without_passwords
+
+if TYPE_CHECKING:
+    from woz_tui.config.file_text import SourceFile
 
 #: A file with more errors than this is another kind of file; the rest is counted, not listed.
 MAX_PROBLEMS = 200

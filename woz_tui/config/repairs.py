@@ -11,7 +11,8 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from woz_tui.config.actions import StepReader
 from woz_tui.config.annotated_decoder import Invalid, read_value
 from woz_tui.config.condition_texts import Variables, says_by_condition
-from woz_tui.config.experiment import Action, FilePosition, Step
+from woz_tui.config.experiment import Action, Step
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.languages import SPOKEN, Language
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import Cursor

@@ -18,8 +18,8 @@ from woz_tui.config.annotated_decoder import (
 from woz_tui.config.bundled_files import is_path, robot_files
 from woz_tui.config.experiment import OWN_PROCESS, SHARED_PROCESS, DriverPlace, DriverSpec
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
+from woz_tui.config.performers import BML, PERFORMERS, SESSION
 from woz_tui.config.problems import ProblemReport, join, quoted
-from woz_tui.config.session_verbs import BML, PERFORMERS, SESSION
 from woz_tui.config.yaml_cursor import (
     Cursor,
     document,

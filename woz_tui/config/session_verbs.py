@@ -8,7 +8,7 @@ import functools
 from collections.abc import Sequence
 
 from woz_tui.bml.xml_elements import LONGEST
-from woz_tui.config.engagement import (
+from woz_tui.config.engagement_words import (
     CONDITION,
     FILTERS,
     MODES,
@@ -18,17 +18,9 @@ from woz_tui.config.engagement import (
     STATES,
     STOPPED,
 )
+from woz_tui.config.performers import BML
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
-
-#: The name under which calls of the session's verbs are addressed.
-SESSION = "session"
-#: The name under which calls of the engagement model's verbs are addressed.
-ENGAGEMENT = "engagement"
-#: The name under which calls that play blocks of behaviour are addressed, and their verb.
-BML = "bml"
-#: Who carries out verbs beside the drivers: no driver may have such a name.
-PERFORMERS = (SESSION, ENGAGEMENT, BML)
 
 #: A verb of the session itself: it reaches no hardware, so its end needs no evidence.
 own_verb = functools.partial(Verb, evidence="")

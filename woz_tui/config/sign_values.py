@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from woz_tui.config import utterance_template
-from woz_tui.config.engagement import FILTERS, SIGNS, UNKNOWN
+from woz_tui.config.engagement_words import FILTERS, SIGNS, UNKNOWN
 from woz_tui.config.visitor_names import name_of, word_of
 from woz_tui.protocol.messages import Json
 

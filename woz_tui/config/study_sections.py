@@ -34,7 +34,6 @@ from woz_tui.config.counterbalancing import letters
 from woz_tui.config.experiment import Action
 from woz_tui.config.problems import quoted
 from woz_tui.config.study import (
-    CUES,
     Design,
     ItemEntry,
     PerceptionLimits,
@@ -43,6 +42,7 @@ from woz_tui.config.study import (
     ScaleEntry,
     Study,
 )
+from woz_tui.config.study_words import CUES
 from woz_tui.config.yaml_cursor import (
     Cursor,
     check_different,

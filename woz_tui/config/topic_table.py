@@ -23,7 +23,7 @@ from woz_tui.bml.behaviour_calls import VerbWithArgs
 from woz_tui.bml.ros_data import EMPTY, RosDataError, RosType, RosValue, typed
 from woz_tui.config.annotated_decoder import read_section
 from woz_tui.config.bundled_files import bundled_file, is_path
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport, join, nearest_word
 from woz_tui.config.yaml_cursor import Cursor, document, named_source, read_text, source_of

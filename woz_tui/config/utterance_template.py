@@ -7,14 +7,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING
 
-from woz_tui.config.yaml_cursor import Cursor
+if TYPE_CHECKING:  # consoles fill in what the robot process has checked
+    from woz_tui.config.yaml_cursor import Cursor
 
 #: Variables that the session itself fills in.
 BUILT_IN = ("participant", "condition", "session", "trial", "wizard")
 #: One more where there is an engagement model: who stands there.
 VISITOR = "visitor"
 
+#: Stands for a text that depends on the condition, where that is kept.
+HIDDEN_TEXT = "..."
 #: How a sentence begins that `woz new` leaves to the author.
 TO_WRITE = "TO WRITE"
 #: What a variable may be called.

@@ -14,9 +14,10 @@ from woz_tui.config.annotated_decoder import resolve_path
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import is_choice, read_choice
 from woz_tui.config.experiment import ARRIVED, Call, LeftOut, ParallelCalls, TextVariants
+from woz_tui.config.performers import ENGAGEMENT, PERFORMERS
 from woz_tui.config.problems import ProblemReport, join, listed, quoted
 from woz_tui.config.robots import PLAY, Robots, VerbOffer
-from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
+from woz_tui.config.session_verbs import ENGAGEMENT_VERBS, WAIT
 from woz_tui.config.sign_values import argument_problem, without_a_sign
 from woz_tui.config.yaml_cursor import (
     Cursor,

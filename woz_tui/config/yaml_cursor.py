@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode, described, parse_yaml

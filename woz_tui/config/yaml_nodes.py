@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import yaml
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport, join, quoted
 

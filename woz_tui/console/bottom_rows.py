@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from rich.cells import cell_len
 
+from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.cells import (
     Cells,
     Piece,
@@ -29,7 +30,6 @@ from woz_tui.console.number_text import millis
 from woz_tui.console.stop_confirmation import settled_row, stopped_words
 from woz_tui.protocol.messages import FilledCall
 from woz_tui.protocol.panels import ActionView
-from woz_tui.session.variables import HIDDEN_TEXT
 from woz_tui.timeline.episodes import StopEpisode
 
 

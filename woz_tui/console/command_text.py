@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from woz_tui.config.session_verbs import BML, PERFORMERS
+from woz_tui.config.performers import BML, PERFORMERS
 from woz_tui.console.engagement.wizard_overrides import is_override, override_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.markup import sentence

@@ -11,13 +11,13 @@ from itertools import zip_longest
 
 from rich.cells import cell_len
 
+from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, heading
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.number_text import seconds, time_left
 from woz_tui.console.remedy_text import remedy_text
-from woz_tui.session.variables import HIDDEN_TEXT
 from woz_tui.system.text_cleaning import elapsed
 
 #: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.console.command_text import command_words
 from woz_tui.console.engagement.engagement_text import (
     change_reason,

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from woz_tui.config.session_verbs import BML
+from woz_tui.config.performers import BML
 from woz_tui.console.command_text import command_words, spoken_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import EVIDENCE

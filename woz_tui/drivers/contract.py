@@ -20,7 +20,7 @@ from woz_tui.drivers.feeds import Feed
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.markup import for_voice
-from woz_tui.protocol.messages import Json, Shown, Speech
+from woz_tui.protocol.messages import SPEECH_SENSOR, Json, Shown, Speech
 from woz_tui.system.clock import Clock
 
 #: An argument's type on the wire: text, number, whole, flag, choice, file, seconds, joints
@@ -29,7 +29,7 @@ KINDS = ("text", "number", "whole", "flag", "choice", "file", "seconds", "joints
 
 #: Among a driver's sensors: it finds out by itself when somebody speaks, and tells of it with
 #: `SpeechStarted` and `SpeechEnded`, so that nobody has to guess from its loudness.
-SPEECH = "speech"
+SPEECH = SPEECH_SENSOR
 #: Among a driver's sensors beside `SPEECH`: it tells what was said, too, with `SpeechText`.
 SPEECH_TEXT = "speech.text"
 #: Drivers that offer this verb give names to faces; its main argument is the name. The session

@@ -9,11 +9,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
-from woz_tui.drivers.contract import Verb
 from woz_tui.protocol.messages import Json
 from woz_tui.system import addresses
 from woz_tui.system.addresses import HIDDEN
+
+if TYPE_CHECKING:  # whoever quotes an address needs no driver
+    from woz_tui.drivers.contract import Verb
 
 __all__ = ["HIDDEN", "hidden", "without_passwords"]
 

@@ -11,8 +11,8 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from woz_tui.config.engagement import RUNS
-from woz_tui.config.study import CUES, WHENS
+from woz_tui.config.engagement_words import RUNS
+from woz_tui.config.study_words import CUES, WHENS
 from woz_tui.protocol.messages import Json
 
 PLACEHOLDER = "[redacted]"

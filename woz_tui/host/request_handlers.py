@@ -11,7 +11,8 @@ from functools import partial
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.experiment import Call, Experiment, ExperimentError
+from woz_tui.config.experiment import Call, Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding, HandInput
 from woz_tui.gate.facts import Facts

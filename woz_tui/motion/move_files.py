@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Annotated
 
 from woz_tui.config.annotated_decoder import fields_of, read_section
-from woz_tui.config.experiment import FilePosition, Problem
+from woz_tui.config.file_position import FilePosition, Problem
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.yaml_cursor import (

@@ -559,7 +559,9 @@ class SpeechText(Message, frozen=True, kw_only=True, tag="speech.text"):
     confidence: float | None = None
 
 
-#: What a driver that cuts speech into segments tells of them.
+#: The sensor of a driver that finds out by itself when somebody speaks.
+SPEECH_SENSOR = "speech"
+#: What such a driver, which cuts speech into segments, tells of them.
 Speech = SpeechStarted | SpeechEnded | SpeechText
 
 

@@ -11,7 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
 from woz_tui.log.file_names import from_folder

@@ -20,7 +20,7 @@ import msgspec
 
 from woz_tui.analysis.played_actions import SESSION_SOURCES
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Verb
 from woz_tui.log.log_reader import Damage, files_of, read

@@ -31,7 +31,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from woz_tui.config.engagement import MODES, AttentionSettings
+from woz_tui.config.engagement import AttentionSettings
+from woz_tui.config.engagement_words import MODES
 
 _SECOND = 1_000_000
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from woz_tui.config.engagement import CONDITION, SIGNS
+from woz_tui.config.engagement_words import CONDITION, SIGNS
 from woz_tui.config.sign_values import SENSOR, argument_problem, identity_of, sign_value
 from woz_tui.config.visitor_names import name_of
 from woz_tui.protocol.messages import Json

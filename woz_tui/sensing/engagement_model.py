@@ -11,7 +11,8 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from woz_tui.config.engagement import RUNS, SIGNS, VISITOR, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import RUNS, SIGNS, VISITOR
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.messages import EngagementShown
 from woz_tui.protocol.requesters import WIZARD

@@ -29,9 +29,10 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from woz_tui.config.engagement import SIGNS, UNKNOWN, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import settings_from_json
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.engagement_words import SIGNS, UNKNOWN
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import SPEECH
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requesters import requester

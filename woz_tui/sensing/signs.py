@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import Any, Generic, TypeVar
 
-from woz_tui.config.engagement import CONDITION, FILTERS, SIGNS, EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_words import CONDITION, FILTERS, SIGNS
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.messages import SignShown
 from woz_tui.sensing import sample_values

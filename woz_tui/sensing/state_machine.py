@@ -12,7 +12,8 @@ import enum
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from woz_tui.config.engagement import VISITOR, HandshakeSettings, Timeouts
+from woz_tui.config.engagement import HandshakeSettings, Timeouts
+from woz_tui.config.engagement_words import VISITOR
 
 
 class State(enum.StrEnum):

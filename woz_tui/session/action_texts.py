@@ -15,18 +15,12 @@ import msgspec
 from woz_tui.bml.behaviour_calls import VerbCall
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
-from woz_tui.config.session_verbs import BML
-from woz_tui.config.utterance_template import VISITOR
+from woz_tui.config.performers import BML
+from woz_tui.config.utterance_template import HIDDEN_TEXT, VISITOR
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.participant_identity import RequestError
-from woz_tui.session.variables import (
-    HIDDEN_TEXT,
-    MissingValueError,
-    VariableValues,
-    fill_variables,
-    filled_call,
-)
+from woz_tui.session.variables import MissingValueError, VariableValues, fill_variables, filled_call
 
 #: The verb and its argument that hold an utterance.
 SAY, TEXT = "say", "text"

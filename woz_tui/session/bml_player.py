@@ -30,7 +30,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.file_text import SourceFileError, read_source
-from woz_tui.config.session_verbs import BML, PERFORMERS
+from woz_tui.config.performers import BML, PERFORMERS
 from woz_tui.drivers.contract import Driver, Forecast, Job, RejectedError, Scope
 from woz_tui.gate.questions import Refusal, RequestOrigin
 from woz_tui.protocol import messages as m

@@ -17,7 +17,7 @@ from types import CodeType, FrameType, TracebackType
 from typing import Any, Protocol
 
 from woz_tui.bus.lane import IN_HOST_LOG
-from woz_tui.config.study import PERCEIVED
+from woz_tui.config.study_words import PERCEIVED
 from woz_tui.drivers.contract import Driver, Health, HealthStatement
 from woz_tui.drivers.driver_call import CALLING
 from woz_tui.protocol.messages import DriverFaulted, Notice

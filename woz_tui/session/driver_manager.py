@@ -17,8 +17,8 @@ from woz_tui.config.experiment import (
     DriverSpec,
     Experiment,
 )
+from woz_tui.config.performers import PERFORMERS
 from woz_tui.config.sensor_names import published_names
-from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.drivers.contract import REST_WAIT_S, Driver, DriverError, PassiveDriver
 from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.drivers.feeds import Feeds

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.config.study import OVER
+from woz_tui.config.study_words import OVER
 from woz_tui.log.file_names import FileName, session_code
 from woz_tui.log.line_order import seq_of
 from woz_tui.log.log_files import files_of

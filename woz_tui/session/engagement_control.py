@@ -21,7 +21,8 @@ from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import settings_to_json
 from woz_tui.config.experiment import Engagement
-from woz_tui.config.session_verbs import ENGAGEMENT, engagement_verbs
+from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.config.utterance_template import VISITOR
 from woz_tui.drivers.contract import Job, RejectedError, Scope, Verb
 from woz_tui.protocol import messages as m

@@ -10,7 +10,7 @@ from datetime import date
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Call, Experiment
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import ActionRunner

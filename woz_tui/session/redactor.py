@@ -17,10 +17,9 @@ from typing import Any, ClassVar
 
 from msgspec.structs import fields, replace
 
-from woz_tui.config.engagement import STATES
-from woz_tui.config.study import BLURRED, PERCEIVED
+from woz_tui.config.engagement_words import STATES
+from woz_tui.config.study_words import BLURRED, PERCEIVED
 from woz_tui.config.utterance_template import VISITOR
-from woz_tui.drivers.contract import SPEECH
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
@@ -574,7 +573,7 @@ def perceived_kind(sensor: str) -> str:
     parts = sensor.split(".")
     if "joint" in parts or "setpoint" in parts:
         return "joints"
-    if parts[-1] == SPEECH:
+    if parts[-1] == m.SPEECH_SENSOR:
         return "transcript"
     return next((part for part in reversed(parts) if part in PERCEIVED), "")
 

@@ -20,7 +20,8 @@ from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Action, Call, Experiment, Phase
 from woz_tui.config.keys.keymap import actions_on
-from woz_tui.config.session_verbs import BML, BML_VERB
+from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.session_verbs import BML_VERB
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
@@ -56,7 +57,7 @@ from woz_tui.session.recent_messages import UNLISTED, RecentMessages
 from woz_tui.session.repair_control import RepairController
 from woz_tui.session.response_delay import ResponseDelay
 from woz_tui.session.script_control import ScriptController
-from woz_tui.session.session_driver import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionPerformer
+from woz_tui.session.session_driver import VERBS, SessionPerformer
 from woz_tui.session.session_start import publish_reload, publish_start
 from woz_tui.session.study_control import StudyController
 from woz_tui.session.typed_actions import with_sentence, with_typed

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from woz_tui.bus.lane import LaneJob
-from woz_tui.config.session_verbs import ENGAGEMENT, PERFORMERS, SESSION, own_verb
+from woz_tui.config.performers import ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.session_verbs import own_verb
 from woz_tui.drivers.contract import Argument, Job, RejectedError, Scope, Verb
 from woz_tui.protocol.messages import Json
 

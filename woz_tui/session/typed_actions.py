@@ -8,15 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from woz_tui.config.experiment import (
-    NOWHERE,
-    Action,
-    Call,
-    Experiment,
-    ExperimentError,
-    Panel,
-    ParallelCalls,
-)
+from woz_tui.config.experiment import Action, Call, Experiment, Panel, ParallelCalls
 from woz_tui.config.file_additions import (
     AppendError,
     append_actions,
@@ -24,6 +16,7 @@ from woz_tui.config.file_additions import (
     quoted,
     write_copy,
 )
+from woz_tui.config.file_position import NOWHERE, ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.panels import TYPED

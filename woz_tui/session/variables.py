@@ -6,13 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from woz_tui.config.experiment import Call, TextVariants
-from woz_tui.config.utterance_template import fill, names
+from woz_tui.config.utterance_template import HIDDEN_TEXT, fill, names
 from woz_tui.protocol.messages import Json
 
 #: Chooses one of the variants.
 Pick = Callable[[Sequence[str]], str]
-#: Stands for a text that depends on the condition, where that is kept.
-HIDDEN_TEXT = "..."
 
 
 class VariableValues(dict[str, str]):

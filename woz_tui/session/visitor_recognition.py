@@ -13,8 +13,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
-from woz_tui.config.experiment import NOWHERE, Call
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.experiment import Call
+from woz_tui.config.file_position import NOWHERE
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, SPEECH_TEXT
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from msgspec.structs import replace
 
-from woz_tui.config.engagement import RUNS, STATES
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.engagement_words import RUNS, STATES
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.state_machine import ENGAGED
 from woz_tui.timeline.episodes import (

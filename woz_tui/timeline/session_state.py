@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.session_verbs import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import DriverHealth
 from woz_tui.timeline.engagement_history import ModelStatus

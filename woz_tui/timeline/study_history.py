@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 
 from msgspec.structs import replace
 
-from woz_tui.config.study import OVER, due_after_trial
+from woz_tui.config.study_words import OVER, due_after_trial
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.timeline.episodes import (

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.experiment import Action, Experiment
-from woz_tui.config.session_verbs import ENGAGEMENT, SESSION
+from woz_tui.config.performers import ENGAGEMENT, SESSION
 from woz_tui.config.study import Training, TrainingCue
 
 #: An experiment without cues of its own: the visitor asks for an action by its label.

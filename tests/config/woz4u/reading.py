@@ -10,8 +10,9 @@ from typing import Any
 from woz_drivers.pepper import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 
-from woz_tui.config.experiment import Action, Experiment, ExperimentError, Panel
+from woz_tui.config.experiment import Action, Experiment, Panel
 from woz_tui.config.experiment_file import TOP_LEVEL
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import read_source
 from woz_tui.config.loading import load
 from woz_tui.config.woz4u import translate_file

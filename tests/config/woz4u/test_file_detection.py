@@ -15,8 +15,8 @@ from tests.config.woz4u.reading import (
     read_experiment,
     titles,
 )
-from woz_tui.config.experiment import ExperimentError
 from woz_tui.config.experiment_file import TOP_LEVEL
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport

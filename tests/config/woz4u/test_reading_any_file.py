@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from tests.config.woz4u.reading import CATALOGUE, converted_text, essence
 from tests.example_counts import many
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.experiment_file import TOP_LEVEL
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import read_source
 from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from tests.config.woz4u.reading import converted_text, read_experiment
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u import made_nodes

@@ -10,7 +10,7 @@ import pytest
 from tests.drivers.body.test_body_session import KEY
 from tests.session.rig import SessionRig
 from tools.demo_session import catalogue
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity

@@ -13,7 +13,8 @@ from woz_drivers.midi.resolved_map import mapped_controls, signal_of
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.config.annotated_decoder import settings_from_texts
-from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.json_schema import included_schema
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins

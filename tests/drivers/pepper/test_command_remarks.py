@@ -13,7 +13,7 @@ from woz_drivers.pepper.settings import PepperSettings, TabletSettings
 
 from tests.drivers.pepper.test_address import TELLING
 from tests.drivers.pepper.test_tags import RIGHT
-from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import UNKNOWN, Written
 from woz_tui.protocol.messages import Json

@@ -14,7 +14,7 @@ from woz_tui.config.keys.console_keys import (
     builtin_keys_with,
 )
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
-from woz_tui.config.keys.keymap import AssignedKey, KeyMap, key_map, load_keymap
+from woz_tui.config.keys.keymap import AssignedKey, KeyMap, key_map
 from woz_tui.config.keys.terminals import (
     KITTY,
     LINUX,
@@ -58,6 +58,5 @@ __all__ = [
     "from_textual",
     "is_stop",
     "key_map",
-    "load_keymap",
     "normal_key",
 ]

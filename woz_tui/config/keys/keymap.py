@@ -19,11 +19,10 @@ from __future__ import annotations
 import hashlib
 import string
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal_key, parse_chord
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 from woz_tui.config.keys.keyboard_layouts import layout_of
@@ -36,9 +35,7 @@ from woz_tui.config.keys.terminals import (
     deliver,
     is_stop,
 )
-from woz_tui.config.problems import ProblemReport, quoted
-from woz_tui.config.yaml_cursor import Cursor, read_text, source_of
-from woz_tui.config.yaml_nodes import ScalarNode, parse_yaml
+from woz_tui.config.problems import quoted
 
 #: Keys that may stand in for others: they arrive on every terminal and belong to experiments.
 _RESERVES = (
@@ -48,10 +45,6 @@ _RESERVES = (
     *string.ascii_uppercase,
     *(f"shift+{key}" for key in FUNCTION_KEYS),
 )
-
-
-#: These keys of the console count in text fields, too.
-_IN_DIALOGS = frozenset({"leave", "release"})
 
 
 class KeyedAction(Protocol):
@@ -336,82 +329,3 @@ def typeable(chord: str, layout: str) -> bool:
         press.named or keyboard.gives(press.base)
         for press in (parse_chord(part) for part in chord.split(" "))
     )
-
-
-# -- a wizard's own keymap -------------------------------------------------------------------------
-
-
-def load_keymap(path: Path) -> tuple[BuiltinKey, ...]:
-    """The console's keys with this file's changes (`say: ctrl+g`; docs/how-to/keymap.md lists the
-    ids), which count whatever keyboard an experiment names. Raises `ExperimentError` with every
-    problem.
-
-    The stop cannot be moved, and nothing can be put on its bytes.
-    """
-    report = ProblemReport()
-    moved = _read(path, report)
-    result = tuple(replace(item, chord=moved.get(item.id, item.chord)) for item in BUILTIN_KEYS)
-    _no_two_alike(result, moved, report)
-    report.raise_errors()
-    return result
-
-
-def _read(path: Path, report: ProblemReport) -> dict[str, str]:
-    source = source_of(path, report)
-    root = parse_yaml(source, report) if source is not None else None
-    if root is None or (isinstance(root, ScalarNode) and root.is_empty):
-        return {}
-    start = FilePosition(str(path), 1, 1)
-    table = Cursor(root, "", start, report).table("a mapping of ids to keys") or {}
-    known = {item.id: item for item in BUILTIN_KEYS}
-    moved: dict[str, str] = {}
-    for name, cursor in table.items():
-        if name not in known:
-            cursor.unknown(known, "known are")
-        elif not known[name].movable:
-            cursor.error("the key of the stop cannot be changed")
-        elif (chord := _chord(cursor)) is None:
-            continue
-        elif name in _IN_DIALOGS and len(chord) == 1:
-            cursor.error(f"{chord!r} could not be typed any more: take a key such as f10 or ctrl+g")
-        else:
-            moved[name] = chord
-    return moved
-
-
-#: Letters and signs stand for themselves: the file is read before an experiment names a keyboard.
-_LAYOUT = "us"
-
-
-def _chord(cursor: Cursor) -> str | None:
-    text = read_text(cursor, "a key")
-    if text is None:
-        return None
-    try:
-        chord = normal_key(text, _LAYOUT)
-    except KeyNameError as error:
-        cursor.error(str(error))
-        return None
-    if is_stop(chord, _LAYOUT):
-        cursor.error(f"{quoted(text)} means stop, and nothing else")
-        return None
-    if "shift+" in text.lower() and len(chord) == 1 and not chord.isalpha():
-        cursor.error("write the sign itself: which key has it with shift depends on the keyboard")
-        return None
-    if " " in chord:
-        cursor.error("only one key is possible here, not two after each other")
-        return None
-    return chord
-
-
-def _no_two_alike(
-    builtins: tuple[BuiltinKey, ...], moved: dict[str, str], report: ProblemReport
-) -> None:
-    for item in builtins:
-        if item.id not in moved:
-            continue
-        for other in builtins:
-            yields = other.yields and other.id not in moved
-            if other.id != item.id and other.chord == item.chord and not yields:
-                report.error_at(item.id, f"{item.chord!r} already means {other.description!r}")
-                break

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u.buttons import PathRewriter

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.woz4u_keys import ITEMS, OLDER_FIELDS
 from woz_tui.config.woz4u.woz4u_texts import decoded, one_line

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.buttons import ButtonDraft, ListEntry, entries, warn_unknown
 from woz_tui.config.woz4u.woz4u_keys import ANIMATION_FIELDS

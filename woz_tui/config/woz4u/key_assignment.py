@@ -12,7 +12,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal_key
 from woz_tui.config.keys.keymap import FileKeys
 from woz_tui.config.problems import quoted

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.yaml_nodes import MappingNode, Node, ScalarNode
 
 #: The entry of a mapping: its name, the place of its name, its value.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.buttons import PathRewriter, warn_unknown

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u import (

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_position import FilePosition
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.buttons import ButtonDraft
 from woz_tui.config.woz4u.pepper_robot import ENGAGEMENT_MODES, STATES

@@ -12,10 +12,13 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, Dot, DotCanvas, DotLayer
 from woz_tui.console.bodies.driver_outlines import BodyOutline
-from woz_tui.motion.body_shape import Vector
+
+if TYPE_CHECKING:
+    from woz_tui.motion.body_shape import Vector
 
 #: From the lowest to the highest: the ground, where the eyes look, where the body shall be, where
 #: it is.

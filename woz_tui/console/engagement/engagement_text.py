@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from rich.cells import cell_len
 
-from woz_tui.config.engagement import CONDITION, MODES, SIGNS
+from woz_tui.config.engagement_words import CONDITION, MODES, SIGNS
 from woz_tui.console.cells import Piece, Row, clean, fit
 from woz_tui.console.engagement.engagement_view import EngagementView
 from woz_tui.console.glyphs import Glyphs

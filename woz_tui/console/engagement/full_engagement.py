@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from woz_tui.config.engagement import CONDITION
+from woz_tui.config.engagement_words import CONDITION
 from woz_tui.console.cells import Piece, Row, clean, cut_rows, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_meter import quoted

@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from woz_tui.config.engagement import STATES
-from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
+from woz_tui.config.engagement_words import STATES
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.console.cells import Row, clean, cut, length
 from woz_tui.console.engagement.engagement_view import HOLD, OFF, EngagementView
 from woz_tui.console.glyphs import Glyphs
@@ -161,7 +161,7 @@ def _sense(texts: Mapping[str, str]) -> str:
 
 def is_override(command: m.Command | m.FilledCall) -> bool:
     """Whether a command is for the engagement model."""
-    return command.driver == ENGAGEMENT or (not command.driver and command.verb in ENGAGEMENT_VERBS)
+    return command.driver == ENGAGEMENT
 
 
 #: Lines of the legend at the most.

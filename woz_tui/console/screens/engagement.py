@@ -11,7 +11,7 @@ from dataclasses import replace
 from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.console.cells import Row
 from woz_tui.console.engagement.full_engagement import full_rows
 from woz_tui.console.engagement.wizard_overrides import BY_KEY, KEYS, legend_rows

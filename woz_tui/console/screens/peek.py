@@ -5,11 +5,11 @@ from __future__ import annotations
 from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
+from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.bottom_rows import KEPT, step_words, upcoming
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.key_caps import KeyCap, caption, key_name
 from woz_tui.console.screens.dialog import LiveReportDialog
-from woz_tui.session.variables import HIDDEN_TEXT
 
 
 class PeekDialog(LiveReportDialog):

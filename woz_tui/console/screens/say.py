@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from rich.cells import cell_len
 from textual.widgets import Static
 
+from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.robot_settings.completion import (
@@ -19,7 +20,6 @@ from woz_tui.console.robot_settings.completion import (
 )
 from woz_tui.console.screens.dialog import Completion, CompletionDialog, content, plain
 from woz_tui.protocol.robot_outline import RobotOutline
-from woz_tui.session.variables import HIDDEN_TEXT
 
 #: Lines of matching utterances under the field, and of matching tags or animations.
 MATCHES, TAGS = 5, 9

@@ -11,7 +11,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 
-from woz_tui.config.study import OVER
+from woz_tui.config.study_words import OVER
 from woz_tui.console.cells import Row, clean, fit_most
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content

@@ -9,15 +9,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from woz_tui.config.engagement import (
-    CONDITION,
-    PAPER,
-    SIGNS,
-    VISITOR,
     EngagementSettings,
     HandshakeSettings,
     JointSettings,
     SignSettings,
 )
+from woz_tui.config.engagement_words import CONDITION, PAPER, SIGNS, VISITOR
 from woz_tui.sensing.bench.bench_scenes import (
     ASKING,
     CALM,

@@ -13,7 +13,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import Action, Call, Experiment, FilePosition, ParallelCalls
+from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls
+from woz_tui.config.file_position import FilePosition
 from woz_tui.drivers.bundled_media import name_of
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol.messages import Json

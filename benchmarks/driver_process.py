@@ -36,6 +36,7 @@ from woz_tui.config.experiment import (
     ParallelCalls,
     SessionSettings,
 )
+from woz_tui.config.file_position import FilePosition
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m

@@ -62,19 +62,51 @@ UNLOADED = [
         {
             *("textual", "rich", "numpy", "serial", "dynamixel_sdk", "aiohttp", "woz_drivers"),
             *("woz_tui.replay", "woz_tui.training", "woz_tui.analysis"),
+            *("woz_tui.config.woz4u", "woz_tui.network.driver_process"),
+            *("woz_tui.session.preflight", "pickle"),
         },
     ),
     ("woz_tui.cli", {"textual", "rich", "numpy", "serial", "msgspec", "woz_drivers"}),
     (
         "woz_tui.console.app",
         {
-            *("numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"),
-            *("woz_tui.bus", "woz_tui.config.experiment_file", "woz_tui.session.action_runner"),
+            *("numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host", "woz_tui.bus"),
+            *("woz_tui.config.experiment", "woz_tui.session.action_runner", "woz_tui.bml"),
+            *("woz_tui.drivers.contract", "yaml", "xml"),
         },
     ),
     ("woz_tui.drivers.plugins", {"textual", "numpy", "serial", "woz_drivers"}),
     ("woz_tui.client.blocking", {"textual", "numpy", "yaml", "woz_drivers", "woz_tui.drivers"}),
 ]
+
+
+#: What loads all that a start needs up to its first paint, or its first line; and how many modules
+#: come with it at the most, beyond those of a bare Textual app. Each costs a wizard who waits.
+STARTS = {
+    "console": ("woz_tui.cli.run as run; run.console_start.load_modules()", 185),
+    "robot process": ("woz_tui.host.robot_process", 295),
+}
+
+
+def modules_after(code: str) -> set[str]:
+    """All that is loaded behind this code, in a Python of its own."""
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}\nimport sys; print(*sys.modules)"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    return set(done.stdout.split())
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_a_start_loads_few_modules(name: str) -> None:
+    start, most = STARTS[name]
+    bare = modules_after("import textual.app, textual.widgets._static")
+    assert len(bare) > 300
+    own = sorted(modules_after(f"import {start}") - bare)
+    assert len(own) <= most, own
 
 
 @pytest.mark.parametrize(("module", "unwanted"), UNLOADED, ids=[name for name, _ in UNLOADED])

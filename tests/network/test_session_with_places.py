@@ -14,11 +14,10 @@ from tests.remote.network import Cable
 from tests.session.rig import SessionRig
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
-from woz_tui.gate.questions import RequestOrigin
-from woz_tui.network import remote_driver
+from woz_tui.network import driver_router, remote_driver
 from woz_tui.network.driver_router import DriverRouter
 from woz_tui.protocol import messages as m
-from woz_tui.session import driver_manager
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.testing import until
 from woz_tui.training.rehearsal_driver import rehearsed
 
@@ -43,7 +42,7 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
 ) -> None:
     monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
     patient = partial(DriverRouter, silence_s=SILENCE_S)
-    monkeypatch.setattr(driver_manager, "DriverRouter", patient)
+    monkeypatch.setattr(driver_router, "DriverRouter", patient)
     port = free_port()
     path, cable = tmp_path / "e.yaml", Cable(port)
     path.write_text(TEXT.format(port=port, text="a long sentence " * 30))

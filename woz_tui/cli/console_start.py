@@ -74,6 +74,8 @@ def terminal_problem() -> str:
 def load_modules() -> None:
     """Import what the console needs, while the robot process is starting."""
     import woz_tui.console.app  # noqa: PLC0415
+    import woz_tui.console.background_colour  # noqa: PLC0415
+    import woz_tui.console.host_connection  # noqa: PLC0415
     import woz_tui.console.wizard_terminal  # noqa: F401, PLC0415
 
 

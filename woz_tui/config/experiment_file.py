@@ -167,5 +167,7 @@ class ExperimentFile(Study, Entry):
     ] = ()
 
 
+#: Words of the top level of which one stands in each file of our own format.
+OWN_ONLY = frozenset({"panels", "robot", "robots"})
 #: Everything that an experiment file may say at its top level, the study last.
 TOP_LEVEL = tuple(sorted(names_of(ExperimentFile), key=names_of(Study).__contains__))

@@ -12,9 +12,10 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from woz_tui.bml.behaviour_calls import BmlTable
-from woz_tui.config import cross_checks, participant_pattern, utterance_template, woz4u
+from woz_tui.config import cross_checks, participant_pattern, utterance_template
 from woz_tui.config.actions import PanelReader, StepReader, panel_titles
 from woz_tui.config.annotated_decoder import read_partly
 from woz_tui.config.bml_section import BlockChecker, read_tables, robot_calls
@@ -23,7 +24,7 @@ from woz_tui.config.condition_texts import read_variables
 from woz_tui.config.cross_checks import check_asks
 from woz_tui.config.engagement_section import EngagementReader, check_engagement
 from woz_tui.config.experiment import DriverSpec, Experiment
-from woz_tui.config.experiment_file import TOP_LEVEL, ExperimentFile
+from woz_tui.config.experiment_file import OWN_ONLY, TOP_LEVEL, ExperimentFile
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.languages import Language
 from woz_tui.config.performers import BML, ENGAGEMENT, SESSION
@@ -43,6 +44,9 @@ from woz_tui.config.yaml_cursor import (
 )
 from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.contract import Driver, Verb
+
+if TYPE_CHECKING:
+    from woz_tui.config.woz4u import TranslatedFile
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,13 +78,8 @@ def load(
     source = source_of(path, report, data)
     wanted = "title, robot and panels, such as title: Museum guide"
     root = None if source is None else document(source, report, wanted)
-    if (
-        source
-        and root
-        and isinstance(root.node, MappingNode)
-        and woz4u.recognised(root.node, TOP_LEVEL)
-    ):
-        made = woz4u.translate_file(source, TOP_LEVEL)
+    made = _from_woz4u(source, root)
+    if made is not None:
         root, report = made.root, made.report
     else:
         report.raise_errors()
@@ -89,6 +88,17 @@ def load(
     experiment = _ExperimentDecoder(path, catalogue, report, [source], robot).read(root)
     report.raise_errors()
     return experiment
+
+
+def _from_woz4u(source: SourceFile | None, root: Cursor | None) -> TranslatedFile | None:
+    """A WoZ4U file in our own format; None if it is none."""
+    if source is None or root is None or not isinstance(root.node, MappingNode):
+        return None
+    if root.node.entries.keys() & OWN_ONLY:
+        return None
+    from woz_tui.config.woz4u import recognised, translate_file  # noqa: PLC0415 - few files are
+
+    return translate_file(source, TOP_LEVEL) if recognised(root.node, TOP_LEVEL) else None
 
 
 def load_robot_file(path: Path, catalogue: Mapping[str, type[Driver]]) -> RobotFile:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import linecache
 import logging
 import signal
 import sys
-import sysconfig
 import threading
 import time
 from collections.abc import Mapping, Sequence
@@ -33,9 +33,6 @@ TOLD_S = 2.0
 _SIGHTS = 50
 #: Longest line of code that is told.
 _CODE = 80
-
-_STDLIB = (f"{sysconfig.get_path('stdlib')}/", f"{sysconfig.get_path('platstdlib')}/", "<frozen")
-_PACKAGES = tuple(f"{sysconfig.get_path(name)}/" for name in ("purelib", "platlib"))
 
 log = logging.getLogger(__name__)
 
@@ -234,5 +231,16 @@ def sentence(stall: ProcessStalled) -> str:
     return f"{who} held up the robot process for {seconds}{behind}"
 
 
+@functools.cache
+def _python_folders() -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Where Python's own code lies, and where packages lie in it."""
+    import sysconfig  # noqa: PLC0415 - most sessions never stall
+
+    library = [f"{sysconfig.get_path(name)}/" for name in ("stdlib", "platstdlib")]
+    packages = [f"{sysconfig.get_path(name)}/" for name in ("purelib", "platlib")]
+    return (*library, "<frozen"), tuple(packages)
+
+
 def _is_python(file: str) -> bool:
-    return file.startswith(_STDLIB) and not file.startswith(_PACKAGES)
+    library, packages = _python_folders()
+    return file.startswith(library) and not file.startswith(packages)

@@ -72,7 +72,6 @@ from woz_tui.protocol.requests import (
     Reply,
 )
 from woz_tui.session.participant_identity import RequestError
-from woz_tui.session.preflight import preflight
 from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.session import Session
 from woz_tui.session.typed_actions import Reader, copy_with_sentences, without_typed, write_beside
@@ -423,6 +422,8 @@ class RequestHandlers:
         instead: dict[str, str],
     ) -> Json:
         if isinstance(request, AskPreflight):
+            from woz_tui.session.preflight import preflight  # noqa: PLC0415 - asks the machine
+
             return _plain(await preflight(self._session))
         if isinstance(request, AskProposal):
             async with self._looking:

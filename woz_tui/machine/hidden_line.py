@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from woz_tui.machine.machine_checks import output_of
+from woz_tui.machine.program_output import output_of
 
 LineName = Literal["", "tmux", "screen", "mosh"]
 #: Programs above this one that are looked through for mosh's server, at most.

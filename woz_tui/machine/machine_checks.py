@@ -12,16 +12,16 @@ import platform
 import pwd
 import shutil
 import statistics
-import subprocess
 import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
 from woz_tui.drivers.contract import Finding
+from woz_tui.machine.program_output import output_of
 
 Check = Callable[[], list[Finding]]
 
@@ -50,23 +50,6 @@ def bounded(subject: str, check: Check, seconds: float = 5.0) -> list[Finding]:
         what = f"{type(failed[0]).__name__}: {failed[0]}"
         return [Finding("error", subject, f"cannot be checked: {what}")]
     return found
-
-
-def output_of(command: Sequence[str], seconds: float = 2.0) -> str | None:
-    """What `command` prints, stripped; None if it is missing, fails or is too slow."""
-    try:
-        done = subprocess.run(
-            command,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=seconds,
-            check=True,
-            text=True,
-            errors="replace",
-        )
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout.strip()
 
 
 #: Clocks of machines without a battery begin in 1970 or at their image's date.

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine.hidden_line import hidden_line
-from woz_tui.machine.machine_checks import output_of
+from woz_tui.machine.program_output import output_of
 
 #: Smallest screen the console is laid out for.
 COLUMNS, LINES = 80, 24

@@ -6,7 +6,7 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
@@ -24,16 +24,16 @@ from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.fields import Sibling
 from woz_tui.drivers.plugins import PluginError
-from woz_tui.network.driver_process import DriverProcess, ProcessDriver
-from woz_tui.network.driver_router import DriverRouter
-from woz_tui.network.driver_server import OfferedDriver
-from woz_tui.network.remote_driver import RemoteDriver
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.driver_context import DriverRequestHandler, SessionDriverContext
 from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.system.clock import Clock
 from woz_tui.system.tasks import TaskSet
+
+if TYPE_CHECKING:  # loaded for drivers that are elsewhere
+    from woz_tui.network.driver_process import DriverProcess
+    from woz_tui.network.driver_router import DriverRouter
 
 
 def make_drivers(
@@ -70,6 +70,8 @@ def make_drivers(
         try:
             driver = catalogue[spec.type]
             if spec.name in processes:
+                from woz_tui.network.driver_process import ProcessDriver  # noqa: PLC0415
+
                 drivers[spec.name] = ProcessDriver(
                     *(spec.name, spec.settings, context),
                     local=driver,
@@ -80,6 +82,8 @@ def make_drivers(
             if spec.at is None or not driver.needs_hardware:
                 drivers[spec.name] = driver(spec.name, spec.settings, context)
                 continue
+            from woz_tui.network.remote_driver import RemoteDriver  # noqa: PLC0415
+
             drivers[spec.name] = RemoteDriver(
                 *(spec.name, spec.settings, context),
                 local=driver,
@@ -108,6 +112,10 @@ def _routers(experiment: Experiment) -> dict[str, DriverRouter]:
     for spec in experiment.drivers:
         if spec.at is not None:
             places.setdefault(spec.at.listen, []).append(spec.at.name)
+    if not places:
+        return {}
+    from woz_tui.network.driver_router import DriverRouter  # noqa: PLC0415
+
     return {listen: DriverRouter(listen, names) for listen, names in places.items()}
 
 
@@ -122,6 +130,9 @@ def _processes(
             continue
         if not all(catalogue[spec.type].needs_hardware for spec in group):
             continue  # nothing of it moves
+        from woz_tui.network.driver_process import DriverProcess  # noqa: PLC0415
+        from woz_tui.network.driver_server import OfferedDriver  # noqa: PLC0415
+
         offers = [
             OfferedDriver(
                 *(spec.name.rpartition(".")[2], spec.type, catalogue[spec.type], spec.settings)

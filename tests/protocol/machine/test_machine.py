@@ -10,7 +10,8 @@ import pytest
 
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine import machine_checks
-from woz_tui.machine.machine_checks import bounded, output_of
+from woz_tui.machine.machine_checks import bounded
+from woz_tui.machine.program_output import output_of
 
 # -- no check may hang or raise -----------------------------------------------------------------
 

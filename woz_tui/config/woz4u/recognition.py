@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from woz_tui.config.experiment_file import OWN_ONLY
 from woz_tui.config.woz4u.sections import has_sentences
 from woz_tui.config.woz4u.woz4u_keys import TOP_LEVEL, VOICE
 from woz_tui.config.yaml_nodes import MappingNode
 
 #: Words that other files may well have.
 _COMMON = ("gestures", "colors", "audio_files", *VOICE)
-
-#: Our own format says who the robot is; a WoZ4U file does not know these words.
-_OWN_ONLY = ("panels", "robot", "robots")
 
 
 def recognised(table: MappingNode, own: Collection[str]) -> bool:
@@ -21,7 +19,7 @@ def recognised(table: MappingNode, own: Collection[str]) -> bool:
     or more keys of WoZ4U's than of ours. Loudness and voice alone do not count.
     """
     keys = table.entries.keys()
-    if keys & set(_OWN_ONLY):
+    if keys & OWN_ONLY:
         return False
     if any(has_sentences(node) for name, node in table.entries.items() if name not in own):
         return True

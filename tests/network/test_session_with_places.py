@@ -14,10 +14,10 @@ from tests.remote.network import Cable
 from tests.session.rig import SessionRig
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.network import driver_router, remote_driver
 from woz_tui.network.driver_router import DriverRouter
 from woz_tui.protocol import messages as m
-from woz_tui.gate.questions import RequestOrigin
 from woz_tui.testing import until
 from woz_tui.training.rehearsal_driver import rehearsed
 

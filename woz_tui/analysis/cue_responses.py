@@ -12,8 +12,8 @@ from typing import Any
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CueRow, WizardAct, context_fields, id_of, moments
 from woz_tui.analysis.figures import TrainingFigures
+from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context

@@ -34,14 +34,13 @@ from woz_tui.config.engagement_json import settings_from_json
 from woz_tui.config.engagement_words import SIGNS, UNKNOWN
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import SPEECH
+from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requesters import requester
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.state_machine import Event, State
 
-#: Verbs with which the robot speaks.
-SPEAKING_VERBS = frozenset({"say"})
 #: Commands that may be under way; more are forgotten, oldest first (a log may lack their ends).
 _REMEMBERED = 1000
 #: Steps at one moment, and between two messages: a machine that goes round is left there.

@@ -152,8 +152,8 @@ async def session(folder: Path, hand: Hand, device: str, rate: float) -> tuple[i
         recorder,
         clock,
     )
-    ends: list[m.AnyMessage] = []
-    made.hub.listen(lambda message: ends.append(message) if isinstance(message, m.End) else None)
+    ends: list[m.End] = []
+    made.hub.listen(ends.append, m.End)
     await made.open()
     await asyncio.sleep(SETTLE_S)
     await asyncio.to_thread(hand.play)

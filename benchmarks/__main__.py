@@ -39,6 +39,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "screen_bytes": ("calm 80x24", "demo 80x24", "load 80x24"),
     "loop_watchdog": ("of a processor", "goal"),
     "motion_rate": ("robot process", "in the console's process", "bare loop"),
+    "engagement_filters": ("The paper's Table 1", "goals"),
     "engagement_sample": ("bare queues", "the model, joint", "lines, fifo"),
     "report": ("json.loads on every line", "woz report --csv", "woz methods"),
     "pepper_faults": ("killed", "frozen", "cut", "late unforeseen"),

@@ -1,4 +1,12 @@
-"""`woz engagement --bench`: what each filter is worth, on made-up visitors and sensors that err."""
+"""What each filter of the engagement model is worth, on made-up visitors and sensors that err.
+
+    python benchmarks/engagement_filters.py [--runs 200] [--quick]
+    python benchmarks/engagement_filters.py --runs 2000 --plot docs/images/engagement-delay.svg
+    python benchmarks/engagement_filters.py --bursts 5 --runs 600
+
+Figures of `docs/explanation/engagement-filters.md`. `--experiment FILE` and the settings of `woz
+engagement` let other filters take part.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +19,29 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from rich import box
+from rich.table import Table
+
+from benchmarks.figures import machine
+from benchmarks.filters.bench_figures import (
+    RUNS,
+    SEED,
+    BenchReport,
+    BurstLine,
+    FilterFigures,
+    as_json,
+    bursts_as_json,
+    measure,
+    swept,
+)
+from benchmarks.filters.bench_scenes import BACK, CALM, TALKS
 from woz_tui.cli.argument_types import number
+from woz_tui.cli.engagement import OptionsError, add_settings, settings_of
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import CONDITION, SIGNS
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from woz_tui.console.text_console import TextConsole
-    from woz_tui.sensing.bench.bench_figures import BenchReport, BurstLine, FilterFigures
+from woz_tui.console.text_console import TextConsole
 
 #: Most runs of a scene that may be asked for.
 MOST_RUNS = 100_000
@@ -31,48 +51,50 @@ _APART = 0.1
 _MOST = 15
 
 
-def add_options(parser: ArgumentParser) -> None:
-    """Declare the options of the bench."""
-    bench = parser.add_argument_group(
-        "bench", "instead of a file: test the filters on simulated visitors"
+def main(words: Sequence[str] | None = None) -> int:
+    """The exit code: 0 whatever comes out, 1 for a file that cannot be used, 2 for options that do
+    not go together or settings that the scenes cannot measure.
+    """
+    parser = ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
+    parser.add_argument(
+        "--experiment", type=Path, help="settings from this file's section engagement"
     )
-    bench.add_argument("--bench", action="store_true", help="measure stability and delays")
-    bench.add_argument(
+    parser.add_argument(
         "--runs",
         type=number(1, MOST_RUNS, whole=True),
+        default=RUNS,
         metavar="N",
-        help="runs of each scene (200)",
+        help=f"runs of each scene ({RUNS})",
     )
-    bench.add_argument("--seed", type=int, metavar="N", help="seed of the random numbers (2022)")
-    bench.add_argument(
+    parser.add_argument("--quick", action="store_true", help="one run of each scene")
+    parser.add_argument(
+        "--seed", type=int, default=SEED, metavar="N", help=f"seed of the random numbers ({SEED})"
+    )
+    shown = parser.add_mutually_exclusive_group()
+    shown.add_argument(
         "--bursts",
         type=number(0.1, 50),
         metavar="PERCENT",
         help="instead: a camera's detectors err in so much of the time, in bursts of 0 to 2 s",
     )
-    bench.add_argument("--plot", type=Path, metavar="FILE.svg", help="draw delay and stability")
-    bench.add_argument("--json", action="store_true", help="figures for programs")
+    shown.add_argument("--plot", type=Path, metavar="FILE.svg", help="draw delay and stability")
+    parser.add_argument("--json", action="store_true", help="figures for programs")
+    add_settings(parser)
+    arguments = parser.parse_args(words)
+    if arguments.quick:
+        arguments.runs = 1
+    try:
+        settings = settings_of(arguments)
+    except OptionsError as error:
+        parser.error(str(error))
+    if unfit := _unfit(settings):
+        parser.error(unfit)
+    return with_error_sentences(lambda: run(arguments, settings), who="engagement_filters")
 
 
 def run(arguments: Namespace, settings: EngagementSettings) -> int:
-    """Measure and show it; 0 whatever comes out, 1 if the plot cannot be written, 2 for settings
-    that its scenes cannot measure.
-    """
-    from woz_tui.sensing.bench.bench_figures import (  # noqa: PLC0415
-        RUNS,
-        SEED,
-        as_json,
-        bursts_as_json,
-        measure,
-        swept,
-    )
-
-    unfit = _unfit(settings)
-    if unfit:
-        print(f"woz engagement: --bench: {unfit}", file=sys.stderr)
-        return 2
-    runs = RUNS if arguments.runs is None else arguments.runs
-    seed = SEED if arguments.seed is None else arguments.seed
+    """Measure and show it."""
+    runs, seed = arguments.runs, arguments.seed
     if arguments.bursts is not None:
         wrong = arguments.bursts / 100.0
         with _waiting(runs):
@@ -99,8 +121,6 @@ def run(arguments: Namespace, settings: EngagementSettings) -> int:
 
 def _unfit(settings: EngagementSettings) -> str:
     """Why the scenes say nothing about these settings; empty: they do."""
-    from woz_tui.sensing.bench.bench_scenes import BACK, CALM, TALKS  # noqa: PLC0415
-
     near, most = settings.social_distance, int(CALM * settings.rate)
     if not TALKS + _APART <= near <= BACK - _APART:
         return (
@@ -122,14 +142,10 @@ def _unfit(settings: EngagementSettings) -> str:
 
 def _waiting(runs: int) -> AbstractContextManager[object]:
     """Says on a terminal that it is at work."""
-    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
-
     return TextConsole(stderr=True).status(f"{runs} runs of each scene ...")
 
 
 def _show(report: BenchReport) -> None:
-    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
-
     console = TextConsole()
     tables = (_table_1, _steadiness, _delays, _turns, _variations, _goals)
     notes = (
@@ -157,8 +173,6 @@ _ABOUT_BURSTS = (
 
 
 def _show_bursts(lines: Sequence[BurstLine], wrong: float, rate: float, runs: int) -> None:
-    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
-
     title = f"{100 * wrong:g} % of the time wrong, {rate:g} samples a second, {runs} runs"
     columns = ["bursts (s)", "filter", "lost/h", "false/h", "arriving", "leaving", "turns"]
     table = _plain_table(title, columns)
@@ -206,9 +220,6 @@ _ABOUT_VARIATIONS = (
 
 
 def _plain_table(title: str, columns: list[str]) -> Table:
-    from rich import box  # noqa: PLC0415
-    from rich.table import Table  # noqa: PLC0415
-
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 0, 0, 1))
     for index, column in enumerate(columns):
         table.add_column(column, justify="right" if index else "left", no_wrap=True)
@@ -465,3 +476,10 @@ def _text(
         f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" fill="{colour}" '
         f'text-anchor="{anchor}" font-weight="{weight}">{escape(words)}</text>'
     )
+
+
+if __name__ == "__main__":
+    code = main()
+    if "--json" not in sys.argv:
+        print(f"\n{machine()}")
+    sys.exit(code)

@@ -8,14 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from woz_tui.config.engagement import (
-    EngagementSettings,
-    HandshakeSettings,
-    JointSettings,
-    SignSettings,
-)
-from woz_tui.config.engagement_words import CONDITION, PAPER, SIGNS, VISITOR
-from woz_tui.sensing.bench.bench_scenes import (
+from benchmarks.filters.bench_scenes import (
     ASKING,
     CALM,
     NAME,
@@ -26,7 +19,14 @@ from woz_tui.sensing.bench.bench_scenes import (
     SceneRun,
     played,
 )
-from woz_tui.sensing.bench.sensor_errors import TABLE_1, WINDOWS, ErrorModel, fitted, interval
+from benchmarks.filters.sensor_errors import TABLE_1, WINDOWS, ErrorModel, fitted, interval
+from woz_tui.config.engagement import (
+    EngagementSettings,
+    HandshakeSettings,
+    JointSettings,
+    SignSettings,
+)
+from woz_tui.config.engagement_words import CONDITION, PAPER, SIGNS, VISITOR
 from woz_tui.sensing.engagement_model import EngagementModel
 from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
 from woz_tui.sensing.joint_filter import JointFilter, JointSign

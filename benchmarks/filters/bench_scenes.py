@@ -11,7 +11,7 @@ import random
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_tui.sensing.bench.sensor_errors import ErrorEpisodes, ErrorModel
+from benchmarks.filters.sensor_errors import ErrorEpisodes, ErrorModel
 
 CALM = 6.0
 #: When something happens, at a random phase of the sampling; and how long it is watched.

@@ -223,9 +223,6 @@ def test_an_experiments_settings_and_options_above_them(woz: Woz, tmp_path: Path
         (["--loud", "x"], "is not a number from 0 to"),
         (["--compare"], "needs a session's log"),
         (["--compare", "--trials"], "take one of them"),
-        (["--bench"], "so it cannot read"),
-        (["--runs", "5"], "--runs needs --bench"),
-        (["--plot", "x.svg"], "--plot needs --bench"),
     ],
 )
 def test_options_out_of_range_are_refused(

@@ -1,7 +1,8 @@
 """The bench: its error model against the paper, and what it finds of the filters.
 
 Runs are few, so that the tests are quick: what they assert holds for the seeds that they name, and
-`woz engagement --bench --runs 2000` tells how surely (`docs/explanation/engagement-filters.md`).
+`benchmarks/engagement_filters.py --runs 2000` tells how surely
+(`docs/explanation/engagement-filters.md`).
 """
 
 from __future__ import annotations
@@ -16,8 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.config.engagement import EngagementSettings, JointSettings, SignSettings
-from woz_tui.sensing.bench.bench_figures import (
+from benchmarks.filters.bench_figures import (
     BURSTS,
     SOON,
     STABLE,
@@ -36,8 +36,8 @@ from woz_tui.sensing.bench.bench_figures import (
     turns,
     windows,
 )
-from woz_tui.sensing.bench.bench_scenes import CALM, SCENES, STAYING, SceneRun, played
-from woz_tui.sensing.bench.sensor_errors import (
+from benchmarks.filters.bench_scenes import CALM, SCENES, STAYING, SceneRun, played
+from benchmarks.filters.sensor_errors import (
     CAMERA,
     TABLE_1,
     VISIBLE,
@@ -49,6 +49,7 @@ from woz_tui.sensing.bench.sensor_errors import (
     interval,
     likelihood,
 )
+from woz_tui.config.engagement import EngagementSettings, JointSettings, SignSettings
 from woz_tui.sensing.engagement_model import EngagementModel
 
 NEAR = 1.3

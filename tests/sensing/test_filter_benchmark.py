@@ -1,4 +1,4 @@
-"""`woz engagement --bench`: what it prints and draws."""
+"""The benchmark of the filters: what it prints and draws."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from xml.etree import ElementTree
 
 import pytest
 
-from woz_tui.cli import main
+from benchmarks.engagement_filters import main
 
 
 def bench(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, str, str]:
-    code = main(["engagement", "--bench", "--runs", "2", *options])
+    code = main(["--runs", "2", *options])
     said = capsys.readouterr()
     return code, said.out, said.err
 
@@ -79,20 +79,17 @@ def test_a_plot_that_cannot_be_written_is_told_at_once(
     assert "nowhere" in err
 
 
-@pytest.mark.parametrize(
-    "words", [["--bursts", "5", "samples.jsonl"], ["--bench", "--bursts", "5", "--plot", "x.svg"]]
-)
-def test_bursts_that_would_be_ignored_or_ignore_are_refused(
-    capsys: pytest.CaptureFixture[str], words: list[str]
-) -> None:
-    assert main(["engagement", *words]) == 2
+def test_a_plot_of_bursts_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["--bursts", "5", "--plot", "x.svg"])
+    assert stopped.value.code == 2
     assert "--bursts" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("runs", ["0", "-1", "x", "1000001"])
 def test_a_number_of_runs_that_is_none(capsys: pytest.CaptureFixture[str], runs: str) -> None:
     with pytest.raises(SystemExit) as stopped:
-        main(["engagement", "--bench", "--runs", runs])
+        main(["--runs", runs])
     assert stopped.value.code == 2
     assert "whole number" in capsys.readouterr().err
 
@@ -110,6 +107,8 @@ def test_a_number_of_runs_that_is_none(capsys: pytest.CaptureFixture[str], runs:
 def test_what_the_scenes_cannot_measure_is_refused(
     capsys: pytest.CaptureFixture[str], words: list[str], told: str
 ) -> None:
-    assert main(["engagement", "--bench", "--runs", "1", *words]) == 2
+    with pytest.raises(SystemExit) as stopped:
+        main(["--runs", "1", *words])
+    assert stopped.value.code == 2
     said = capsys.readouterr()
     assert (said.out, told in said.err) == ("", True)

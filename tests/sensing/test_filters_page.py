@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from woz_tui.cli.engagement_bench import draw
+from benchmarks.engagement_filters import draw
+from benchmarks.filters.bench_figures import measure
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.sensing import joint_dwell
-from woz_tui.sensing.bench.bench_figures import measure
 
 PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "engagement-filters.md"
 

@@ -65,8 +65,6 @@ class SamplesFileError(Exception):
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
-    from woz_tui.cli import engagement_bench  # noqa: PLC0415
-
     parser.description = _DESCRIPTION
     parser.formatter_class = RawDescriptionHelpFormatter
     parser.add_argument(
@@ -88,7 +86,7 @@ def add(parser: ArgumentParser) -> None:
             " and `now`"
         ),
     )  # fmt: skip
-    engagement_bench.add_options(parser)
+    parser.add_argument("--json", action="store_true", help="figures for programs")
 
 
 def add_settings(parser: ArgumentParser) -> None:
@@ -147,14 +145,11 @@ def run(arguments: Namespace) -> int:
 
 
 def _run(arguments: Namespace) -> int:
-    _together(arguments)
+    if arguments.compare and arguments.trials:
+        raise OptionsError("--compare and --trials: take one of them")
     settings = settings_of(arguments)
-    if arguments.bench:
-        from woz_tui.cli import engagement_bench  # noqa: PLC0415
-
-        return engagement_bench.run(arguments, settings)
     if arguments.file is None:
-        raise OptionsError("name a file with lines of samples, a session's log, or - (or --bench)")
+        raise OptionsError("name a file with lines of samples, a session's log, or -")
     with _opened(arguments.file) as file:
         first = file.readline(LONGEST)
         if _is_log(arguments.file, file, first):
@@ -199,23 +194,6 @@ def _again(arguments: Namespace, log: Path, settings: EngagementSettings) -> int
 
         engagement_compare.show(recount, as_json=arguments.json)
     return 0
-
-
-def _together(arguments: Namespace) -> None:
-    """Refuse what would be ignored: `OptionsError` for options that do not go together."""
-    wholes = ("bench", "compare", "trials")
-    chosen = [f"--{name}" for name in wholes if getattr(arguments, name)]
-    if len(chosen) > 1:
-        raise OptionsError(f"{' and '.join(chosen)}: take one of them")
-    if arguments.bench:
-        if arguments.file is not None:
-            raise OptionsError(f"--bench makes its visitors up: so it cannot read {arguments.file}")
-        if arguments.bursts is not None and arguments.plot is not None:
-            raise OptionsError("--bursts and --plot: take one of them")
-        return
-    for name in ("runs", "seed", "plot", "bursts"):
-        if getattr(arguments, name) is not None:
-            raise OptionsError(f"--{name} needs --bench")
 
 
 # -- settings -----------------------------------------------------------------------------------

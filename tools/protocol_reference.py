@@ -13,7 +13,6 @@ from woz_tui.cli.safe_streams import json_text
 from woz_tui.protocol.description import Description, Prediction
 from woz_tui.protocol.messages import AnyMessage
 from woz_tui.protocol.requests import (
-    OLDEST_PROTOCOL,
     PROTOCOL,
     AnyAnswer,
     AnyRequest,
@@ -26,7 +25,7 @@ _HEAD = f"""# Requests and answers, field by field
 Look up a field of the socket's protocol. [protocol.md](protocol.md) explains how it is spoken, with
 examples; [protocol.schema.json](protocol.schema.json) has the same as JSON Schema, with all
 messages of the stream, which [session-log.md](session-log.md) explains. This is protocol
-{PROTOCOL}; {OLDEST_PROTOCOL} is answered, too.
+{PROTOCOL}.
 
 A field that is not *needed* may be left out: then it has its default. Every request may have `ref`,
 a number that comes back in its reply, and `sent_us` (see *Too old* in protocol.md).

@@ -178,9 +178,7 @@ def test_every_byte_for_every_role(lab: Lab) -> None:
         "watcher": ListeningClient(path, role="watcher", stream="nothing"),
         "participant": ListeningClient(path, role="participant"),
     }
-    everything = ListeningClient(
-        path, role="program", stream="nothing"
-    )  # of protocol 1: its role says it
+    everything = ListeningClient(path, role="program", stream="nothing")  # its role says it
     with Program(path) as ending:
         ending.ask("end", reason="pineapple is over")
     until(

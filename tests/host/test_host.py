@@ -51,7 +51,8 @@ async def test_what_was_acknowledged_is_in_the_file(tmp_path: Path) -> None:
         (b"[1,2]\n", "Expected `object`"),
         (b'{"kind":"action","action":"Hello"}\n', "say hello first"),
         (b'{"kind":"hello","role":"king"}\n', "no role 'king'"),
-        (b'{"kind":"hello","role":"wizard","protocol":99}\n', "speaks protocols 1 to 2, not 99"),
+        (b'{"kind":"hello","role":"wizard","protocol":99}\n', "speaks protocol 2, not 99"),
+        (b'{"kind":"hello","role":"program","protocol":1}\n', "speaks protocol 2, not 1"),
         (b"\xff\xfe\n", "malformed"),
     ],
 )

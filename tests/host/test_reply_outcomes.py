@@ -1,4 +1,4 @@
-"""Protocol 2: a reply says what became of its request. Protocol 1 is answered as it was."""
+"""A reply says what became of its request."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from tests.host.rig import served_session
-from woz_tui.protocol.requests import OLDEST_PROTOCOL, PROTOCOL
+from woz_tui.protocol.requests import PROTOCOL
 
 REFUSED: list[dict[str, Any]] = [
     {"verb": "say", "args": {}},
@@ -24,7 +24,7 @@ async def test_a_refused_verb_is_not_called_accepted(
 ) -> None:
     async with served_session(tmp_path) as host:
         peer = await host.connect()
-        await peer.hello(protocol=PROTOCOL)
+        assert (await peer.hello())["protocol"] == PROTOCOL
         reply = await peer.ask("verb", **fields)
         [refused] = [line for line in peer.seen if line["kind"] == "command.refused"]
         assert not reply["ok"]
@@ -32,22 +32,10 @@ async def test_a_refused_verb_is_not_called_accepted(
         assert (reply["run"], reply["ended"]) == (refused["command"], "command.refused")
 
 
-@pytest.mark.parametrize("hello", [{}, {"protocol": OLDEST_PROTOCOL}])
-@pytest.mark.parametrize("fields", REFUSED)
-async def test_a_program_of_protocol_1_is_answered_as_it_was(
-    tmp_path: Path, fields: dict[str, Any], hello: dict[str, Any]
-) -> None:
-    async with served_session(tmp_path) as host:
-        peer = await host.connect()
-        assert (await peer.hello(**hello))["protocol"] == 1
-        reply = await peer.ask("verb", **fields)
-        assert reply == {"kind": "reply", "ref": reply["ref"], "ok": True, "run": "c00001"}
-
-
 async def test_verbs_are_refused_by_the_stop_and_the_reply_says_so(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
         peer = await host.connect()
-        await peer.hello(protocol=PROTOCOL)
+        await peer.hello()
         await peer.ask("stop")
         reply = await peer.ask("verb", verb="say", args={"text": "Hello"})
         assert (reply["ok"], reply["hint"]) == (False, "release the stop first")
@@ -57,7 +45,7 @@ async def test_verbs_are_refused_by_the_stop_and_the_reply_says_so(tmp_path: Pat
 async def test_a_refused_action_is_named_as_the_log_names_it(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
         peer = await host.connect()
-        await peer.hello(protocol=PROTOCOL)
+        await peer.hello()
         for name in ("Never", "Helo"):
             reply = await peer.ask("action", action=name)
             assert not reply["ok"]
@@ -68,7 +56,7 @@ async def test_a_refused_action_is_named_as_the_log_names_it(tmp_path: Path) -> 
 async def test_what_goes_on_has_no_end_in_its_reply(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
         peer = await host.connect()
-        await peer.hello(protocol=PROTOCOL)
+        await peer.hello()
         reply = await peer.ask("verb", verb="play", args={"move": "fail"})
         assert reply["ok"]
         assert "ended" not in reply
@@ -80,7 +68,7 @@ async def test_what_goes_on_has_no_end_in_its_reply(tmp_path: Path) -> None:
 async def test_a_session_describes_what_it_can_be_asked_for(tmp_path: Path, role: str) -> None:
     async with served_session(tmp_path) as host:
         peer = await host.connect()
-        await peer.hello(role, protocol=PROTOCOL)
+        await peer.hello(role)
         data = (await peer.ask("describe"))["data"]
         verbs = {verb["name"]: verb for verb in data["verbs"] if verb["driver"] == "robot"}
         assert verbs["say"]["lane"] == "voice"

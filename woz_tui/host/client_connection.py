@@ -18,7 +18,6 @@ from woz_tui.bus.hub import Hub, Subscription
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import (
-    OLDEST_PROTOCOL,
     AnyRequest,
     AskAnswer,
     AskAssign,
@@ -216,11 +215,6 @@ class ClientConnection(asyncio.Protocol):
         self._wake_due = False
         self._due: list[bytes] = []
         self._why = "closed"
-
-    @property
-    def protocol(self) -> int:
-        """The version of the protocol that it speaks."""
-        return self.hello.protocol if self.hello is not None else OLDEST_PROTOCOL
 
     # -- asyncio -----------------------------------------------------------------------------
 

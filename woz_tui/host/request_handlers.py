@@ -35,7 +35,6 @@ from woz_tui.protocol.messages import (
 )
 from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.requests import (
-    OLDEST_PROTOCOL,
     AnyRequest,
     AskAction,
     AskAnswer,
@@ -184,9 +183,7 @@ class RequestHandlers:
         finally:
             self._ends = None
         reply, end = Reply(ref=request.ref, ok=True, run=run), ends.get(run)
-        if end is None or client.protocol == OLDEST_PROTOCOL:
-            return reply
-        return _with_end(client, reply, end)
+        return reply if end is None else _with_end(client, reply, end)
 
     def _note_end(self, message: Message) -> None:
         if self._ends is None:

@@ -28,7 +28,6 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panel_players import player_names
 from woz_tui.protocol.requests import (
-    OLDEST_PROTOCOL,
     PROTOCOL,
     AnyRequest,
     AskStop,
@@ -249,11 +248,10 @@ class SessionServer:
             self.session.stop(source, request.sent_us)
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
-        if not OLDEST_PROTOCOL <= hello.protocol <= PROTOCOL:
+        if hello.protocol != PROTOCOL:
             client.refuse(
                 hello.ref,
-                f"this robot process speaks protocols {OLDEST_PROTOCOL} to {PROTOCOL},"
-                f" not {hello.protocol}",
+                f"this robot process speaks protocol {PROTOCOL}, not {hello.protocol}",
                 "use console and robot process of the same version",
             )
             client.close("protocol")
@@ -388,7 +386,6 @@ class SessionServer:
         return msgspec.structs.replace(
             whole,
             settings=msgspec.structs.replace(whole.settings, driving=driving),
-            protocol=client.protocol,
             state=_raw(state),
             recent=_raw(recent),
             boot_id=boot_id(),

@@ -16,8 +16,8 @@ from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
 
-#: The newest version; older clients are answered as they were before, see `Reply`.
-PROTOCOL, OLDEST_PROTOCOL = 2, 1
+#: The version of the protocol. Whoever says another one is refused.
+PROTOCOL = 2
 
 
 #: What becomes of a command whose lane is occupied; empty: what the experiment says.
@@ -51,7 +51,7 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     stops. `stream`: everything, actions (no samples) or nothing. While a wizard is attached a
     second one of the same part becomes a watcher, unless it says `take_over`: then the first one
     does. `sees`: a program sees `all`, also what is kept from the wizard, unless it says `wizard`.
-    `protocol`: the version that the client speaks; one that does not say so speaks the first.
+    `protocol`: the version that the client speaks, if it is not 2: such a one is refused.
     `via`: set for clients from other machines, by the process that has examined their certificate.
     `line`: what stands between a console and its terminal and answers in the terminal's place
     (tmux, screen or mosh): there a lost line is seen late or never, and keys drive while they are
@@ -61,7 +61,7 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     role: str
     name: str = ""
     line: Literal["", "tmux", "screen", "mosh"] = ""
-    protocol: int = OLDEST_PROTOCOL
+    protocol: int = PROTOCOL
     stream: str = "everything"
     take_over: bool = False
     sees: Literal["", "all", "wizard"] = ""
@@ -444,8 +444,7 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     help, and `command` which of the console's own keys (its id). `data` carries what the request
     asked for. `ended`: the kind of the message with which the run has ended already, so that nobody
     waits for it. `recorded`: whether every line so far was given to the kernel, so that it is in
-    the log whatever becomes of the robot process. A client of protocol 1 gets `ok` for a verb that
-    the bus refused, and no `ended`.
+    the log whatever becomes of the robot process.
     """
 
     ref: int

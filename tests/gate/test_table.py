@@ -15,7 +15,7 @@ from tests.example_counts import many
 from tests.protocol.examples import REQUESTS
 from tests.session.rig import HERE, action, call, together
 from woz_tui.config.experiment import Panel, Profile
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Verb
 from woz_tui.gate.facts import Driving, Facts
 from woz_tui.gate.questions import (

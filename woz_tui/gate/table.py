@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from woz_tui.config.session_verbs import BML, ENGAGEMENT
+from woz_tui.config.performers import BML, ENGAGEMENT
 from woz_tui.drivers.contract import FACE_CONSENT, gives_consent
 from woz_tui.drivers.robot_verbs import takes_hands_off
 from woz_tui.gate.facts import Facts, console_of

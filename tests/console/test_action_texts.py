@@ -141,6 +141,10 @@ async def test_the_finder_has_no_hit_for_what_is_kept() -> None:
         assert HIDDEN_TEXT not in finder_lines(pilot)[0]
 
 
+def played(pilot: ConsolePilot) -> list[str]:
+    return [asked.action for asked in pilot.feed.asked if isinstance(asked, r.AskAction)]
+
+
 async def test_a_peek_shows_steps_and_sentence_and_plays_nothing() -> None:
     async with piloted_console(guide()) as pilot:
         await open_dialog(pilot, "PeekDialog")
@@ -149,20 +153,44 @@ async def test_a_peek_shows_steps_and_sentence_and_plays_nothing() -> None:
         assert "Spc plays it next" in shown or "Space plays it next" in shown
         await pilot.press("f")
         assert KRILL in pilot.drawn()
-        await pilot.press("c")
+        assert "any key closes this" in pilot.drawn()
+        await pilot.press("apostrophe")
+        assert pilot.console.dialog is None
+        await pilot.press("apostrophe", "c")
         assert "waits for its second key" in pilot.drawn()
-        assert "not assigned" not in pilot.drawn()
         await pilot.press("r")
         shown = pilot.drawn()
         for part in ("“This is the krill tank.”", "play point-left", "wait 0.5 s", "gaze yaw 0"):
             assert part in shown
-        await pilot.press("z")
-        assert "z is not assigned" in pilot.drawn()
-        await pilot.press("apostrophe")
+        assert not played(pilot)
+
+
+async def test_a_peek_ends_with_the_next_key_which_does_what_it_does() -> None:
+    async with piloted_console(guide()) as pilot:
+        await pilot.press("apostrophe", "f", "l")
         assert pilot.console.dialog is None
-        assert not [asked for asked in pilot.feed.asked if isinstance(asked, r.AskAction)]
+        assert played(pilot) == ["Look"]
+        await pilot.press("apostrophe", "space")
+        assert pilot.console.dialog is None
+        assert isinstance(pilot.feed.last(r.AskScript), r.AskScript)
+        await pilot.press("apostrophe", "slash")
+        assert type(pilot.console.dialog).__name__ == "SayDialog"
+        await pilot.press("ctrl+q", "apostrophe", "z")
+        assert pilot.console.dialog is None
+        assert "z is not assigned" in pilot.drawn()
+        await pilot.press("apostrophe", "l", "c", "r")
+        assert played(pilot) == ["Look", "Show"]
+
+
+async def test_the_key_that_a_peek_shows_plays_when_pressed_again_but_not_held() -> None:
+    async with piloted_console(guide()) as pilot:
+        await pilot.press("apostrophe", "f", "f", "f")
+        assert KRILL in pilot.drawn()
+        assert not played(pilot)
+        pilot.clock.advance(2)
         await pilot.press("f")
-        assert isinstance(pilot.feed.last(r.AskAction), r.AskAction)
+        assert pilot.console.dialog is None
+        assert played(pilot) == ["Food"]
 
 
 async def test_escape_stops_from_a_peek() -> None:

@@ -425,6 +425,7 @@ class Console(ScreenApp):
         if chord in STOPS:
             self._stopping()
             return
+        self._end_peek()
         self._forget_news()
         if action and not self.state.lost:
             self._panels.press(action)
@@ -450,6 +451,7 @@ class Console(ScreenApp):
 
     def _prefix(self, prefix: str) -> None:
         if prefix:
+            self._end_peek()
             key = key_name(prefix, self.look.glyphs)
             self.news(f"{key} {self.look.glyphs.ellipsis} waits for its second key", "run")
         elif self._news.look == "run":
@@ -477,6 +479,7 @@ class Console(ScreenApp):
             name = "leave"
         if dialog is not None and (not dialog.plays or name == "leave" or chord in dialog.own_keys):
             return self._key_in_dialog(name)
+        self._end_peek()
         if self.keyboard.press(chord, age_us=_age_us(event)):
             return True
         if name is None:
@@ -522,6 +525,11 @@ class Console(ScreenApp):
         else:
             return False
         return True
+
+    def _end_peek(self) -> None:
+        """Close what ends with any key."""
+        if self.dialog is not None and self.dialog.ends_with_key:
+            self.close_dialog()
 
     def _stopping(self) -> None:
         """The stop was sent: every dialog closes, so that the wizard stands on known ground."""

@@ -196,7 +196,7 @@ COMMANDS = (
         hint=KeyHint(4, "find"),
         users=WATCHER,
     ),
-    _row("peek", opens("screens.peek:PeekDialog"), found=False, users=WATCHER),
+    _row("peek", calls("screens.peek:open_peek"), found=False, users=WATCHER),
     _row("marker", sends=lambda press: AskMarker(), hint=KeyHint(7, "mark"), users=WATCHER),
     _row("note", opens("screens.note:NoteDialog"), hint=KeyHint(8, "note"), users=WATCHER),
     _row("mistake_last", sends=lambda press: AskMistake(), found=False, hint=KeyHint(9, "mistake")),

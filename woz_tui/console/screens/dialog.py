@@ -187,6 +187,8 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
     #: the normal form of keys. Whoever changes them calls the app's `give_keys`.
     plays: ClassVar[bool] = False
     own_keys: frozenset[str] = frozenset()
+    #: Whether any other key closes it, beside what the key does.
+    ends_with_key: ClassVar[bool] = False
     #: Whether a field in it has the keyboard.
     typed_into = False
     #: The command that opened it, which closes it where the robot is played meanwhile.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
@@ -9,18 +11,38 @@ from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.bottom_rows import KEPT, step_words, upcoming
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.key_caps import KeyCap, caption, key_name
-from woz_tui.console.screens.dialog import LiveReportDialog
+from woz_tui.console.keyboard import HELD_US
+from woz_tui.console.screens.dialog import ConsoleApp, LiveReportDialog
+
+if TYPE_CHECKING:
+    from woz_tui.config.keys.keymap import KeyMap
+
+
+def open_peek(app: ConsoleApp) -> None:
+    """Show the script's next line; the key of an action shows that action instead."""
+    app.open_dialog(PeekDialog(app.keymap))
 
 
 class PeekDialog(LiveReportDialog):
-    """Press a key: its action, what it says and each of its steps. Nothing is sent."""
+    """The first key of an action shows what it says and each of its steps, and sends nothing. Any
+    other key, and any key after it, closes this and does what it always does.
+    """
 
     heading = "What a key would do"
-    hint = "press a key: nothing is played · ctrl+q closes"
+    hint = "key of an action: shown, not played · other keys close this and act"
     size_class = "wide"
     indent = 2
+    plays = True
+    ends_with_key = True
     _action = ""
     _typed = ""
+    #: When the last key came, on the clock.
+    _came_us = 0
+
+    def __init__(self, keys: KeyMap) -> None:
+        super().__init__()
+        repairs = [key for key, name in keys.builtin_table.items() if name.startswith("repair_")]
+        self.own_keys = frozenset([*" ".join(keys.table).split(), *repairs])
 
     def lines(self) -> list[Row]:
         """The action of the key pressed last; before, the script's next one."""
@@ -28,19 +50,9 @@ class PeekDialog(LiveReportDialog):
         if action:
             return self._of(action)
         if self._typed:
-            return [self._of_the_console()]
+            key = key_name(self._typed, self.glyphs)
+            return [((key, "key"), (f" {self.glyphs.ellipsis} waits for its second key", "muted"))]
         return [(("Press the key of an action.", "muted"),)]
-
-    def _of_the_console(self) -> Row:
-        """A key that plays no action."""
-        app, key = self.console_app, key_name(self._typed, self.glyphs)
-        own = app.keymap.builtin_table.get(self._typed)
-        if own is None and any(chord.startswith(f"{self._typed} ") for chord in app.keymap.table):
-            waits = f" {self.glyphs.ellipsis} waits for its second key"
-            return ((key, "key"), (waits, "muted"))
-        if own is None:
-            return ((f"{key} is not assigned", "warn"),)
-        return ((f"{key} ", "key"), (app.commands[own].words, "strong"))
 
     def _of(self, name: str) -> list[Row]:
         app, state, glyphs = self.console_app, self.state, self.glyphs
@@ -78,21 +90,31 @@ class PeekDialog(LiveReportDialog):
         return rows
 
     def on_key(self, event: events.Key) -> None:
-        """A key of an action, perhaps the second one of two; of the script; or of this dialog."""
+        """The key of an action, perhaps the second one of two."""
         chord = from_textual(event.key, event.character)
-        if not chord:
-            return
         event.stop()
         event.prevent_default()
         app = self.console_app
-        keys = app.keymap
-        if chord == app.key_of("peek"):
-            self.leave()
+        now = app.clock.now_us()
+        held, self._came_us = now - self._came_us < HELD_US, now
+        if self._action:
+            if not held:
+                self._act(chord)
             return
+        keys = app.keymap
         both = f"{self._typed} {chord}"
         self._typed = both if both in keys.table else chord
-        own = keys.builtin_table.get(chord, "")
-        repair = own.replace("_", " ", 1) if own.startswith("repair_") else ""
-        played = upcoming(self.state) if own == "script_next" else repair
-        self._action = keys.table.get(self._typed, played)
+        repair = keys.builtin_table.get(chord, "").replace("_", " ", 1)
+        self._action = keys.table.get(self._typed, repair)
+        if self._action:
+            self.own_keys = frozenset((chord,))
+            app.give_keys()
+            self.show_hint("any key closes this and does what it always does")
         self.refreshed()
+
+    def _act(self, chord: str) -> None:
+        """The key that is shown was pressed once more: now it counts."""
+        app = self.console_app
+        self.leave()
+        if not app.keyboard.press(chord):
+            app.do(app.keymap.builtin_table[chord])

@@ -75,14 +75,14 @@ def finder_lines(pilot: ConsolePilot) -> list[str]:
     ]
 
 
-async def test_the_finder_searches_what_is_said_and_puts_speech_before_gaze() -> None:
+async def test_the_finder_sorts_by_label_then_by_what_is_said() -> None:
     async with piloted_console(guide()) as pilot:
         await open_dialog(pilot, "FindDialog")
         await pilot.type("krill")
         names = [line[7:].split("  ")[0] for line in finder_lines(pilot)]
-        assert names[:3] == ["Food", "Tank", "Look at the krill"]
-        assert "Whales eat four" in finder_lines(pilot)[0]
-        await pilot.press("enter")
+        assert names[:3] == ["Look at the krill", "Food", "Tank"]
+        assert "Whales eat four" in finder_lines(pilot)[1]
+        await pilot.press("down", "enter")
         asked = pilot.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
         assert asked.action == "Food"
@@ -97,6 +97,52 @@ async def test_a_command_of_the_console_keeps_its_name() -> None:
         first, second = finder_lines(pilot)[:2]
         assert "write a note" in first
         assert "Food" in second
+
+
+async def test_the_finder_says_that_it_found_nothing_and_enter_then_does_nothing() -> None:
+    async with piloted_console(guide()) as pilot:
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type("xyzzy")
+        assert finder_lines(pilot) == ["Nothing found: other letters, or ctrl+q"]
+        await pilot.press("enter")
+        assert type(pilot.console.dialog).__name__ == "FindDialog"
+
+
+async def test_enter_in_the_finder_asks_before_it_locks_a_panel() -> None:
+    async with piloted_console(guide()) as pilot:
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type("lock")
+        assert "Lock Whales" in finder_lines(pilot)[0]
+        await pilot.press("enter", "enter")
+        assert pilot.console.dialog is None
+        assert pilot.feed.last(r.AskLock) is None
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type("lock")
+        await pilot.press("enter")
+        assert "Lock Whales? Its keys then play nothing." in pilot.drawn()
+        await pilot.press("down", "enter")
+        assert isinstance(pilot.feed.last(r.AskLock), r.AskLock)
+
+
+@pytest.mark.parametrize(
+    ("word", "line"),
+    [
+        ("help", "list of all keys"),
+        ("volume", "the robot's settings"),
+        ("stop", "stop everything"),
+        ("end", "quit: end the session or leave"),
+    ],
+)
+async def test_the_finder_knows_other_words_for_the_consoles_commands(word: str, line: str) -> None:
+    loud = {"Food": [says("Please help me to stop the volume at the end.")]}
+    first = guide(msgspec.structs.replace(FILLED, actions=loud))
+    async with piloted_console(first) as pilot:
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type(word)
+        assert line in finder_lines(pilot)[0]
+        await pilot.press("enter")
+        if word == "stop":
+            assert isinstance(pilot.feed.last(r.AskStop), r.AskStop)
 
 
 async def test_a_word_that_is_nowhere_carries_out_no_command() -> None:

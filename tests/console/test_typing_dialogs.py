@@ -176,7 +176,7 @@ async def test_find_locks_panels_and_carries_out_the_consoles_commands() -> None
     async with piloted_console() as pilot:
         await open_dialog(pilot, "FindDialog")
         await pilot.type("lock gest")
-        await pilot.press("enter")
+        await pilot.press("enter", "down", "enter")
         asked = pilot.feed.last(r.AskLock)
         assert isinstance(asked, r.AskLock)
         assert (asked.panel, asked.locked) == ("Gestures", True)

@@ -175,7 +175,13 @@ def _colours(name: str, choice: str, words: str) -> ConsoleCommand:
 _INTERRUPT = "repair_interrupt"
 
 COMMANDS = (
-    _row("stop stop_too", found=False, hint=KeyHint(1, "stop"), users=WATCHER),
+    _row(
+        "stop stop_too",
+        lambda app: app.keyboard.stop("palette"),
+        hint=KeyHint(1, "stop"),
+        also=("stop",),
+        users=WATCHER,
+    ),
     _row("release", calls("screens.release:open_release"), found=False),
     _row(
         "script_next",
@@ -265,6 +271,7 @@ COMMANDS = (
         "robot",
         opens("screens.robot:RobotDialog"),
         hint=KeyHint(6, "robot", _has_robot),
+        also=("volume", "speed", "pitch", "voice"),
         users=EVERYBODY,
     ),
     _row("move", calls("screens.move:open_move"), hint=KeyHint(10, "gesture", _has_robot)),
@@ -277,9 +284,21 @@ COMMANDS = (
     _row("profile", opens("screens.profile:ProfileDialog"), users=WATCHER),
     _row("redraw", lambda app: app.refresh(layout=True), opens=False, users=EVERYBODY),
     _row("theme", _next_colours, users=WATCHER),
-    _row("help", opens("screens.help:HelpDialog"), hint=KeyHint(5, "keys"), users=WATCHER),
+    _row(
+        "help",
+        opens("screens.help:HelpDialog"),
+        hint=KeyHint(5, "keys"),
+        also=("help", "keys"),
+        users=WATCHER,
+    ),
     _row("suspend", _suspend, users=WATCHER),
-    _row("leave", opens("screens.leave:LeaveDialog"), hint=KeyHint(13, "leave"), users=WATCHER),
+    _row(
+        "leave",
+        opens("screens.leave:LeaveDialog"),
+        hint=KeyHint(13, "leave"),
+        also=("end", "exit", "leave", "close"),
+        users=WATCHER,
+    ),
     ConsoleCommand(
         (
             BuiltinKey(

@@ -39,6 +39,9 @@ async def test_it_is_found_and_done(typed: str, asked: tuple[str, dict[str, m.Js
         assert dialog(pilot) is FindDialog
         await type_in(pilot, typed)
         await pilot.press("enter")
+        if asked[1] == {"on": False}:
+            assert "Are you sure?" in pilot.drawn()
+            await pilot.press("down", "enter")
         assert verbs(pilot) == [asked]
         sent = pilot.feed.last(r.AskVerb)
         assert isinstance(sent, r.AskVerb)

@@ -9,9 +9,10 @@ from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import OptionList, Static
+from textual.widgets.option_list import Option
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.dialog import Dialog, EntryDialog, content
+from woz_tui.console.screens.dialog import Dialog, EntryDialog, content, plain
 
 T = TypeVar("T")
 
@@ -60,6 +61,31 @@ class ChoiceDialog(Dialog):
             do()
 
 
+class ConfirmDialog(ChoiceDialog):
+    """Asks before something is done; enter alone does not do it.
+
+    Args:
+        question: What is asked, as a sentence.
+        name: What it is called in the list.
+        do: Does it.
+    """
+
+    heading = "Are you sure?"
+    hint = "arrows choose · enter · ctrl+q: no"
+
+    def __init__(self, question: str, name: str, do: Callable[[], object]) -> None:
+        super().__init__()
+        self._question, self._label, self._do = question, name, do
+
+    def lines(self) -> list[Row]:
+        """The question."""
+        return [((self._question, "strong"),)]
+
+    def choices(self) -> Sequence[ListChoice]:
+        """No comes first."""
+        return [ListChoice(plain("No")), ListChoice(plain(f"Yes: {self._label}"), self._do)]
+
+
 class SearchDialog(EntryDialog, Generic[T]):
     """A text field that narrows a list: arrows choose, enter takes. It keeps no draft.
 
@@ -68,6 +94,8 @@ class SearchDialog(EntryDialog, Generic[T]):
     """
 
     size_class = "wide"
+    #: What stands there where nothing matches, and enter does nothing; empty: it takes the text.
+    nothing: ClassVar[str] = ""
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "choose(-1)", priority=True),
         Binding("down", "choose(1)", priority=True),
@@ -115,6 +143,8 @@ class SearchDialog(EntryDialog, Generic[T]):
         self._list.add_options([self.line(item) for item in self.shown])
         if self.shown:
             self._list.highlighted = self.first(typed)
+        elif self.nothing:
+            self._list.add_option(Option(plain(self.nothing), disabled=True))
 
     def action_choose(self, by: int) -> None:
         """Move in the list; the text field keeps the keyboard. Pages end at its ends."""
@@ -126,7 +156,8 @@ class SearchDialog(EntryDialog, Generic[T]):
 
     def accept(self, typed: str) -> None:
         """Take what is chosen."""
-        self._choose(self._list.highlighted)
+        if self.shown or not self.nothing:
+            self._choose(self._list.highlighted)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """A click in this list is meant."""

@@ -67,12 +67,14 @@ class ConsoleCommand(ConsoleKey):
         run: Carries it out, where the keyboard does not send a request.
         hint: How the lowest line names it; None: not at all.
         found: Whether the palette lists it.
+        also: Words that find it there, beside its own.
         users: The roles it serves.
     """
 
     run: Callable[[ConsoleApp], object] | None = None
     hint: KeyHint | None = None
     found: bool = True
+    also: tuple[str, ...] = ()
     users: frozenset[str] = WIZARD
 
     def serves(self, role: str) -> bool:

@@ -17,7 +17,7 @@ from woz_tui.console.cells import clean, fit
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.wizard_overrides import OVERRIDES, is_offered
 from woz_tui.console.key_caps import KeyCap, caption, key_name
-from woz_tui.console.screens.choice import SearchDialog
+from woz_tui.console.screens.choice import ConfirmDialog, SearchDialog
 from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskAction, AskLock, AskPhase, AskVerb
@@ -60,7 +60,8 @@ KEY, LABEL = 7, 38
 class SearchItem:
     """Something that can be found: what it is called, where it belongs, what it does, what it says.
 
-    `acts`: it is an action of the experiment, and no command of the console.
+    `acts`: it is an action of the experiment, and no command of the console. `asks`: what enter
+    asks before it is done; empty: it is done at once.
     """
 
     name: str
@@ -70,30 +71,29 @@ class SearchItem:
     search: str
     utterance: str = ""
     acts: bool = False
+    asks: str = ""
 
 
 def _rank(matcher: Matcher, typed: str, find: SearchItem) -> tuple[int, float]:
     """How well it fits what is typed; 0: not at all.
 
-    Whole pieces in what is said and in names come before letters of a name in their order, speech
-    before gaze and gesture; but the console's own commands keep their names. What is no action of
-    the experiment is found by beginnings of its words alone: enter must carry out no command that
-    merely has these letters somewhere.
+    Labels come before what is said, whole pieces before letters in their order, and of two labels
+    speech before gaze and gesture. What is no action of the experiment is found by beginnings of
+    its words alone: enter must carry out no command that merely has these letters somewhere.
     """
-    pieces = typed.casefold().split()
+    whole = typed.casefold()
+    pieces = whole.split()
     if not find.acts:
-        texts = ((5, find.name), (4, find.utterance), (0, find.search))
+        texts = ((4, find.name), (3, find.utterance), (0, find.search))
         rank = next((rank for rank, text in texts if _begins_words(text, pieces)), None)
-        whole = typed.casefold() in find.name.casefold()
-        return (0, 0.0) if rank is None else (rank, 1.0 + whole)
-    named = typed.casefold() in find.name.casefold()
-    said = all(piece in find.utterance.casefold() for piece in pieces)
+        if whole in find.search.casefold().split("; "):
+            rank = 7
+        return (0, 0.0) if rank is None else (rank, 1.0 + (whole in find.name.casefold()))
     letters = matcher.match(find.name)
-    if named and find.utterance:
-        return 6, letters
-    if said and find.utterance:
-        return 4, letters
-    if named:
+    if whole in find.name.casefold():
+        exact = whole == find.name.casefold()
+        return (8 if exact else 6 if find.utterance else 5), letters
+    if find.utterance and all(piece in find.utterance.casefold() for piece in pieces):
         return 3, letters
     if letters:
         return (2 if find.utterance else 1), letters
@@ -113,6 +113,7 @@ class FindDialog(SearchDialog[SearchItem]):
     heading = "Find"
     hint = "enter plays it · arrows choose · ctrl+q closes"
     placeholder = "a few letters of an action, its words or its panel"
+    nothing = "Nothing found: other letters, or ctrl+q"
 
     @cached_property
     def _all(self) -> list[SearchItem]:
@@ -165,14 +166,17 @@ class FindDialog(SearchDialog[SearchItem]):
             word = "Unlock" if locked else "Lock"
             request = AskLock(panel=panel.title, locked=not locked)
             name = f"{word} {panel.title}"
-            yield SearchItem(name, "", "panel", functools.partial(self.requests.ask, request), name)
+            asks = "" if locked else f"{name}? Its keys then play nothing."
+            do = functools.partial(self.requests.ask, request)
+            yield SearchItem(name, "", "panel", do, name, asks=asks)
 
     def _orders(self) -> Iterable[SearchItem]:
         """What the hand may do to the engagement model, in a session that has one."""
         if is_offered(self.state.engaged, self.state.verbs):
             for order in OVERRIDES:
                 do = functools.partial(steer, self.console_app, order)
-                yield SearchItem(order.text, "", "engagement", do, order.text)
+                asks = f"{order.text}?" if order.id == "off" else ""
+                yield SearchItem(order.text, "", "engagement", do, order.text, asks=asks)
 
     def _robots(self) -> Iterable[SearchItem]:
         """What a robot can do that needs no button."""
@@ -181,7 +185,8 @@ class FindDialog(SearchDialog[SearchItem]):
             args = dict(order.args)
             request = AskVerb(verb=order.verb, args=args, on=driver, source="key", key=key)
             do = functools.partial(self.requests.ask, request)
-            yield SearchItem(order.text, "", driver, do, f"{order.text} {order.verb}")
+            asks = f"{order.text}?" if order.args.get("on") is False else ""
+            yield SearchItem(order.text, "", driver, do, f"{order.text} {order.verb}", asks=asks)
 
     def _commands(self) -> Iterable[SearchItem]:
         app = self.console_app
@@ -192,7 +197,8 @@ class FindDialog(SearchDialog[SearchItem]):
                 key, words = key_name(app.key_of(name), self.glyphs), command.words
                 said = quoted(self.state, name.replace("_", " ", 1), self.glyphs)  # of a repair
                 do = functools.partial(app.do, name)
-                yield SearchItem(words, key, said or "console", do, words, said)
+                search = "; ".join((words, *command.also))
+                yield SearchItem(words, key, said or "console", do, search, said)
 
     def matching(self, typed: str) -> list[SearchItem]:
         """The best first, in the file's order where they are as good."""
@@ -221,6 +227,8 @@ class FindDialog(SearchDialog[SearchItem]):
         return min(self.app.size.width * 9 // 10, 100) - 6
 
     def chose(self, item: SearchItem | None, typed: str) -> None:
-        """Play it."""
-        if item is not None:
+        """Play it, or ask first."""
+        if item is not None and item.asks:
+            self.console_app.open_dialog(ConfirmDialog(item.asks, item.name, item.do))
+        elif item is not None:
             item.do()

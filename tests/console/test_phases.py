@@ -110,6 +110,10 @@ async def test_space_plays_the_script_of_the_phase(size: tuple[int, int]) -> Non
         assert "Hello" in pilot.text("StopBar")
         assert "failed" in pilot.text("StopBar")
         assert "again" not in pilot.text("StopBar")  # of one that was refused nothing was said
+        for how, words in (("stopped", "was cut"), ("mistake", "marked as a mistake")):
+            halted = m.ScriptMoved(position=0, phase="opening", played=[], halted=how)
+            await at(pilot, halted, 5003)
+            assert f"{words}: Space plays it" in pilot.text("StopBar")
 
 
 @SIZES

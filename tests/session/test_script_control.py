@@ -132,10 +132,8 @@ def test_what_waits_behind_a_line_that_failed_is_not_played(tmp_path: Path) -> N
     assert ("say", {"text": "Hello P01"}) not in rig.driver().calls
 
 
-@pytest.mark.parametrize(("waits", "where"), [(True, 0), (False, 1)])
-def test_a_line_that_was_cut_before_it_began_is_the_next_one(
-    tmp_path: Path, waits: bool, where: int
-) -> None:
+@pytest.mark.parametrize("waits", [True, False])
+def test_a_line_that_was_cut_is_the_next_one(tmp_path: Path, waits: bool) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
         if waits:
@@ -145,7 +143,71 @@ def test_a_line_that_was_cut_before_it_began_is_the_next_one(
         await asyncio.sleep(0.1)
         session.cancel(run)
         await asyncio.sleep(0.1)
-        assert stands(rig)[0] == where
+        assert stands(rig) == (0, [], "stopped")
+        await asyncio.sleep(2)
+        session.script_next(SPACE)
+        await asyncio.sleep(2)
+        assert stands(rig) == (1, [0], "")
+
+    assert acts(on_stage(tmp_path, scenario)) == ["Hello", "Hello"]
+
+
+def test_a_line_whose_sentence_another_act_cut_is_the_next_one(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.script_next(SPACE)
+        await asyncio.sleep(0.1)
+        rig.session.send("say", {"text": "one moment"}, "", KEY, when_busy="replace")
+        await asyncio.sleep(2)
+        assert stands(rig) == (0, [], "superseded")
+
+    on_stage(tmp_path, scenario)
+
+
+def test_a_line_that_was_said_is_not_offered_again_though_its_move_was_cut(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.script_next(SPACE)  # it says, then it points
+        await asyncio.sleep(1.6)
+        rig.session.send("play", {"move": "shake"}, "", KEY, when_busy="replace")
+        await asyncio.sleep(2)
+        assert stands(rig) == (1, [0], "")
+
+    rig = on_stage(tmp_path, scenario, ("Map", "Welcome"))
+    assert rig.of(m.ActionSuperseded)
+
+
+def test_a_line_marked_as_a_mistake_while_it_is_said_is_the_next_one(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.script_next(SPACE)
+        await asyncio.sleep(0.1)
+        rig.session.mistake("", "")
+        assert stands(rig) == (0, [], "mistake")
+        await asyncio.sleep(2)
+        assert stands(rig) == (0, [], "mistake")
+        rig.session.script_next(SPACE)
+        await asyncio.sleep(2)
+        rig.session.mistake("", "")  # it has been said
+        assert stands(rig) == (1, [0], "")
+
+    assert acts(on_stage(tmp_path, scenario)) == ["Hello", "Hello"]
+
+
+def test_back_is_the_line_that_was_played_last_by_whatever_key(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.script_next(SPACE)
+        session.play("Map", KEY)
+        assert stands(rig)[0] == 1
+        session.move_script(by=-1)
+        assert stands(rig)[0] == 3  # Map, which its letter has played
+        session.move_script(by=-1)
+        assert stands(rig)[0] == 2
+        session.move_script(1)
+        session.play("Fall", KEY)
+        assert stands(rig)[0] == 2
+        session.move_script(by=-1)
+        assert stands(rig)[0] == 1
+        session.move_script(by=1)
+        assert stands(rig)[0] == 2
 
     on_stage(tmp_path, scenario)
 

@@ -166,13 +166,15 @@ def script_row(
         body = ((f"{glyphs.here} {clean(state.label(first))}", "strong"),)
         if state.halted:
             goes_on = f", {skip} goes on" if skip else ""
-            stands = f"{state.halted}: {key} plays it{goes_on}"
+            stands = f"{_HALTED.get(state.halted, state.halted)}: {key} plays it{goes_on}"
             body += ((f" {glyphs.warning} {stands} ", "warn"),)
         for name in (state.script[at] for at in behind[:AHEAD]):
             body += ((f"  {glyphs.next} {clean(state.label(name))}", "muted"),)
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
 
 
+#: How a line ended at which the script stands still, where another word is plainer.
+_HALTED = {"stopped": "was cut", "superseded": "was cut", "mistake": "marked as a mistake"}
 #: Lines of the script behind the next one, at the most, in its row.
 AHEAD = 11
 #: Cells that the script needs at least behind what is likely to follow.

@@ -620,7 +620,8 @@ class ScriptMoved(Message, frozen=True, kw_only=True, tag="script.moved"):
 
     `phase`: whose script; empty: that of the file. `played`: lines that were played, also those
     that are being played; older logs do not say it, there it is all before `position`. `halted`:
-    the script stands still at this line, because it ended so (failed, refused, stopped).
+    the script stands still at this line, because it ended so (failed, refused, stopped, superseded;
+    mistake: it was marked as one before its end).
     """
 
     position: int

@@ -1,7 +1,8 @@
 """Follows the scripts of an experiment: the next line, the played ones, where one has halted.
 
 The experiment's own script has the name "", that of a phase the phase's. A line counts as played
-when its action is asked for, by whatever key; if it then fails, the script goes back to it.
+when its action is asked for, by whatever key; if it then fails, is cut or is marked as a mistake
+before its end, the script goes back to it.
 """
 
 from __future__ import annotations
@@ -11,26 +12,28 @@ from dataclasses import dataclass, field, replace
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_stream import SPEAKING_VERBS
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.phase_control import PhaseController
-from woz_tui.timeline.episodes import ActionEpisode, EpisodeOutcome
+from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode, EpisodeOutcome
 
 #: How a line ends behind which the script does not go on.
-HALTING = (EpisodeOutcome.FAILED, EpisodeOutcome.REFUSED)
-#: How it ends where it was cut: before it began, or by the stop, it does not count as played.
-CUT = (EpisodeOutcome.STOPPED, EpisodeOutcome.SUPERSEDED)
+HALTING = (EpisodeOutcome.FAILED, EpisodeOutcome.REFUSED, EpisodeOutcome.STOPPED)
+#: How `halted` names a line that was marked as a mistake before it ended.
+MISTAKE = "mistake"
 
 
 @dataclass(slots=True)
 class ScriptState:
     """Where one script stands. `position`: the next line, from 0; `halted`: how the line ended at
-    which it stands still.
+    which it stands still. `last`: the line that was played last, until another one is chosen.
     """
 
     lines: Sequence[str] = ()
     position: int = 0
     played: set[int] = field(default_factory=set)
     halted: str = ""
+    last: int | None = None
 
     def play(self, action: str) -> int | None:
         """The action is played: which line that is, if any; the position goes to the next line that
@@ -41,6 +44,7 @@ class ScriptState:
         if line is None:
             return None
         self.played.add(line)
+        self.last = line
         if line == self.position:
             rest = range(line + 1, len(self.lines))
             self.position = next((each for each in rest if each not in self.played), rest.stop)
@@ -57,6 +61,8 @@ class ScriptState:
     def take_back(self, line: int, halted: str) -> None:
         """A line was not played after all: it is the next one, unless one before it is."""
         self.played.discard(line)
+        if line == self.last:
+            self.last = None
         if line < self.position:
             self.position, self.halted = line, halted
 
@@ -66,7 +72,11 @@ class ScriptState:
             raise RequestError("the script is at its first line")
         if to > len(self.lines):
             raise RequestError(f"the script has {len(self.lines)} lines")
-        self.position, self.halted = to, ""
+        self.position, self.halted, self.last = to, "", None
+
+    def back(self) -> int:
+        """The line to go back to: the one played last, by whatever key; then the one before."""
+        return self.position - 1 if self.last in (None, self.position) else self.last
 
     def adopted(self, lines: Sequence[str]) -> ScriptState:
         """The same with other lines: each that was there keeps what became of it; what is new
@@ -103,7 +113,6 @@ class ScriptController:
         experiment: What the file says.
         phases: Which phase holds.
         waits: Whether a run waits: it could begin, and nothing of it has begun.
-        latched: Whether the stop is pressed.
         withdraw: Cuts a run short.
     """
 
@@ -114,14 +123,15 @@ class ScriptController:
         *,
         phases: PhaseController,
         waits: Callable[[str], bool],
-        latched: Callable[[], bool],
         withdraw: Callable[[str], object],
     ) -> None:
         self._publish, self._phases = publish, phases
-        self._waits, self._latched, self._withdraw = waits, latched, withdraw
+        self._waits, self._withdraw = waits, withdraw
         self._scripts: dict[str, ScriptState] = {}
         self._published: dict[str, tuple[int, frozenset[int], str]] = {}
         self._runs: dict[str, _RunningLine] = {}
+        #: Runs of lines whose sentence was cut.
+        self._cut_speech: set[str] = set()
         #: Runs of lines that Space has played: they go with the line before them.
         self.by_script: set[str] = set()
         self.adopt(experiment)
@@ -171,6 +181,19 @@ class ScriptController:
         if (played := self._runs.pop(run, None)) is not None:
             self._ended(action, played)
             self.publish()
+        self._cut_speech.discard(run)
+
+    def spoke(self, command: CommandEpisode) -> None:
+        """A sentence has ended: whether a line was cut in it."""
+        cut = command.outcome in (EpisodeOutcome.STOPPED, EpisodeOutcome.SUPERSEDED)
+        if cut and command.label in SPEAKING_VERBS and command.request.run in self._runs:
+            self._cut_speech.add(command.request.run)
+
+    def mistaken(self, run: str) -> None:
+        """What is being played is a mistake: a line is offered again."""
+        if (played := self._runs.pop(run, None)) is not None:
+            self._scripts[played.script].take_back(played.line, MISTAKE)
+            self.publish()
 
     def _began(self, action: ActionEpisode) -> None:
         own = self.name
@@ -184,8 +207,10 @@ class ScriptController:
 
     def _ended(self, action: ActionEpisode, played: _RunningLine) -> None:
         script = self._scripts[played.script]
-        unsaid = action.dispatched is None or self._latched()
-        if action.outcome not in HALTING and not (action.outcome in CUT and unsaid):
+        unsaid = action.dispatched is None or action.request.run in self._cut_speech
+        if action.outcome not in HALTING and not (
+            action.outcome == EpisodeOutcome.SUPERSEDED and unsaid
+        ):
             return
         script.take_back(played.line, script.halted or action.outcome)
         for run, other in [*self._runs.items()]:
@@ -194,9 +219,13 @@ class ScriptController:
 
     def move(self, to: int | None = None, by: int = 0) -> None:
         """Choose the next line of the script that Space plays: `to` (0: the first; None: the one
-        that is next already), and `by` lines on from there.
+        that is next already), and `by` lines on from there; back from where something was played is
+        the line that was played last.
         """
-        self.now.move((self.now.position if to is None else to) + by)
+        script = self.now
+        if to is None and by < 0:
+            to, by = script.back(), by + 1
+        script.move((script.position if to is None else to) + by)
         self.publish()
 
     def phase_began(self) -> None:

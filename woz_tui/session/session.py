@@ -124,7 +124,6 @@ class Session:
             self.experiment,
             phases=self.phases,
             waits=self._has_not_begun,
-            latched=lambda: self.bus.latched,
             withdraw=self._cancel_waiting_line,
         )
         publish_start(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
@@ -498,8 +497,14 @@ class Session:
     def _on_message(self, message: m.AnyMessage) -> None:
         """A message of this session: scripts follow the actions."""
         for episode in self.state.apply(message):
+            if self.ended:
+                continue  # what the end cuts is not to be played again
             if isinstance(episode, e.ActionEpisode) and not self._is_of_another(episode):
                 self.scripts.apply(episode)
+            elif isinstance(episode, e.CommandEpisode):
+                self.scripts.spoke(episode)
+        if isinstance(message, m.Mistake):
+            self.scripts.mistaken(message.run)
         if isinstance(message, m.PhaseChanged):
             self.scripts.phase_began()
         if isinstance(message, m.TrialEnded) and not self.ended:

@@ -122,6 +122,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     ),
     "uncalled": ("", "actions while no cue waited"),
     "unfilled": ("", "those of `args` that reveal it, with variables not filled in; absent: none"),
+    "edited": ("", "whether its sentence was typed anew before it was said; absent: no"),
     "without": ("", "what this robot does not do of it; absent: nothing"),
     "unable": ("", "names of verbs; absent: none"),
     "unreached": ("", "drivers of `missing` whose hardware was not connected; absent: none"),

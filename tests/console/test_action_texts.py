@@ -7,7 +7,7 @@ import pytest
 from textual.widgets import OptionList
 
 from tests.console import scenes
-from tests.console.dialogs import open_dialog
+from tests.console.dialogs import entry, open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.scripted_feed import raw
 from woz_tui.config.utterance_template import HIDDEN_TEXT
@@ -237,6 +237,40 @@ async def test_the_key_that_a_peek_shows_plays_when_pressed_again_but_not_held()
         await pilot.press("f")
         assert pilot.console.dialog is None
         assert played(pilot) == ["Food"]
+
+
+async def test_the_next_line_is_edited_before_it_is_said() -> None:
+    async with piloted_console(guide()) as pilot:
+        await pilot.press("ctrl+g")
+        assert "Edit: Tank" in pilot.drawn()
+        assert entry(pilot).value == "This is the krill tank."
+        assert "enter says it so, once; the file is not changed" in pilot.drawn()
+        await pilot.press(*["backspace"] * 11)
+        await pilot.type("whale!")
+        await pilot.press("escape", "ctrl+g")
+        assert entry(pilot).value == "This is the whale!", "a stop keeps what was typed"
+        await pilot.press("enter")
+        asked = pilot.feed.last(r.AskScript)
+        assert isinstance(asked, r.AskScript)
+        assert (asked.play, asked.to, asked.text) == (True, 0, "This is the whale!")
+        await pilot.press("ctrl+g", "enter")
+        asked = pilot.feed.last(r.AskScript)
+        assert isinstance(asked, r.AskScript)
+        assert asked.text == "", "unchanged it is said as it stands in the file"
+
+
+async def test_a_line_is_not_edited_that_was_played_meanwhile_or_is_kept() -> None:
+    async with piloted_console(guide(blind=True)) as pilot:
+        await pilot.press("ctrl+g")
+        assert "Edit: Tank" in pilot.drawn()
+        await pilot.tell(m.ScriptMoved(position=1, played=[0], t=NOW + 1))
+        assert pilot.console.dialog is None
+        await pilot.press("ctrl+g")
+        assert pilot.console.dialog is None
+        assert "what it says is kept from you" in pilot.drawn()
+        await pilot.tell(m.ScriptMoved(position=2, played=[0, 1], t=NOW + 2))
+        await pilot.press("ctrl+g")
+        assert "The script has no next line" in pilot.drawn()
 
 
 async def test_escape_stops_from_a_peek() -> None:

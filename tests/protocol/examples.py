@@ -79,6 +79,7 @@ MESSAGES: tuple[m.AnyMessage, ...] = (
         key="h",
         console="con1",
         without=["eyes", "play.speed"],
+        edited=True,
     ),
     m.Command(
         command="c00001",
@@ -408,6 +409,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskScript(ref=20, key="space", stale=True),
     r.AskScript(ref=10, play=False, to=0),
     r.AskScript(ref=21, play=False, by=-1, key="<"),
+    r.AskScript(ref=22, to=3, text="Good morning, {participant}!", key="ctrl+g"),
     r.AskCancel(ref=11, run="a00001"),
     r.AskEmptyQueue(ref=12),
     r.AskTakeOver(ref=13),

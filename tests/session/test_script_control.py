@@ -191,6 +191,34 @@ def test_a_line_marked_as_a_mistake_while_it_is_said_is_the_next_one(tmp_path: P
     assert acts(on_stage(tmp_path, scenario)) == ["Hello", "Hello"]
 
 
+def test_a_line_is_said_otherwise_once(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.script_next(SPACE, text="Good evening, {participant}")
+        await asyncio.sleep(2)
+        assert stands(rig) == (1, [0], "")
+        session.move_script(0)
+        session.script_next(SPACE)
+        await asyncio.sleep(2)
+        session.script_next(SPACE, text="and the map")
+        await asyncio.sleep(3)
+
+    rig = on_stage(tmp_path, scenario, ("Hello", "Map"))
+    said = [args["text"] for verb, args in rig.driver().calls if verb == "say"]
+    assert said == ["Good evening, P01", "Hello P01", "and the map"]
+    assert [line.edited for line in rig.of(m.ActionRequested)] == [True, False, True]
+    assert [line.run for line in rig.of(m.Command) if line.verb == "play"], "its move is played"
+
+
+def test_a_line_that_says_nothing_cannot_be_edited(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        with pytest.raises(RequestError, match="'Go' says nothing that could be edited"):
+            rig.session.script_next(SPACE, text="Off we go")
+        assert stands(rig) == (0, [], "")
+
+    assert acts(on_stage(tmp_path, scenario, ("Go",))) == []
+
+
 def test_back_is_the_line_that_was_played_last_by_whatever_key(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session

@@ -192,6 +192,7 @@ COMMANDS = (
     ),
     _row("script_back", sends=_move_script(-1)),
     _row("script_on", sends=_move_script(1)),
+    _row("script_edit", calls("screens.say:open_edit")),
     _row("phase_next", sends=_next_phase, once=True, hint=KeyHint(2.5, "phase", _phases_can_begin)),
     _row("phases", opens("screens.phases:PhasesDialog"), users=WATCHER),
     _row("say", opens("screens.say:SayDialog"), hint=KeyHint(3, "say")),

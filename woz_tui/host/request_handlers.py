@@ -273,7 +273,12 @@ class RequestHandlers:
         if not request.play:
             return ""
         source = "script" if client.role == "wizard" else "program"
-        return self._session.script_next(RequestOrigin(source, request.key, client.name), stale)
+        return self._session.script_next(
+            RequestOrigin(source, request.key, client.name),
+            stale,
+            request.text.strip(),
+            self._tells(client),
+        )
 
     def _verb(self, client: ClientConnection, request: AskVerb, stale: str) -> str:
         """Send it with its variables filled in, as in the experiment file."""

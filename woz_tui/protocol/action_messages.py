@@ -53,7 +53,7 @@ class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"
     `source` is key, script, palette, midi, gamepad, stream-deck, program, phase, engagement or
     replay; `console` names the connection it came over. `run` ties the action's commands and its
     end together. `without`: verbs, and arguments such as `play.speed`, that this robot does not do
-    of it.
+    of it. `edited`: its sentence was typed anew before it was said, this once.
     """
 
     run: str
@@ -63,6 +63,7 @@ class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"
     key: str = ""
     console: str = ""
     without: list[str] = []
+    edited: bool = False
 
 
 class ActionEnd(RestrictedMessage, frozen=True, kw_only=True):

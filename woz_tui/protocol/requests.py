@@ -152,7 +152,8 @@ class AskRelease(Request, frozen=True, kw_only=True, tag="release"):
 
 class AskScript(Request, frozen=True, kw_only=True, tag="script"):
     """Play the script's next line (`play`), or move its position without playing: to `to`, or by
-    so many lines from where it stands then (`by`; below 0: back).
+    so many lines from where it stands then (`by`; below 0: back). `text` is said in place of the
+    line's first sentence, this once.
 
     `key`, `age_us` and `stale` as for an action.
     """
@@ -160,6 +161,7 @@ class AskScript(Request, frozen=True, kw_only=True, tag="script"):
     play: bool = True
     to: int | None = None
     by: int = 0
+    text: str = ""
     key: str = ""
     age_us: int = 0
     stale: bool = False

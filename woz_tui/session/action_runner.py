@@ -123,14 +123,16 @@ class ActionRunner:
         *,
         at: int = 0,
         again: WhyNot | None = None,
+        edited: bool = False,
     ) -> tuple[str, RequestError | None]:
         """Begin an action: run id, and why it was refused (None: it was not).
 
         `steps`: what it does, filled in, where that is not what stands in the file. `at`: when it
         begins, on the axis of `t`; 0: now. `again` is asked when it begins after it has waited.
+        `edited`: its sentence was typed anew.
         """
         without = [each.what for each in action.left_out]
-        run_id = self._request(action.name, action.panel, origin, without)
+        run_id = self._request(action.name, action.panel, origin, without, edited=edited)
         fills = steps is None
         try:
             # All of them before the first: no action ends half-way because a value is missing.
@@ -315,7 +317,13 @@ class ActionRunner:
             del self.played[next(iter(self.played))]
 
     def _request(
-        self, name: str, panel: str, origin: RequestOrigin, without: Sequence[str] = ()
+        self,
+        name: str,
+        panel: str,
+        origin: RequestOrigin,
+        without: Sequence[str] = (),
+        *,
+        edited: bool = False,
     ) -> str:
         self._actions += 1
         run = f"a{self._actions:05d}"
@@ -329,6 +337,7 @@ class ActionRunner:
                 key=origin.key,
                 console=origin.console,
                 without=[*without],
+                edited=edited,
             )
         )
         return run

@@ -14,7 +14,14 @@ import msgspec
 
 from woz_tui.bml.behaviour_calls import VerbCall
 from woz_tui.bus.hub import Hub
-from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
+from woz_tui.config.experiment import (
+    Action,
+    Call,
+    Experiment,
+    ParallelCalls,
+    TextVariants,
+    Wait,
+)
 from woz_tui.config.performers import BML
 from woz_tui.config.utterance_template import HIDDEN_TEXT, VISITOR
 from woz_tui.protocol import messages as m
@@ -167,6 +174,27 @@ class ActionTexts:
         self._played.update(used)
         self._tell_next(action)
         return steps
+
+    def edited(self, action: Action, text: str, tells: Sequence[str]) -> Action:
+        """`action` with `text` in place of the first sentence that it says. Raises `RequestError`.
+
+        Where the sentence depends on the condition, or the text tells it, it is kept as that was.
+        """
+        said = next((call for call in action.calls if call.verb == SAY), None)
+        if said is None:
+            raise RequestError(f"{action.label!r} says nothing that could be edited")
+        choice = said.choices.get(TEXT)
+        depends = "condition" in tells or (choice is not None and choice.depends)
+        condition = self._values().get("condition", "") if depends else ""
+        choices = {**said.choices, TEXT: TextVariants({condition: (text,)})}
+        anew = replace(said, choices=choices)
+        steps = [
+            replace(step, calls=tuple(anew if call is said else call for call in step.calls))
+            if isinstance(step, ParallelCalls)
+            else step
+            for step in action.steps
+        ]
+        return replace(action, steps=tuple(steps))
 
     def take_back(self) -> None:
         """What `play` has just filled in was refused: its variants come again."""

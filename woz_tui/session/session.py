@@ -296,11 +296,15 @@ class Session:
         when_busy: str = "",
         stale: str = "",
         at: int = 0,
+        *,
+        text: str = "",
+        tells: tuple[str, ...] = (),
     ) -> str:
         """Play the action `name`; its run id. Raises `RequestError`; the refusal is in the log too.
 
         `stale`: why the press is too old to be played (empty: it is not). `at`: when it is to
-        begin, on the axis of `t`; 0: now.
+        begin, on the axis of `t`; 0: now. `text` is said in place of its first sentence, and tells
+        `tells`.
         """
         action = self.experiment.action(name)
         repair = action in self.experiment.repairs
@@ -316,7 +320,11 @@ class Session:
         if not action.steps and repair:
             return self.repairs.play(action, origin, when_busy, at)
         again = partial(self._no_action, name, origin)
-        run, refused = self.runner.play(action, origin, when_busy, at=at, again=again)
+        if text:
+            action = self.texts.edited(action, text, tells)
+        run, refused = self.runner.play(
+            action, origin, when_busy, at=at, again=again, edited=bool(text)
+        )
         self.scripts.publish()
         if refused is not None:
             raise refused
@@ -484,9 +492,13 @@ class Session:
         reason = f"no driver{f' {on!r}' if on else ''} offers {verb!r}"
         return Refusal("unknown", reason, f"there are {', '.join(verbs)}")
 
-    def script_next(self, origin: RequestOrigin, stale: str = "") -> str:
-        """Play the script's next line and move on; its run id. `stale` as for `play`."""
-        run = self.play(self.scripts.next_line(), origin, stale=stale)
+    def script_next(
+        self, origin: RequestOrigin, stale: str = "", text: str = "", tells: tuple[str, ...] = ()
+    ) -> str:
+        """Play the script's next line and move on; its run id. `stale`, `text` and `tells` as for
+        `play`.
+        """
+        run = self.play(self.scripts.next_line(), origin, stale=stale, text=text, tells=tells)
         self.scripts.by_script.add(run)
         return run
 

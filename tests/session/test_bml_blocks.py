@@ -119,7 +119,7 @@ def test_what_a_block_says_is_told_before_and_made_ready(tmp_path: Path) -> None
 def test_the_same_block_waits_for_itself_or_takes_its_place(tmp_path: Path) -> None:
     async def twice(rig: SessionRig) -> None:
         for name in ("Greet", "Greet"):
-            rig.session.play(name, KEY)
+            rig.session.play(name, KEY, "queue")
 
     assert done_calls(scene(tmp_path, twice)) == 2 * ["Hello you.", "nod", "Goodbye."]
 
@@ -136,7 +136,7 @@ def test_the_same_block_waits_for_itself_or_takes_its_place(tmp_path: Path) -> N
 def test_a_block_whose_next_one_waits_gives_way_and_is_replaced_as_ever(tmp_path: Path) -> None:
     async def twice_and(rig: SessionRig, name: str) -> None:
         for each in ("Greet", "Greet"):
-            rig.session.play(each, KEY)
+            rig.session.play(each, KEY, "queue")
         await asyncio.sleep(1.5)
         rig.session.play(name, KEY)
 
@@ -151,7 +151,7 @@ def test_a_block_whose_next_one_waits_gives_way_and_is_replaced_as_ever(tmp_path
 def test_the_times_of_a_block_are_found_while_its_next_one_waits(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         for _ in range(2):
-            rig.session.play("Greet", KEY)
+            rig.session.play("Greet", KEY, "queue")
         await planner((0.5, '<bml id="b"><wait id="w" start="greet:t:end"/></bml>'))(rig)
 
     rig = scene(tmp_path, play)

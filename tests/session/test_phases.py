@@ -135,7 +135,7 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
         assert [*session.phases.locked] == ["Speech"]
         session.study.trial("done", "")
         assert session.phases.name == ""
-        session.play("Hello", KEY)
+        session.play("Hello", KEY, "queue")
         session.study.trial("begin", "")
         assert refusal_reason(session, "closing")
 

@@ -57,7 +57,7 @@ def test_a_line_played_by_its_letter_is_not_offered_again(tmp_path: Path) -> Non
         rig.session.move_script(1)
         await asyncio.sleep(3)
         rig.session.play("Map", KEY)
-        rig.session.play("Map", KEY)
+        rig.session.play("Map", KEY, "queue")
         assert stands(rig) == (1, [0, 2, 3], "")
 
     rig = on_stage(tmp_path, scenario)

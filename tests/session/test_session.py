@@ -47,12 +47,12 @@ def test_a_press_becomes_commands_with_variables_filled_in(tmp_path: Path) -> No
 def test_an_action_that_was_not_played_says_why_in_words_for_the_wizard(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         for _ in range(17):  # a second each
-            rig.session.play("Hello", KEY)
+            rig.session.play("Hello", KEY, "queue")
         with pytest.raises(RequestError, match="queue full") as full:  # the seventeenth that waits
-            rig.session.play("Hello", KEY)
+            rig.session.play("Hello", KEY, "queue")
         assert (full.value.hint, full.value.command) == ("empty the queue, or wait", "queue_empty")
         await asyncio.sleep(15)
-        rig.session.play("Hello", KEY)
+        rig.session.play("Hello", KEY, "queue")
         rig.session.play("Welcome", KEY, "replace")
 
     rig = on_stage(tmp_path, scenario)

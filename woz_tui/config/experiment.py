@@ -141,8 +141,8 @@ class Action:
     """What one key does: steps, one after the other.
 
     `name` is unique in the experiment and is what scripts and programs call it by.
-    `when_busy`: queue, replace or refuse. `locked`: shown but never played. `then`: actions that
-    are likely to follow it.
+    `when_busy`: queue, replace or refuse; empty: queue, but its own key counts once while it runs
+    or waits. `locked`: shown but never played. `then`: actions that are likely to follow it.
     """
 
     name: str
@@ -151,7 +151,7 @@ class Action:
     panel: str
     steps: tuple[Step, ...]
     place: FilePosition
-    when_busy: str = "queue"
+    when_busy: str = ""
     help: str = ""
     locked: bool = False
     then: tuple[str, ...] = ()

@@ -48,8 +48,10 @@ class ActionEntry(Entry):
     help: Annotated[str, NotBlank(), Doc("a sentence for the wizard")] = ""
     locked: Annotated[bool, Doc("shown, but cannot be played")] = False
     when_busy: Annotated[
-        str, OneOf(WHEN_BUSY), Doc("what the key does while the action is running")
-    ] = "queue"
+        str,
+        OneOf(WHEN_BUSY),
+        Doc("what the key does while the action runs or waits (default: it counts once)"),
+    ] = ""
     on: Annotated[Any, ReadApart("on"), Doc("driver or robot; a list for several at once")] = None
     until: Annotated[
         str,

@@ -215,9 +215,11 @@ def _stayed(action: Action, others: Mapping[str, Action], title: str) -> bool:
 def _action(old: Action, new: Action) -> Iterable[str]:
     if old.key != new.key:
         yield f"key {new.key or 'none'}, was {old.key or 'none'}"
-    for what in ("label", "panel", "when_busy"):
+    for what in ("label", "panel"):
         if getattr(old, what) != getattr(new, what):
-            yield f"{what.replace('_', ' ')} {getattr(new, what)!r}"
+            yield f"{what} {getattr(new, what)!r}"
+    if old.when_busy != new.when_busy:
+        yield f"when busy {new.when_busy or 'as usual'!r}"
     if old.locked != new.locked:
         yield "locked" if new.locked else "unlocked"
     if old.then != new.then:

@@ -140,7 +140,8 @@ class ActionRunner:
         except MissingValueError as error:
             self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
             return run_id, missing_value_error(error)
-        run = ActionRun(run_id, action, origin, steps, when_busy or action.when_busy, again=again)
+        busy = when_busy or action.when_busy or "queue"
+        run = ActionRun(run_id, action, origin, steps, busy, again=again)
         self._runs[run_id] = run
         if at:
             self._schedule(run_id, action.name, at, functools.partial(self._begin_late, run))
@@ -341,6 +342,13 @@ class ActionRunner:
             )
         )
         return run
+
+    def under_way(self, name: str) -> tuple[str, bool] | None:
+        """The run of an action that was not asked for a later moment, and whether it waits."""
+        for run in self._runs.values():
+            if run.action.name == name and run.id not in self.scheduled:
+                return run.id, run.at < 0 or self._waits(run)
+        return None
 
     # -- step after step ---------------------------------------------------------------------
 

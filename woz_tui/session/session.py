@@ -317,6 +317,8 @@ class Session:
                 raise RequestError(f"{name!r} not played ({stale})", refusal.remedy)
             raise RequestError.of(refusal)
         assert action is not None
+        if origin.source == "key" and origin.key and not (when_busy or action.when_busy):
+            self._check_not_under_way(action)
         if not action.steps and repair:
             return self.repairs.play(action, origin, when_busy, at)
         again = partial(self._no_action, name, origin)
@@ -329,6 +331,20 @@ class Session:
         if refused is not None:
             raise refused
         return run
+
+    def _check_not_under_way(self, action: Action) -> None:
+        """A key that is held, or struck again, says nothing twice. What drives goes on with it."""
+        known = [self.bus.verb(call.driver, call.verb) for call in action.calls]
+        verbs = [verb for verb in known if verb is not None]
+        if any(verb.drives for verb in verbs) or all(verb.stream for verb in verbs):
+            return
+        if (found := self.runner.under_way(action.name)) is None:
+            return
+        if found[1]:
+            raise RequestError(
+                f"{action.label!r} waits already", "empty the queue", command="queue_empty"
+            )
+        raise RequestError(f"{action.label!r} is running already", "interrupt it", command="cut")
 
     def _no_action(self, name: str, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not play it at the moment; None: it may."""

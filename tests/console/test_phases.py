@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+import msgspec
 import pytest
 from msgspec.structs import replace
 
@@ -142,6 +143,19 @@ async def test_between_trials_the_screen_offers_a_trial_and_no_phase() -> None:
         await at(pilot, m.TrialStarted(trial=1))
         assert "* trial" not in pilot.text("StopBar")
         assert ") phase" in pilot.text("StopBar")
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [({}, ")  begins Opening"), ({"study": {"design": {"order": "fixed"}}}, "*  begins trial 3")],
+)
+async def test_without_a_script_the_screen_says_which_key_begins_what(
+    settings: dict[str, Any], words: str
+) -> None:
+    first = msgspec.structs.replace(guide(**settings), script=[])
+    async with piloted_console(first) as pilot:
+        assert words in pilot.text("StopBar")
+        assert "no script" not in pilot.text("StopBar")
 
 
 async def test_a_file_without_phases_shows_none() -> None:

@@ -18,7 +18,7 @@ from woz_tui.config.keys.keymap import key_map
 from woz_tui.config.keys.terminals import PLAIN, STOPS, Terminal
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.bottom_rows import BarInfo, News
-from woz_tui.console.cells import Cells
+from woz_tui.console.cells import Cells, clean
 from woz_tui.console.commands import COMMANDS, by_key, calls, hints
 from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.glyphs import PaintFrame
@@ -341,6 +341,7 @@ class Console(ScreenApp):
             then=tuple(map(self._cap_and_label, self.state.then)),
             stop=self._key("stop"),
             failures=self._key("failures"),
+            begin=self._begins(),
         )
         keys = map(self._key, ("failures", "phase_next", "drivers", "cut"))
         line = StatusInfo(self.feed.line_ok, self.feed.round_trip_us, *keys)
@@ -352,6 +353,17 @@ class Console(ScreenApp):
 
     def _frame(self, now: int, widget: Cells) -> PaintFrame:
         return PaintFrame(widget.size.width, widget.size.height, now, self.look.glyphs)
+
+    def _begins(self) -> tuple[str, str]:
+        """The key of what is to begin before there is a script, and what; empty: nothing."""
+        study = self.state.session.study
+        if study.between_trials:
+            if study.planned and not study.trials_left:
+                return "", ""
+            return self._key("trial"), f"begins trial {study.next_trial}"
+        phases = self.state.settings.phases
+        phase = study.next_phase(phases) if self.state.without_phase else None
+        return (self._key("phase_next"), f"begins {clean(phase.heading)}") if phase else ("", "")
 
     def _hints(self) -> tuple[tuple[str, str], ...]:
         named = ((self._key(name), word) for name, word in hints(self.state, self.commands))

@@ -136,11 +136,14 @@ def script_row(
     frame: PaintFrame,
     key: str,
     skip: str = "",
+    *,
     then: Sequence[tuple[str, str]] = (),
+    begin: tuple[str, str] = ("", ""),
 ) -> Row:
     """The line that `key` plays next, those after it that were not played, and how many were;
     `skip` is the key that leaves the line out. What is likely to follow the last act, `then`,
-    stands first: key and label of each.
+    stands first: key and label of each. `begin`: where there is no script yet, the key that begins
+    something, and what.
     """
     glyphs = frame.glyphs
     if then:
@@ -149,11 +152,14 @@ def script_row(
             row += ((f" {cap or glyphs.dash} ", "key"), (f" {clean(label)}  ", "strong"))
         room = frame.width - length(row)
         if room >= THEN_ROOM:
-            return row + script_row(state, replace(frame, width=room), key, skip)
+            return row + script_row(state, replace(frame, width=room), key, skip, begin=begin)
         return cut(row, frame.width, glyphs.ellipsis)
     if not state.script:
-        none = " no phase, no script" if state.without_phase else " no script"
-        return ((fit(none, frame.width), "faint"),)
+        press, does = begin
+        if press:
+            row = ((f" {press} ", "key"), (f" {does}", "strong"))
+            return cut(row, frame.width, glyphs.ellipsis)
+        return ((fit(" no script", frame.width), "muted"),)
     count = len(state.script)
     right = f" {len(state.played)}/{count} "
     front: Row = ((f" {key} ", "key"), (" ", "plain"))
@@ -250,7 +256,8 @@ class BarInfo:
     leaves its line out, `release` the one that releases the stop, `stop` the one that stops,
     `take_over` lets a console that watches play, `failures` shows what can be done. `then`: keys
     and labels of what is likely to follow the last act. `asked_us`: session time at which this
-    console asked for a stop that has not been answered yet.
+    console asked for a stop that has not been answered yet. `begin`: where there is no script yet,
+    the key that begins something, and what.
     """
 
     news: News = News()
@@ -264,13 +271,14 @@ class BarInfo:
     then: tuple[tuple[str, str], ...] = ()
     stop: str = ""
     failures: str = ""
+    begin: tuple[str, str] = ("", "")
 
 
 def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """As many rows as the frame has, two at least. What is urgent takes the lowest."""
     lines = max(2, frame.height)
     urgent = _urgent(state, frame, bar)
-    script = [script_row(state, frame, bar.next, bar.skip, bar.then)]
+    script = [script_row(state, frame, bar.next, bar.skip, then=bar.then, begin=bar.begin)]
     if state.nobody_plays:
         what = clean(state.part) or "the robot"
         what = f" {frame.glyphs.warning} Nobody plays {what}. {bar.take_over} plays it from here."

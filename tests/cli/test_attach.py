@@ -14,6 +14,7 @@ import pytest
 
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.cli import attach, console_start, main
+from woz_tui.cli.console_start import ClosedConsole
 from woz_tui.system import session_sockets
 
 
@@ -66,10 +67,23 @@ def test_what_is_proposed_keeps_the_options(
 def test_who_leaves_reads_how_to_come_back(
     words: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(console_start, "open_console", lambda options: ("detached", 0))
+    monkeypatch.setattr(console_start, "open_console", lambda options: ClosedConsole("detached", 0))
     given = arguments(*shlex.split(words), "--take-over")
     assert attach._open(given, Path("socket")) == 0
     assert f"`{f'woz attach {words}'.strip()}`" in capsys.readouterr().out
+
+
+def test_who_ends_a_session_reads_what_to_do_with_its_log(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = tmp_path / "t_P07_S01.jsonl"
+    log.touch()
+    ended = ClosedConsole("ended", 0, str(log))
+    monkeypatch.setattr(console_start, "open_console", lambda options: ended)
+    assert attach._open(arguments(), Path("socket")) == 0
+    assert f"woz report {log}" in capsys.readouterr().out
+    attach._open(arguments("--access", "bea.access", "robot.local:7460"), Path("socket"))
+    assert str(log) not in capsys.readouterr().out, "it is on the robot's computer"
 
 
 def test_a_session_behind_the_option_is_the_session(sessions: list[Path]) -> None:

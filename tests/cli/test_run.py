@@ -1,20 +1,35 @@
-"""Which files a session names where it ends."""
+"""What a wizard reads in the shell where a session ends or is left."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from woz_tui.cli.run import files_of
+from woz_tui.cli.console_start import ClosedConsole, farewell
+
+LEFT = ClosedConsole("detached", 0, abandon_after=600.0)
+ENDED = ClosedConsole("ended", 0)
 
 
-def test_the_end_names_the_log_and_what_the_robot_process_said(tmp_path: Path) -> None:
+def test_the_end_names_the_log_what_to_do_with_it_and_what_the_robot_process_said(
+    tmp_path: Path,
+) -> None:
     log, said = tmp_path / "t_P07_S01.jsonl", tmp_path / "t_P07_S01.host.log"
     asked = tmp_path / "t_S01.jsonl"  # before the participant was known
     log.touch()
     said.touch()
-    assert files_of(asked) == [f"Log: {log}"]
+    told = [f"Log: {log}", f"Its figures: woz report {log}", f"See it again: woz replay {log}"]
+    assert farewell(ENDED, "woz attach", asked) == told
     said.write_text("Traceback")
-    assert files_of(asked) == [
+    told.append(f"Errors of drivers and of the robot process: {said}")
+    assert farewell(ENDED, "woz attach", asked) == told
+
+
+def test_who_leaves_it_running_reads_how_to_come_back_and_when_it_ends(tmp_path: Path) -> None:
+    log = tmp_path / "t_P07_S01.jsonl"
+    log.touch()
+    assert farewell(LEFT, "woz attach --as head", log) == [
+        "The session continues; join it again with `woz attach --as head`.",
+        "Without a console it ends by itself after 10 min"
+        " (`session: {abandon_after: 1 h}` in the experiment file changes that).",
         f"Log: {log}",
-        f"Errors of drivers and of the robot process: {said}",
     ]

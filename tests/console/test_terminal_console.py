@@ -19,7 +19,7 @@ START = """
 import sys
 from pathlib import Path
 from woz_tui.cli.console_start import ScreenOptions, open_console
-sys.exit(open_console(ScreenOptions(Path(sys.argv[1])))[1])
+sys.exit(open_console(ScreenOptions(Path(sys.argv[1]))).code)
 """
 
 

@@ -184,7 +184,7 @@ async def test_behind_a_trial_that_was_run_too_early_comes_the_first_that_is_not
         assert " b   begin trial 2  " in pilot.drawn()
         await pilot.press("ctrl+q", "ctrl+q")
         await pilot.settle()
-        assert "2 of 4 trials have not begun" in pilot.drawn()
+        assert "2 of 4 trials are still to do" in pilot.drawn()
 
 
 async def test_when_all_trials_are_over_none_can_be_begun() -> None:
@@ -354,11 +354,21 @@ async def test_leaving_tells_what_the_end_would_cut_off() -> None:
         await pilot.press("ctrl+q")
         await pilot.settle()
         drawn = pilot.drawn()
-        assert "trial 3 is running: the end makes it aborted" in drawn
+        assert "Trial 3 is still running; ending the session" in drawn
         assert "This visit: 0 of 1 answered" in drawn
         assert "You and the robot has not been answered" in drawn
         await pilot.press("down", "down", "enter")
         assert pilot.feed.last(r.AskEnd) is not None, "nothing can be asked beside what is asked"
+
+
+async def test_leaving_says_when_a_session_ends_that_is_left_running() -> None:
+    first = scenes.welcome(settings={"abandon_after": 600.0})
+    async with piloted_console(first) as pilot:
+        await pilot.press("ctrl+q")
+        await pilot.settle()
+        assert "it ends by itself after 10 min without a console (abandon_after)" in pilot.drawn()
+        await pilot.press("down", "enter")
+        assert pilot.console.return_value == "detached"
 
 
 async def test_leaving_between_trials_names_what_is_due_and_the_trials_left() -> None:
@@ -369,7 +379,7 @@ async def test_leaving_between_trials_names_what_is_due_and_the_trials_left() ->
         drawn = pilot.drawn()
         assert "This visit has not been answered" in drawn
         assert "You and the robot has not been answered" in drawn
-        assert "1 of 4 trials has not begun" in drawn
+        assert "1 of 4 trials is still to do" in drawn
         await pilot.press("down", "down", "enter")
         await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
         await pilot.settle()

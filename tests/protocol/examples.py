@@ -490,6 +490,7 @@ def answers() -> list[r.AnyAnswer]:
             recent=[_raw(stream[2])],
             settings=s.WelcomeSettings(
                 dead_man=3.0,
+                abandon_after=600.0,
                 driving="held",
                 stale_after=1.5,
                 profiles=["child"],

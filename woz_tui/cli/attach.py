@@ -83,7 +83,7 @@ def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | 
         return console_start.open_questionnaire(
             socket, arguments.questionnaire, arguments.theme, explain
         )[1]
-    left, code = console_start.open_console(
+    closed = console_start.open_console(
         console_start.ScreenOptions(
             socket=socket,
             watch=arguments.watch,
@@ -95,9 +95,11 @@ def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | 
             explain=explain,
         )
     )
-    if left == "detached":
-        print(f"The session continues; join it again with `woz attach{_again(arguments)}`.")
-    return code
+    here = Path(closed.log) if closed.log and arguments.access is None else None
+    log = here if closed.left == "ended" else None  # while it goes on it is somebody else's
+    if lines := console_start.farewell(closed, f"woz attach{_again(arguments)}", log):
+        print("\n".join(lines))
+    return closed.code
 
 
 def find_socket(arguments: Namespace) -> Path | None:

@@ -6,6 +6,7 @@ import contextlib
 import gc
 import locale
 import os
+import shlex
 import sys
 import threading
 from collections.abc import Callable, Sequence
@@ -18,6 +19,7 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 from woz_tui.log.file_names import current_path
+from woz_tui.system.text_cleaning import lasting
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
@@ -79,9 +81,53 @@ def load_modules() -> None:
     import woz_tui.console.wizard_terminal  # noqa: F401, PLC0415
 
 
-def open_console(options: ScreenOptions) -> tuple[str, int]:
-    """Run the console until it is left: see `run_console`."""
-    return run_console(make_console(options))
+@dataclass(frozen=True, slots=True)
+class ClosedConsole:
+    """How a console was left (see `run_console`), its exit code, and what it knew of the session:
+    its log, and for how many seconds it goes on without a console (0: unknown).
+    """
+
+    left: str
+    code: int
+    log: str = ""
+    abandon_after: float = 0.0
+
+
+def open_console(options: ScreenOptions) -> ClosedConsole:
+    """Run the console until it is left."""
+    return close_console(make_console(options))
+
+
+def close_console(app: Console) -> ClosedConsole:
+    """The same with a console that is ready to run."""
+    left, code = run_console(app)
+    return ClosedConsole(left, code, app.state.log, app.state.settings.abandon_after)
+
+
+def farewell(closed: ClosedConsole, again: str, log: Path | None) -> list[str]:
+    """What a wizard reads in the shell: how to come back with the command `again`, or what can be
+    done with the session's log; None: it is not on this computer.
+    """
+    lines = []
+    if closed.left == "detached":
+        lines.append(f"The session continues; join it again with `{again}`.")
+        if closed.abandon_after:
+            after = lasting(closed.abandon_after)
+            lines.append(
+                f"Without a console it ends by itself after {after}"
+                " (`session: {abandon_after: 1 h}` in the experiment file changes that)."
+            )
+    if log is None:
+        return lines
+    log = current_path(log)
+    said = log.with_suffix(".host.log")
+    lines.append(f"Log: {log}")
+    if closed.left == "ended":
+        name = shlex.quote(str(log))
+        lines += [f"Its figures: woz report {name}", f"See it again: woz replay {name}"]
+    if said.is_file() and said.stat().st_size:
+        lines.append(f"Errors of drivers and of the robot process: {said}")
+    return lines
 
 
 def make_console(options: ScreenOptions) -> Console:
@@ -252,12 +298,21 @@ ENDED = "woz: the console did not open; the robot process was ended"
 
 @dataclass(frozen=True, slots=True)
 class SessionResult:
-    """How the console was left (ended, detached, lost, failed), its exit code, and what ran."""
+    """How the console was left, and what ran."""
 
-    left: str
-    code: int
+    closed: ClosedConsole
     robot: RobotProcess
     launch: Launch
+
+    @property
+    def left(self) -> str:
+        """As the console says."""
+        return self.closed.left
+
+    @property
+    def code(self) -> int:
+        """As the console says."""
+        return self.closed.code
 
 
 def run_session(
@@ -280,8 +335,8 @@ def run_session(
         launch.abandon()
         error.add_note(ENDED)
         raise
-    left, code = run_console(console)
-    if left == "failed":
+    closed = close_console(console)
+    if closed.left == "failed":
         launch.abandon()
         print(ENDED, file=sys.stderr)
-    return SessionResult(left, code, robot, launch)
+    return SessionResult(closed, robot, launch)

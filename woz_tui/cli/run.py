@@ -19,7 +19,6 @@ from woz_tui.cli.shared_options import (
     builtins,
     part_again,
 )
-from woz_tui.log.file_names import current_path
 
 #: Options of `run` that `host` is given as they are.
 _CODES = ("session", "participant", "condition", "wizard", "profile", "seed")
@@ -66,21 +65,9 @@ def _play(arguments: Namespace, experiment: Path, robot: str) -> int:
     if result is None:
         return 1
     if result.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
-        if result.left == "detached":
-            again = f"woz attach{part_again(arguments)}"
-            print(f"The session continues; join it again with `{again}`.")
-        print("\n".join(files_of(result.robot.log)))
+        again = f"woz attach{part_again(arguments)}"
+        print("\n".join(console_start.farewell(result.closed, again, result.robot.log)))
     return result.code
-
-
-def files_of(log: Path) -> list[str]:
-    """Where the session was recorded, and what the robot process had to say, if anything."""
-    log = current_path(log)
-    said = log.with_suffix(".host.log")
-    lines = [f"Log: {log}"]
-    if said.is_file() and said.stat().st_size:
-        lines.append(f"Errors of drivers and of the robot process: {said}")
-    return lines
 
 
 def _host_command(arguments: Namespace, experiment: Path, robot: str) -> list[str]:

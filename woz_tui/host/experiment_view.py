@@ -156,6 +156,7 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
         settings=WelcomeSettings(
             stale_after=experiment.session.stale_after,
             dead_man=experiment.session.dead_man,
+            abandon_after=experiment.session.abandon_after,
             driving=experiment.session.driving,
             participant_pattern=experiment.participant_pattern,
             joints=joint_limits(shown),

@@ -202,6 +202,7 @@ class WelcomeSettings(msgspec.Struct, frozen=True, kw_only=True):
 
     stale_after: float = 0.0
     dead_man: float = 0.0
+    abandon_after: float = 0.0
     driving: str = ""
     participant_pattern: str = ""
     joints: dict[str, tuple[float, float]] = {}

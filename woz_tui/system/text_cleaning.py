@@ -87,6 +87,13 @@ def elapsed(us: int) -> str:
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes:02}:{seconds:02}"
 
 
+def lasting(seconds: float) -> str:
+    """A length of time as a file has it: `45 s`, `10 min`, `1.5 h`."""
+    if seconds < 60:
+        return f"{seconds:g} s"
+    return f"{seconds / 60:.3g} min" if seconds < 3600 else f"{seconds / 3600:.3g} h"
+
+
 def seconds(us: int) -> str:
     """Microseconds as seconds with all six places, never in another notation."""
     sign, us = ("-", -us) if us < 0 else ("", us)

@@ -29,7 +29,7 @@ START = """
 import sys
 from pathlib import Path
 from woz_tui.cli.console_start import ScreenOptions, open_console
-sys.exit(open_console(ScreenOptions(Path(sys.argv[1]), pictures=sys.argv[2]))[1])
+sys.exit(open_console(ScreenOptions(Path(sys.argv[1]), pictures=sys.argv[2])).code)
 """
 KITTY = re.compile(rb"\x1b_G([^;\x1b]*)(?:;([^\x1b]*))?\x1b\\")
 SIXEL = re.compile(rb"\x1b7\x1b\[(\d+);(\d+)H(\x1bP0;1;0q.*?\x1b\\)\x1b8", re.DOTALL)

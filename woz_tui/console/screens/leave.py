@@ -13,6 +13,7 @@ from woz_tui.console.screens.trial import OfferDialog, progress, questionnaire_t
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.log.file_names import gets_participant
+from woz_tui.system.text_cleaning import lasting
 
 
 class LeaveDialog(ChoiceDialog):
@@ -30,7 +31,9 @@ class LeaveDialog(ChoiceDialog):
         warning = self.glyphs.warning
         cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.state.study)]
         if gets_participant(log):
-            rows.append((("its name gets the participant's code at the end", "muted"),))
+            rows.append(
+                (("The participant's code is added to the file name at the end.", "muted"),)
+            )
         return [*rows, *cut]
 
     def choices(self) -> Sequence[ListChoice]:
@@ -41,11 +44,18 @@ class LeaveDialog(ChoiceDialog):
         return [
             ListChoice(Content("Stay")),
             ListChoice(
-                Content("Leave the session running (woz attach brings you back)"),
+                Content(f"Leave the session running (woz attach brings you back){self._ends()}"),
                 lambda: self.console_app.exit("detached"),
             ),
             *([end] if self.state.role != "watcher" else []),
         ]
+
+    def _ends(self) -> str:
+        """What becomes of a session that is left running."""
+        after = self.state.settings.abandon_after
+        if not after:
+            return ""
+        return f"\n  it ends by itself after {lasting(after)} without a console (abandon_after)"
 
     def _ask_due(self, *without: str) -> None:
         """End it; what is to be asked at the end is offered first, one after the other, unless
@@ -72,7 +82,9 @@ def cut_off(study: StudyView) -> list[str]:
     """What the end of the session would cut off or leave out, a sentence each."""
     found: list[str] = []
     if study.trial is not None:
-        found.append(f"trial {study.trial.number} is running: the end makes it aborted")
+        found.append(
+            f"Trial {study.trial.number} is still running; ending the session marks it as aborted."
+        )
     if (opened := study.open_questionnaire) is not None:
         found.append(f"{clean(opened.questionnaire.heading)}: {progress(opened)}")
     found += [
@@ -80,5 +92,5 @@ def cut_off(study: StudyView) -> list[str]:
         for name in study.unasked()
     ]
     if study.trial is None and study.last is not None and (left := study.trials_left):
-        found.append(f"{left} of {study.planned} trials {'has' if left == 1 else 'have'} not begun")
+        found.append(f"{left} of {study.planned} trials {'is' if left == 1 else 'are'} still to do")
     return found

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 
 from tests.console import scenes
 from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
 
 ROBOTS = ["pepper.pepper", "nao.nao", "reachy.reachy", "furhat.furhat", "ros.turtlebot"]
+RELEASED = m.StopReleased(source="key", t=scenes.NOW + 1)
 PRESSED = m.StopPressed(source="key", t=scenes.NOW)
 
 
@@ -142,3 +145,18 @@ async def test_what_has_no_room_is_counted_and_the_key_is_named() -> None:
         await pilot.press("ctrl+r")
         drawn = "".join(pilot.drawn().split())
         assert all(name.replace(" ", "") in drawn.replace("│", "") for name in names)
+
+
+@pytest.mark.parametrize(("yaw", "offered"), [(30.0, True), (4.0, False)])
+async def test_after_a_stop_that_left_the_robot_turned_away_the_key_for_home_is_named(
+    yaw: float, offered: bool
+) -> None:
+    home = ActionView(name="Home", label="Home", key="0", verbs=["home"])
+    first = msgspec.structs.replace(
+        scenes.welcome(), panels=[PanelView(title="Body", actions=[home])]
+    )
+    async with piloted_console(first) as pilot:
+        turned = scenes.reading(scenes.NOW, "joint.head.yaw", yaw, driver="head", unit="deg")
+        await pilot.tell(turned, PRESSED, confirmation(), RELEASED)
+        told = "The robot is still turned away (yaw 30°); press 0: Home"
+        assert (told in pilot.text("StopBar")) is offered

@@ -26,6 +26,7 @@ from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
 from woz_tui.console.keyboard import KeyPress
 from woz_tui.console.main_screen import MainScreen
 from woz_tui.console.message_feed import Incoming, Loss, MessageFeed
+from woz_tui.console.meters import turned_away
 from woz_tui.console.partial_update import cropped
 from woz_tui.console.remedy_text import remedy_text
 from woz_tui.console.robot_requests import RobotRequests, press_to
@@ -213,11 +214,20 @@ class Console(ScreenApp):
                 isinstance(message, StopPressed) and message.scope == "all"
             ):
                 self._stop_changed()
+                if isinstance(message, StopReleased):
+                    self._offer_home()
 
     def _stop_changed(self) -> None:
         """The stop was pressed or released: what was told before was of another state."""
         self._stop_asked = None
         self._news = News()
+
+    def _offer_home(self) -> None:
+        """The stop has left the robot as it was: which key takes it home, if it is turned away."""
+        turned, home = turned_away(self.state), self.state.home_action
+        if turned and home:
+            key, label = self._cap_and_label(home)
+            self.news(f"The robot is still turned away ({turned}); press {key}: {label}", "warn")
 
     def _cut(self, loss: Loss, local: int) -> None:
         self.state.lose(loss)

@@ -601,6 +601,12 @@ class ConsoleState:
         steps = self.steps(name)
         return [call for step in steps if not isinstance(step, float | int) for call in step]
 
+    @property
+    def home_action(self) -> str:
+        """The action that does nothing but take the home pose; empty: there is none."""
+        actions = (action for panel in self.panels for action in panel.actions)
+        return next((each.name for each in actions if each.verbs == ["home"]), "")
+
     def sentence(self, name: str) -> str:
         """What the action called `name` would say now; empty: nothing."""
         if not self.steps(name) and (action := self.action(name)) is not None:

@@ -53,6 +53,11 @@ _FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech|distance\.(rate|bad)|face)")
 _LAST = ("direction", "base")
 
 
+#: Joints that turn a robot away from whom it talks to, and from how many degrees on.
+_TURNING = frozenset({"pan", "yaw", "tilt", "pitch", "hip", "hip-roll"})
+TURNED = 10.0
+
+
 def joint_rows(state: ConsoleState, frame: PaintFrame, room: int, others: int) -> list[Row]:
     """A row for each joint, or if that leaves less than `others` of `room`, all of them as text."""
     joints = _joints(state)
@@ -79,6 +84,23 @@ def _joints(state: ConsoleState) -> dict[str, str]:
         name: last if short.count(last) == 1 else name
         for name, last in zip(full, short, strict=True)
     }
+
+
+def turned_away(state: ConsoleState) -> str:
+    """The joints of head and trunk that are far from the middle, with their angles; empty: none, or
+    they are kept from the wizard.
+    """
+    if state.perception.hides("joints"):
+        return ""
+    found = []
+    for name, short in _joints(state).items():
+        sensor = _sensor(state, "joint", name)
+        if sensor is None or name.rpartition(".")[2] not in _TURNING:
+            continue
+        angle = sensor.value or 0.0
+        if sensor.unit in ("", "deg") and abs(angle) >= TURNED:
+            found.append(f"{clean(short)} {round(angle)}°")
+    return ", ".join(found)
 
 
 def _sensor(state: ConsoleState, kind: str, joint: str) -> SensorView | None:

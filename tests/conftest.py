@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.example_counts import EXAMPLES
+from woz_tui.system.user_folders import SEEN
 from woz_tui.testing import contract_checks
 
 # Machines are shared and slow: how long an example took says nothing about the code.
@@ -59,6 +60,9 @@ def state_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
     console remembers.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        state = tmp_path_factory.mktemp("state")
+        (state / SEEN).parent.mkdir(parents=True)
+        (state / SEEN).touch()  # nobody's first start
+        patch.setenv("XDG_STATE_HOME", str(state))
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
         yield

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import msgspec
 import pytest
 
@@ -14,6 +16,7 @@ from woz_tui.console.commands import COMMANDS, by_key, hints
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.protocol import requests as r
+from woz_tui.system.user_folders import is_first_start
 
 
 def named(first: r.Welcome) -> list[str]:
@@ -67,3 +70,18 @@ def test_news_that_is_too_long_for_a_line_takes_both() -> None:
     ]
     assert hint_texts("word " * 100)[1].endswith("…")
     assert hint_texts("x" * 200)[1].endswith("…")
+
+
+async def test_who_sees_the_console_for_the_first_time_reads_how_to_stop_and_to_leave() -> None:
+    async with piloted_console(greets=True) as pilot:
+        assert "Esc stops the robot; ^Q closes; ? lists all keys" in pilot.drawn()
+        await pilot.pass_time(9)
+        assert "stops the robot" not in pilot.drawn()
+
+
+def test_the_first_start_is_remembered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    assert is_first_start()
+    assert not is_first_start()
+    monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
+    assert not is_first_start(), "a folder that takes nothing"

@@ -20,6 +20,7 @@ from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 from woz_tui.log.file_names import current_path
 from woz_tui.system.text_cleaning import lasting
+from woz_tui.system.user_folders import is_first_start
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
@@ -157,6 +158,7 @@ def make_console(options: ScreenOptions) -> Console:
         terminal=detect_terminal(os.environ),
         builtins=options.builtins,
         ask_participant=options.ask_participant,
+        greets=is_first_start(),
         pictures=options.pictures,
         driver_class=WizardDriver,
     )

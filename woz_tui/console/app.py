@@ -74,6 +74,7 @@ class Console(ScreenApp):
         commands: What can be done beside playing actions.
         restart: Starts the robot process again after it was lost; None if nobody can.
         ask_participant: Whether to ask for participant and condition when a session starts.
+        greets: Whether to say how to stop and how to leave: somebody sees this for the first time.
         pictures: How a camera's pictures are drawn (see `camera.picture_widgets.view_for`).
         options: As for `ScreenApp`.
     """
@@ -88,6 +89,7 @@ class Console(ScreenApp):
         commands: Sequence[ConsoleCommand] = COMMANDS,
         restart: Callable[[], None] | None = None,
         ask_participant: bool = False,
+        greets: bool = False,
         pictures: str = "auto",
         **options: Any,
     ) -> None:
@@ -112,6 +114,7 @@ class Console(ScreenApp):
         keyboard.bind({}, self._own_keys())
         self.restart = restart
         self.ask_participant = ask_participant
+        self._greets = greets
         #: How the session began in which it was asked; its log may change its name.
         self._asked_in: SessionStart | None = None
         self._edition = 0
@@ -268,6 +271,10 @@ class Console(ScreenApp):
             self._was_lost = False
             calls("screens.lost:close_lost")(self)
             self._back()
+        if self._greets:
+            self._greets = False
+            stop, leave, keys = map(self._key, ("stop", "leave", "help"))
+            self.news(f"{stop} stops the robot; {leave} closes; {keys} lists all keys", "strong")
         start = self.state.session.start
         asks = self.ask_participant and welcome.role == "wizard" and start != self._asked_in
         if asks and not self.state.participant:

@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
+
+#: A file that is there once a console has been opened.
+SEEN = Path("woz-tui", "console-seen")
 
 
 def config_folder(environ: Mapping[str, str] = os.environ) -> Path:
     """`$XDG_CONFIG_HOME`, else `~/.config`. Raises `RuntimeError` if there is no home."""
     configured = environ.get("XDG_CONFIG_HOME", "")
     return Path(configured) if configured else Path.home() / ".config"
+
+
+def is_first_start() -> bool:
+    """Whether this user has never opened a console before; asked once, it is remembered. A folder
+    that takes no file is no reason not to play.
+    """
+    with contextlib.suppress(OSError, RuntimeError):
+        seen = state_folder() / SEEN
+        seen.parent.mkdir(parents=True, exist_ok=True)
+        if not seen.exists():
+            seen.touch()
+            return True
+    return False
 
 
 def state_folder() -> Path:

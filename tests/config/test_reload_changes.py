@@ -28,7 +28,7 @@ class Edit:
         Edit("title: T", "title: U", ["title is 'U', it was 'T'"]),
         Edit("key: a", "key: x", ["action 'A': key x, was a"]),
         Edit("key: a, ", "", ["action 'A': key none, was a"]),
-        Edit("say: Hi", "say: Hello", ["action 'A': does something else"]),
+        Edit("say: Hi", "say: Hello", ["action 'A': says: Hi -> Hello"]),
         Edit("say: Hi", "say: Hi, when_busy: refuse", ["action 'A': when busy 'refuse'"]),
         Edit("say: Hi", "say: Hi, locked: on", ["action 'A': locked"]),
         Edit("say: Hi", "say: Hi, help: me", ["action 'A': help changed"]),

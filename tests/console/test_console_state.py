@@ -447,7 +447,7 @@ def test_a_reload_brings_every_setting_that_it_can_change() -> None:
     of_the_robot = {"joints", "outlines", "lanes", "replay"}
     assert of_the_robot == {*WelcomeSettings.__struct_fields__} - {*r.PANEL_SETTINGS}
     settings = WelcomeSettings(
-        stale_after=3.0, dead_man=9.0, participant_pattern="Q", sensors=["loudness"]
+        stale_after=3.0, dead_man=9.0, abandon_after=60.0, sensors=["loudness"]
     )
     welcome = msgspec.structs.replace(scenes.welcome(), settings=settings)
     plan = m.SessionPlan(

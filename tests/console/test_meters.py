@@ -419,7 +419,7 @@ def test_the_stop_bar_names_who_confirmed_and_who_did_not() -> None:
     shown = bar(picture)
     assert "NOT CONFIRMED: face" in shown
     assert "confirmed: head, voice" in shown
-    assert "^R releases it, after a question" in shown
+    assert "^R releases (asks first)" in shown
 
 
 def test_a_stop_that_is_not_answered_or_not_delivered_says_so() -> None:

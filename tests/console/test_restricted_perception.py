@@ -179,7 +179,7 @@ async def test_it_may_change_while_the_session_runs() -> None:
         shown = everything(pilot)
         for what, traces in TRACES.items():
             assert not [trace for trace in traces if trace in shown], what
-        assert "Kept from you" in pilot.text("EventList")
+        assert "Hidden: " in pilot.text("EventList")
 
 
 def redactor_hiding(*what: str) -> Redactor:

@@ -34,7 +34,7 @@ def released(pilot: ConsolePilot) -> int:
 async def test_a_stop_that_all_confirmed_is_released_by_one_key() -> None:
     async with piloted_console(scenes.welcome(robots())) as pilot:
         await pilot.tell(PRESSED, confirmation())
-        assert "^R releases it" in pilot.text("StopBar")
+        assert "^R releases" in pilot.text("StopBar")
         await pilot.press("ctrl+r")
         assert released(pilot) == 1
         assert pilot.console.dialog is None
@@ -43,7 +43,7 @@ async def test_a_stop_that_all_confirmed_is_released_by_one_key() -> None:
 async def test_who_has_not_confirmed_is_named_before_the_release() -> None:
     async with piloted_console(scenes.welcome(robots())) as pilot:
         await pilot.tell(PRESSED, confirmation("nao.nao", "furhat.furhat", unreached=["nao.nao"]))
-        assert "^R releases it, after a question" in pilot.text("StopBar")
+        assert "^R releases (asks first)" in pilot.text("StopBar")
         await pilot.press("ctrl+r", "ctrl+r", "h", "space")
         assert released(pilot) == 0
         drawn = pilot.drawn()

@@ -279,7 +279,7 @@ async def test_a_refusal_is_told() -> None:
 async def test_what_was_not_ticked_is_told_with_the_first_trial() -> None:
     async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
         await pilot.tell(study_scene.trial(1, "warm", ago=0))
-        assert "2 not ticked in the preflight" in pilot.text("StopBar")
+        assert "2 preflight items are not ticked" in pilot.text("StopBar")
         assert "to list them" in pilot.text("StopBar"), "the key that opens the list is named"
         assert f"▲ Trial 1 of 4 begins  not ticked: {study_scene.CHECKS[0]}" in pilot.text(
             "EventList"

@@ -534,6 +534,7 @@ def answers() -> list[r.AnyAnswer]:
             variables=["participant"],
             stale_after=1.5,
             dead_man=3.0,
+            abandon_after=600.0,
             driving="pressed",
             participant_pattern="P\\d\\d",
             title="Museum guide",

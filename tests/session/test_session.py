@@ -244,6 +244,21 @@ def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
     on_stage(tmp_path, scenario)
 
 
+def test_the_preflight_says_in_words_what_sensors_say_in_numbers(tmp_path: Path) -> None:
+    made = experiment(tmp_path)
+    spec = replace(made.drivers[0], sensors=("presence", "gaze", "loudness"))
+    said: dict[str, str] = {}
+
+    async def scenario(rig: SessionRig) -> None:
+        context = rig.driver().context
+        for name, value in (("presence", 0.0), ("gaze", 1.0), ("loudness", 0.0076)):
+            context.reading(name, value)
+        said.update((one.subject, one.text) for one in await preflight(rig.session))
+
+    SessionRig(tmp_path, made=replace(made, drivers=(spec,))).run(scenario)
+    assert (said["presence"], said["gaze"], said["loudness"]) == ("nobody", "looking", "-42 dB")
+
+
 def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) -> None:
     made = experiment(tmp_path)
     spec = replace(

@@ -12,6 +12,7 @@ from woz_tui.config.experiment import (
     DriverSpec,
     Engagement,
     Experiment,
+    ParallelCalls,
     Step,
     Wait,
 )
@@ -226,8 +227,36 @@ def _action(old: Action, new: Action) -> Iterable[str]:
         yield f"then {_listed(new.then)}"
     if old.help != new.help:
         yield "help changed"
+    was, now = _sentences(old), _sentences(new)
+    if was and now and was != now:
+        yield f"says: {' / '.join(was)} -> {' / '.join(now)}"
+        old, new = _without_words(old), _without_words(new)
     if _essences(old) != _essences(new):
         yield "does something else"
+
+
+def _sentences(action: Action) -> list[str]:
+    """What it says, as the file has it; nothing where it is chosen when it is played, as the
+    condition may decide.
+    """
+    said = [call.args.get("text") for call in action.calls if call.verb == "say"]
+    return [str(text) for text in said if text]
+
+
+def _without_words(action: Action) -> Action:
+    """The same, saying the same as every other one."""
+
+    def silent(call: Call) -> Call:
+        said = call.verb == "say" and "text" in call.args
+        return dataclasses.replace(call, args={**call.args, "text": ""}) if said else call
+
+    steps = [
+        dataclasses.replace(step, calls=tuple(map(silent, step.calls)))
+        if isinstance(step, ParallelCalls)
+        else step
+        for step in action.steps
+    ]
+    return dataclasses.replace(action, steps=tuple(steps))
 
 
 def _essences(action: Action) -> list[object]:

@@ -467,7 +467,9 @@ class Console(ScreenApp):
 
     def _held(self, chord: str, name: str, ref: int) -> None:
         """Who holds a key sees why it does no more; who meant it presses it again later."""
-        self.news(f"{key_name(chord, self.look.glyphs)} counts once while it is held", "muted")
+        self.news(
+            f"{key_name(chord, self.look.glyphs)} ignored: too soon after the last press", "muted"
+        )
 
     def _alt(self) -> None:
         """Say once what alt does here; the stop has been sent."""

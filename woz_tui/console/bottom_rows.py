@@ -350,7 +350,7 @@ def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintF
     release = "" if state.lost else bar.release  # no key is sent
     left = stopped_words(stop, state.others, glyphs)
     confirmed = stop.settled and not stop.missing
-    does = "releases it" if confirmed else "releases it, after a question"
+    does = "releases" if confirmed else "releases (asks first)"
     hint = f"{release} {does} " if release else ""
     if state.lost:
         left += ", confirmed by all" if confirmed else ""

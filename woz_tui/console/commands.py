@@ -162,7 +162,7 @@ def _next_colours(app: ConsoleApp) -> None:
 def _use_colours(app: ConsoleApp, choice: str) -> None:
     app.theme = f"woz-{choice}"
     save_theme(choice, os.environ)
-    app.news(f"colours: {choice}; woz begins with them from now on, --theme auto undoes it")
+    app.news(f"{choice.capitalize()} colours, saved as default (--theme auto resets)")
 
 
 def _colours(name: str, choice: str, words: str) -> ConsoleCommand:

@@ -289,7 +289,7 @@ def meter_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
         parts[name] = [*parts.get(name, ()), row]
     rows = [row for name in _ordered(parts, state.settings.sensors) for row in parts[name]]
     if not rows:
-        rows = [((fit(" no sensor has said anything yet", frame.width), "muted"),)]
+        rows = [((fit(" no sensor data yet", frame.width), "muted"),)]
     return cut_rows(rows, frame)
 
 

@@ -96,6 +96,9 @@ class RobotRequests:
         """Show above the hints why something was not done."""
         if not reply.ok:
             key = self._key(reply.command) if reply.command else ""
+            if key and reply.command == "release":
+                self._news(f"Stopped. {key} releases", "warn")
+                return
             hint = press_to(key, reply.hint) if key else reply.hint
             self._news("; ".join(part for part in (reply.reason, hint) if part), "warn")
 

@@ -191,7 +191,7 @@ def multiplexers(environ: Mapping[str, str]) -> list[Finding]:
         wait = output_of(["tmux", "show", "-gv", "escape-time"])
         findings.append(tmux_escape(wait, output_of(["tmux", "-V"])))
     if environ.get("STY"):
-        text = "screen waits up to 0.3 s before it passes escape, the stop, on"
+        text = "screen delays Escape (stop) by up to 0.3 s"
         findings.append(Finding("warning", "screen", text, "maptimeout 5 in ~/.screenrc"))
     return findings
 
@@ -201,11 +201,11 @@ def tmux_escape(wait: str | None, version: str | None) -> Finding:
     number = re.search(r"(\d+)\.(\d+)", version or "")
     old = number is not None and (int(number[1]), int(number[2])) < TMUX
     if wait is None or not wait.isdecimal():
-        level, text = "info", "tmux does not report how long it delays escape"
+        level, text = "info", "tmux does not report how long it delays Escape (stop)"
     elif int(wait) <= ESCAPE_TIME:
-        return Finding("ok", "tmux", f"passes escape, the stop, on after {wait} ms")
+        return Finding("ok", "tmux", f"tmux delays Escape (stop) by {wait} ms")
     else:
-        level, text = "warning", f"tmux delays escape, the stop, by {wait} ms"
+        level, text = "warning", f"tmux delays Escape (stop) by {wait} ms"
     if old:
         text += f" ({version} is older than 3.5, whose own setting is short)"
     remedy = "set -sg escape-time 10 in ~/.tmux.conf; at once: tmux set -sg escape-time 10"

@@ -564,6 +564,7 @@ class PanelsChanged(Answer, frozen=True, kw_only=True, tag="panels"):
     study: StudySettings | None = None
     stale_after: float | None = None
     dead_man: float | None = None
+    abandon_after: float | None = None
     driving: str | None = None
     participant_pattern: str | None = None
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import SPEECH, Finding
 from woz_tui.machine import machine_checks
@@ -16,6 +18,9 @@ FRESH_US, PERIODS = 3_000_000, 3
 _ON_EVENTS = frozenset(
     {SPEECH, "direction", "frames", "prepared", "synthesiser", "talk", "transcriber"}
 )
+#: What a sensor says, below `SURE` and from there on.
+_VERDICTS = {"presence": ("nobody", "somebody"), "gaze": ("not looking", "looking")}
+SURE = 0.5
 #: What a line of the list can be; what is only worth knowing is in order.
 LEVELS = ("ok", "warning", "error")
 
@@ -110,6 +115,11 @@ def _in_words(message: m.Reading) -> str:
         return message.text or "nobody identified"
     if message.value is None:
         return message.text or "nothing measured"
+    kind = message.sensor.rpartition(".")[2]
+    if (words := _VERDICTS.get(kind)) is not None:
+        return words[message.value >= SURE]
+    if kind == "loudness" and message.value > 0:
+        return f"{20 * math.log10(message.value):.0f} dB"
     return f"{message.value:.3g} {message.unit}".strip()
 
 

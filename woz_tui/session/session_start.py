@@ -61,8 +61,8 @@ def _publish_left_out(hub: Hub, experiment: Experiment) -> None:
     counts = Counter(each.what for action in short for each in action.left_out)
     what = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     empty = sum(not action.calls for action in short)
-    nothing = f", {empty} of them do nothing" if empty else ""
-    text = f"This robot leaves something out of {len(short)} actions{nothing}: {what}"
+    nothing = f" ({empty} do nothing)" if empty else ""
+    text = f"This robot cannot do all of {len(short)} actions{nothing}: {what}"
     remedy = f"woz check {experiment.path.name} --robot {robot_name(experiment)}"
     hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 

@@ -100,7 +100,7 @@ class CodeDialog(_PausesReplay, SearchDialog[str]):
 
     heading = "Code"
     hint = "enter sets it · arrows choose · ctrl+q closes"
-    placeholder = "smiles, or a tier and its code: gaze: robot (gaze: ends it)"
+    placeholder = 'a code, e.g. smiles; or tier: code, e.g. gaze: robot ("gaze:" ends it)'
 
     def matching(self, typed: str) -> list[str]:
         """What is typed, then codes of before that begin so, the latest in the log first."""

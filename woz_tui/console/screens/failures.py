@@ -22,7 +22,7 @@ def open_failures(app: ConsoleApp) -> None:
     elif app.state.runs.unseen():
         app.open_dialog(FailuresDialog())
     else:
-        app.news("No unseen failures")
+        app.news("No new failures")
 
 
 class FailuresDialog(ReportDialog):

@@ -9,7 +9,10 @@ from woz_tui.console.screens.dialog import ReportDialog
 
 KEY = 8
 #: How key caps are read; an arrow or a letter follows.
-_SIGNS = "^ is ctrl, A- alt, S- shift; * is a substitute for the file's key."
+_SIGNS = (
+    "^ Ctrl, A- Alt, S- Shift. * your terminal cannot send the key in the file; this one is used"
+    " instead."
+)
 
 
 class HelpDialog(ReportDialog):

@@ -100,8 +100,8 @@ def kind_finding(terminal: Terminal, help_key: str) -> Finding:
     """Which keys the terminal can tell apart. `help_key` opens the list of keys."""
     if terminal.kitty:
         return Finding("ok", "keyboard", "tells all keys apart (kitty keyboard protocol)")
-    listed = f"; {help_key} lists them" if help_key else ""
-    return Finding("info", "keyboard", f"plain: some chords are sent as other keys{listed}")
+    shown = f"; {help_key} shows what to press instead" if help_key else ""
+    return Finding("info", "keyboard", f"This terminal cannot send some key combinations{shown}")
 
 
 def terminal_findings(environ: Mapping[str, str]) -> list[Finding]:

@@ -151,7 +151,7 @@ class StartDialog(FormDialog):
             with ConditionList(id="condition"):
                 for condition in state.conditions:
                     yield ConditionButton(condition, condition == state.condition, self.glyphs)
-        yield Static("Trial (may stay empty)", classes="caption")
+        yield Static("Trial (optional)", classes="caption")
         yield Input("" if state.trial is None else str(state.trial), id="trial")
         yield Static("", id="wrong", classes="wrong")
 

@@ -38,7 +38,7 @@ class TrialDialog(Dialog):
     """What can be done now, the most likely first, so that enter does it."""
 
     heading = "Trial"
-    hint = "its letter or enter does it · ctrl+q closes"
+    hint = "press a letter, or Enter · ctrl+q closes"
 
     def __init__(self) -> None:
         super().__init__()
@@ -50,7 +50,7 @@ class TrialDialog(Dialog):
         self._steps = trial_steps(self.state.study)
         yield Static(content(self.lines()), id="stands")
         yield OptionList(*map(self._line, self._steps), id="choices")
-        field = Input(placeholder="why, in a word (may stay empty)", id="why")
+        field = Input(placeholder="reason (optional)", id="why")
         field.display = False
         yield field
 
@@ -135,7 +135,8 @@ class OfferDialog(ChoiceDialog):
         """Which one."""
         one = self.state.study.questionnaire(self._asked)
         title = questionnaire_title(self.state.study, self._asked)
-        count = f"  {len(one.items)} items" if one is not None else ""
+        items = len(one.items) if one is not None else 0
+        count = f"  {items} item{'' if items == 1 else 's'}" if items else ""
         back = "It covers this screen; ctrl+q brings the console back."
         return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
 
@@ -147,7 +148,7 @@ class OfferDialog(ChoiceDialog):
         return [
             ListChoice(Content("Ask it here"), partial(ask, here=True)),
             *([there] if self.state.study.participants else []),
-            ListChoice(Content("Without it" if self._otherwise else "Later"), self._otherwise),
+            ListChoice(Content("Skip it" if self._otherwise else "Later"), self._otherwise),
         ]
 
 

@@ -67,8 +67,9 @@ class KeepTypedDialog(ReportDialog):
         elif data.get("sentences") and isinstance(diff, list):
             self._ready = True
             count = data["sentences"]
-            what = "1 sentence" if count == 1 else f"{count} sentences"
-            first = f"{what} for a copy of the experiment file; the file itself stays as it is:"
+            what = "the sentence" if count == 1 else f"the {count} sentences"
+            goes = "It goes" if count == 1 else "They go"
+            first = f"Keep {what} you typed? {goes} into a copy; your file is not changed."
             self._rows = [((first, "plain"),), ((str(data.get("file")), "strong"),), ()]
             self._rows += [((line, _LOOKS.get(line[:3], "good")),) for line in map(str, diff)]
         else:

@@ -60,18 +60,18 @@ def event_text(message: m.Message) -> EventText | None:  # noqa: PLR0912 - a tab
             mark = "done" if reason == "done" else "info"
             return EventText(mark, f"Questionnaire {ended}", f"{message.answered} answered")
         case m.ShapingChanged(floor_us=0, jitter_us=0):
-            return EventText("info", "Answers come at once")
+            return EventText("info", "Robot answers are not delayed")
         case m.ShapingChanged(jitter_us=jitter):
-            more = f" and up to {seconds(jitter)} more" if jitter else ""
-            soonest = f"Answers come {seconds(message.floor_us)}{more} after a cue"
-            return EventText("info", soonest, ", ".join(message.cues))
+            most = f" to {seconds(message.floor_us + jitter)}" if jitter else ""
+            delayed = f"Robot answers are delayed by {seconds(message.floor_us)}{most}"
+            return EventText("info", delayed, f"after: {', '.join(message.cues)}")
         case m.PerceptionChanged(hidden=hidden, blurred=blurred):
             if not hidden and not blurred:
-                return EventText("info", "Nothing is kept from you")
-            less = f"blurred: {', '.join(blurred)}" if blurred else ""
+                return EventText("info", "Nothing is hidden from you")
+            rough = f"Shown roughly: {', '.join(blurred)}" if blurred else ""
             if not hidden:
-                return EventText("info", f"Kept from you, {less}")
-            return EventText("info", f"Kept from you: {', '.join(hidden)}", less)
+                return EventText("info", rough)
+            return EventText("info", f"Hidden: {', '.join(hidden)}", rough)
         case m.TrainingChanged(state=state):
             if state == "over":
                 judged = message.right + message.wrong + message.missed

@@ -202,7 +202,8 @@ class StudyView:
             case m.TrialStarted():
                 missing = self.unticked() if self.last is None else []
                 if missing:
-                    text = f"{len(missing)} not ticked in the preflight"
+                    what = "item is" if len(missing) == 1 else "items are"
+                    text = f"{len(missing)} preflight {what} not ticked"
                     self._news.append(StudyNews(text, "warn", command=("preflight", "list them")))
             case m.CueGiven():
                 self._cue = message

@@ -1,8 +1,8 @@
 // One session's timeline: the plot with everything around it.
 
 const HELP =
-  "Wheel zooms after a click, or with Ctrl · drag moves, on the ruler or with Shift it marks what " +
-  "to zoom into · keys: + − 0 zoom, ← → Home End move, n p next and previous event, Esc none";
+  "Click, then scroll to zoom (or Ctrl+scroll). Drag to move. Shift+drag, or a drag on the ruler, " +
+  "selects a range. Keys: + − 0 zoom, ← → Home End move, n p next and previous event, Esc clears.";
 
 class Timeline {
   // `address(from, to, number)` makes the hash that leads back to a view; `moved` is told of each.

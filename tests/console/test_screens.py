@@ -266,7 +266,7 @@ async def test_the_console_leaves_it_to_the_robot_process_which_codes_there_are(
         )
         await open_dialog(pilot, "StartDialog")
         await pilot.type("ABCDEFGH")
-        await pilot.press("tab", "enter", "shift+tab")
+        await pilot.press("tab", "down", "enter", "shift+tab")
         await pilot.until(lambda: "does not match the pattern" in pilot.drawn())
         await pilot.type("1")  # what was said of another code is not said of this one
         await pilot.until(lambda: "does not match the pattern" not in pilot.drawn())

@@ -70,6 +70,23 @@ async def test_enter_on_a_condition_chooses_it_and_accepts() -> None:
         assert asked.condition == "cold"
 
 
+async def test_what_looks_chosen_is_chosen() -> None:
+    """No condition is lit that enter, or enter in the next field, would not take."""
+    first = scenes.welcome(state=[scenes.start("P07", "")])
+    async with piloted_console(first) as pilot:
+        await open_dialog(pilot, "StartDialog")
+        await pilot.press("tab")
+        assert not pilot.console.screen.query(".-selected")
+        await pilot.press("enter")
+        assert "Choose a condition" in pilot.drawn()
+        assert "arrows: condition" in pilot.drawn()
+        await pilot.press("down", "down", "tab", "enter")
+        await pilot.until(lambda: pilot.console.dialog is None)
+        asked = pilot.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert asked.condition == "cold"
+
+
 async def test_enter_on_the_conditions_takes_the_one_that_is_chosen() -> None:
     async with piloted_console(scenes.welcome(state=[scenes.start("P07", "cold")])) as pilot:
         await open_dialog(pilot, "StartDialog")
@@ -235,7 +252,7 @@ async def test_without_a_design_nothing_is_proposed() -> None:
     async with piloted_console(scenes.welcome()) as pilot:
         await named(pilot)
         assert pilot.feed.last(r.AskProposal) is None
-        await pilot.press("tab", "enter")
+        await pilot.press("tab", "down", "enter")
         await pilot.until(lambda: pilot.console.dialog is None)
         asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)

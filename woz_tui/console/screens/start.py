@@ -89,7 +89,9 @@ class ConditionButton(RadioButton):
 
 
 class ConditionList(RadioSet):
-    """Space chooses; enter chooses and accepts the whole dialog, as in a field."""
+    """What is lit is chosen: arrows choose, and enter accepts the whole dialog, as in a field. As
+    long as nothing is chosen nothing is lit.
+    """
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "accept")]
 
@@ -97,22 +99,41 @@ class ConditionList(RadioSet):
         """Enter was pressed; what it chose is chosen."""
 
     def _on_mount(self, event: Mount) -> None:
-        """The cursor is on what is chosen, not on the first: enter takes what it is on."""
+        """The cursor is on what is chosen, not on the first."""
         event.prevent_default()  # Textual would call the one below once more
         super()._on_mount(event)
-        if self.pressed_index >= 0:
-            self._selected = self.pressed_index
+        self._selected = self.pressed_index if self.pressed_index >= 0 else None
 
     def clear(self) -> None:
         """Nothing is chosen any more."""
         with self.prevent(RadioButton.Changed):
             for button in self.query(ConditionButton):
                 button.value = False
-        self._pressed_button = None
+        self._pressed_button = self._selected = None
+
+    def action_next_button(self) -> None:
+        """Choose the next one."""
+        super().action_next_button()
+        self._choose()
+
+    def action_previous_button(self) -> None:
+        """Choose the one before."""
+        super().action_previous_button()
+        self._choose()
+
+    def action_toggle_button(self) -> None:
+        """Choose what is lit, or the first."""
+        if self._selected is None:
+            super().action_next_button()
+        self._choose()
+
+    def _choose(self) -> None:
+        """What is lit is chosen, once there are buttons to choose from."""
+        if self._selected is not None and self._selected != self.pressed_index and self.is_mounted:
+            super().action_toggle_button()
 
     def action_accept(self) -> None:
-        """The choice is a message on its way: the acceptance goes behind it."""
-        self.action_toggle_button()
+        """A choice may be a message on its way: the acceptance goes behind it."""
         self.call_after_refresh(self.post_message, self.Accepted())
 
 
@@ -124,7 +145,7 @@ class StartDialog(FormDialog):
     """
 
     heading = "Participant"
-    hint = "tab next field · enter accepts · ctrl+q closes"
+    hint = "tab: next field · arrows: condition · enter accepts · ctrl+q closes"
 
     def __init__(self) -> None:
         super().__init__()

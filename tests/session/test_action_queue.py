@@ -18,8 +18,8 @@ from tests.session.test_superseding import (
     scene,
     spoken_texts,
 )
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
 
 

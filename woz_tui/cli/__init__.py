@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import importlib
+import re
 import sys
 from argparse import ArgumentParser
 from collections.abc import Sequence
@@ -55,10 +56,36 @@ COMMANDS = {
     "methods": "write a paragraph for the method section of a paper",
     "schema": "print the JSON Schema of experiment files, for editors",
 }
+#: What `woz` alone says: a console has to be seen before a list of commands helps.
+FIRST_STEPS = """\
+woz: a wizard plays a social robot from a terminal.
+
+  woz demo                      play a simulated robot, with a simulated visitor
+  woz new guide.yaml            write an experiment of your own: five questions
+  woz run guide.yaml            a session with it
+  woz report recordings         what happened in your sessions
+
+Esc stops the robot; ctrl+q leaves the console; ? shows all keys.
+`woz --help` lists all commands, `woz COMMAND --help` explains one."""
 #: Nearly all that a command makes while it starts stays: looking for garbage in it took a tenth of
 #: the time. Later, collecting young objects is quick, and a full collection must not fall into a
 #: key press.
 GC_THRESHOLDS = (50_000, 20, 100)
+
+
+class _Parser(ArgumentParser):
+    """Says what was probably meant by a wrong word or option; commands' own commands, too."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print usage and `message`, and exit."""
+        from woz_tui.config.problems import hint  # noqa: PLC0415 - only for this
+
+        wrong = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message)
+        if wrong is not None:
+            message += hint(wrong[1], re.findall(r"[^', ]+", wrong[2]))
+        elif option := re.search(r"unrecognized arguments: (--[^\s=]+)", message):
+            message += hint(option[1], re.findall(r"--[a-z-]+", self.format_usage()))
+        super().error(message)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -66,19 +93,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     clean_streams()
     terminal_size.settle()
     words = list(sys.argv[1:] if arguments is None else arguments)
-    parser = ArgumentParser(
-        prog="woz", description="A wizard plays a social robot from a terminal."
-    )
+    if not words:
+        print(FIRST_STEPS)
+        return 2
+    parser = _Parser(prog="woz", description="A wizard plays a social robot from a terminal.")
     parser.add_argument("--version", action="version", version=f"woz-tui {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     command_name = next((word for word in words if not word.startswith("-")), "")
+    if words[0] == command_name and command_name not in COMMANDS:
+        print(f"woz: {_no_command(command_name)}", file=sys.stderr)
+        return 2
+    used = parser
     for name, summary in COMMANDS.items():
         command = commands.add_parser(name, help=summary, description=f"woz {name}: {summary}")
         if name == command_name:
             module = importlib.import_module(f"woz_tui.cli.{name.replace('-', '_')}")
             command.set_defaults(run=module.run)
             module.add(command)
-    parsed = parser.parse_args(words)
+            used = command
+    parsed, unknown = parser.parse_known_args(words)
+    if unknown:
+        used.error(f"unrecognized arguments: {' '.join(unknown)}")
     try:
         code: int = parsed.run(parsed)
         if sys.stdout is not None:  # it may have been closed: >&-
@@ -99,6 +134,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         return _cut_short(f"standard output: {error.strerror}")
     return code
+
+
+def _no_command(word: str) -> str:
+    """That `word` is no command, and what was probably meant."""
+    from woz_tui.config.problems import nearest_word, quoted  # noqa: PLC0415 - only for this
+
+    if word.endswith((".yaml", ".yml")):
+        return f"a command is missing before {quoted(word)}; did you mean `woz run {word}`?"
+    near = nearest_word(word, COMMANDS)
+    remedy = f"did you mean `woz {near}`?" if near else "`woz --help` lists them"
+    return f"there is no command {quoted(word)}; {remedy}"
 
 
 def _cut_short(why: str) -> int:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from woz_drivers.body import Body
 from woz_drivers.dynamixel import DynamixelServos
+from woz_drivers.simulated.settings import SimulatedSettings
 
 from woz_tui.drivers.contract import Argument, Ask, Driver, Job, PassiveDriver, Verb
 from woz_tui.drivers.fields import Doc, OneOf, Path, Pattern, Port, Range, Seconds, Section
@@ -154,12 +155,12 @@ class NoSettings:
 
 
 class Simulated(Bare):
-    """A robot without hardware."""
+    """A robot without hardware, whose robot file is the real one's."""
 
-    Settings = NoSettings
+    Settings = SimulatedSettings
 
     @classmethod
-    def verbs(cls, settings: NoSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: SimulatedSettings) -> tuple[Verb, ...]:
         emotions = ("neutral", "happy", "sad")
         return (
             Verb("say", "speak", (Argument("text", "text", required=True),), lane="voice"),

@@ -198,3 +198,35 @@ def test_a_move_that_its_driver_warns_of_is_left_out(tmp_path: Path, play: str) 
     action = load(path, plugins.installed(), robot=str(nao)).actions[0]
     assert [call.verb for call in action.calls] == ["say", "play"]
     assert action.left_out == []
+
+
+@pytest.mark.parametrize("robot", [*robot_files(None), "furhat", "nao", "pepper", "reachy-mini"])
+def test_a_robot_has_one_name_in_a_file_and_on_the_command_line(tmp_path: Path, robot: str) -> None:
+    def drivers(own: str, other: str) -> list[tuple[str, object]]:
+        path = tmp_path / "e.yaml"
+        path.write_text(panel("{label: A, note: Hi}", head=f"title: T\nrobot: {own}\n"))
+        read = load(path, plugins.installed(), robot=other)
+        return [(spec.type, spec.settings) for spec in read.drivers]
+
+    assert drivers(robot, "") == drivers("simulated", robot)
+
+
+def test_the_word_simulated_is_a_robot_with_a_visitor(tmp_path: Path) -> None:
+    path = tmp_path / "e.yaml"
+    path.write_text(panel("{label: A, say: Hi}", head="title: T\nrobot: simulated\n"))
+    sensors = {name for spec in load(path, plugins.installed()).drivers for name in spec.sensors}
+    assert {"presence", "gaze", "distance", "loudness"} <= sensors
+
+
+def test_a_wrong_name_in_a_file_is_said_with_the_near_one(tmp_path: Path) -> None:
+    text = panel("{label: A, say: Hi}", head="title: T\nrobot: reachy-mni\n")
+    said = problems(tmp_path, text, "")
+    assert "there is no robot 'reachy-mni'; did you mean 'reachy-mini'?" in said
+
+
+def test_several_robots_are_named_the_same_way(tmp_path: Path) -> None:
+    path = tmp_path / "e.yaml"
+    robots = "robots: {a: reachy-mini, b: simulated}"
+    path.write_text(panel("{label: A, note: Hi}", head=f"title: T\n{robots}\n"))
+    names = [spec.name for spec in load(path, plugins.installed()).drivers]
+    assert names == ["a.reachy", "b.robot"]

@@ -78,7 +78,7 @@ def test_a_robot_driver_that_cannot_be_imported_is_an_error_with_a_place(tmp_pat
 
     path = tmp_path / "e.yaml"
     path.write_text(panel("{label: A, say: Hi}"))
-    with pytest.raises(ExperimentError, match=r"e.yaml:2:1: robot: no module for simulated"):
+    with pytest.raises(ExperimentError, match=r"drivers.robot: no module for simulated"):
         load(path, Torn(CATALOGUE))
 
 

@@ -19,7 +19,6 @@ from woz_tui.config.experiment import (
 )
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.languages import DEFAULT
-from woz_tui.config.robots import SIMULATED
 from woz_tui.config.study import Study
 from woz_tui.drivers.fields import (
     Doc,
@@ -111,7 +110,9 @@ class ExperimentFile(Study, Entry):
     what = "an experiment"
     title: Annotated[str, Doc("name of the experiment")]
     robot: Annotated[
-        Any, ReadApart("robot_or_file"), Doc(f"{SIMULATED}, a robot file, or drivers right here")
+        Any,
+        ReadApart("robot_or_file"),
+        Doc("a robot that `woz robots` lists, a robot file, or drivers right here"),
     ] = None
     robots: Annotated[
         Any,

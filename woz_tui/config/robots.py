@@ -27,7 +27,7 @@ from woz_tui.config.yaml_cursor import (
     named_source,
     read_text,
 )
-from woz_tui.config.yaml_nodes import MappingNode, Node, parse_yaml
+from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 from woz_tui.drivers.contract import Ask, Driver, Finding, Verb, Written
 from woz_tui.drivers.fields import Range, Sibling
 from woz_tui.drivers.plugins import Catalogue
@@ -147,9 +147,7 @@ class RobotReader:
         beside the experiment or of woz-tui, or a type that needs no settings.
         """
         self._robots.label = self._robots.origin = name
-        files = robot_files(self._base)
-        file = files.get(name)
-        if file is None and is_path(name):
+        if is_path(name) and name not in robot_files(self._base):
             try:
                 near = Path(name).expanduser()
             except RuntimeError as error:  # nobody of this name has a home
@@ -158,15 +156,9 @@ class RobotReader:
                 return self._robots
             file = near if near.exists() else self._base / near
             self._robots.label, self._robots.origin = file.stem, str(file.absolute())
-        if file is not None:
             self._file(cursor, str(file.absolute()), "")
-        elif name in self._catalogue:
-            plain = Cursor(MappingNode(cursor.place), cursor.path, cursor.place, cursor.report)
-            self._driver(plain, "robot", name)
         else:
-            known = dict.fromkeys((*files, *self._catalogue))
-            near_names = self._report.hint(name, known, or_list="robots are")
-            cursor.error(f"there is no robot {quoted(name)}{near_names}")
+            self._robot_called(cursor, name, "")
         self._robots.incomplete |= not self._robots.drivers
         return self._robots
 
@@ -198,16 +190,26 @@ class RobotReader:
             self._robots.incomplete = True
 
     def _robot_by_name(self, cursor: Cursor, prefix: str) -> None:
-        text = read_text(cursor, "a robot file, the word simulated, or a mapping of drivers")
-        if text == SIMULATED:
-            settings: Node = MappingNode(cursor.place)
-            self._driver(
-                Cursor(settings, cursor.path, cursor.place, cursor.report),
-                f"{prefix}robot",
-                SIMULATED,
-            )
-        elif text is not None:
+        text = read_text(cursor, "the name of a robot, a robot file, or a mapping of drivers")
+        if text is None:
+            return
+        if is_path(text) or (self._base / text).is_file():
             self._file(cursor, text, prefix)
+        else:
+            self._robot_called(cursor, text, prefix)
+
+    def _robot_called(self, cursor: Cursor, name: str, prefix: str) -> None:
+        """The robot file of this name, or the type that needs no settings."""
+        files = robot_files(self._base)
+        if name in files:
+            self._file(cursor, str(files[name].absolute()), prefix)
+        elif name in self._catalogue:
+            plain = Cursor(MappingNode(cursor.place), cursor.path, cursor.place, cursor.report)
+            self._driver(plain, f"{prefix}robot", name)
+        else:
+            known = dict.fromkeys((*files, *self._catalogue))
+            near_names = self._report.hint(name, known, or_list="robots are")
+            cursor.error(f"there is no robot {quoted(name)}{near_names}")
 
     def _file(self, cursor: Cursor, text: str, prefix: str) -> None:
         source = named_source(cursor, text, self._base, lambda: self._file_hint(text))

@@ -207,6 +207,36 @@ def test_nobody_who_answers_any_more_writes_nothing(tmp_path: Path) -> None:
     assert not [*tmp_path.iterdir()]
 
 
+def test_a_wrong_robot_is_asked_for_again_before_anything_else(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "mute.yaml").write_text("drivers: {eye: {type: rangefinder, port: /dev/x}}\n")
+    typed = iter(["reachy-mni", "mute.yaml", "reachy-mini"])
+    asked: list[str] = []
+
+    def ask(question: str) -> str:
+        asked.append(question[:6])
+        return next(typed, "")
+
+    assert run_new(tmp_path / "e.yaml", ask=ask) == 0
+    assert asked == ["1 of 5", "1 of 5", *(f"{number} of 5" for number in range(1, 6))]
+    said = capsys.readouterr().out
+    assert "there is no robot 'reachy-mni'; did you mean 'reachy-mini'?" in said
+    assert "this robot cannot speak" in said
+    assert "robot: reachy-mini\n" in (tmp_path / "e.yaml").read_text()
+
+
+def test_an_experiment_on_the_simulated_robot_has_a_visitor(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_new(tmp_path / "e.yaml", "--yes") == 0
+    assert "address" not in capsys.readouterr().out
+    experiment = read_experiment(tmp_path / "e.yaml")
+    assert experiment.engagement is not None
+    sensors = {name for spec in experiment.drivers for name in spec.sensors}
+    assert {"presence", "gaze", "distance", "loudness"} <= sensors
+
+
 def test_every_robot_is_offered_and_can_be_taken(tmp_path: Path) -> None:
     catalogue = plugins.installed()
     robots = [name for name in catalogue if catalogue[name].facts.robot]

@@ -23,7 +23,7 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import utterance_template
 from woz_tui.config.bundled_files import ROBOTS, is_path, robot_files
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.file_position import ExperimentError
+from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.config.keys import LAYOUTS
 from woz_tui.config.languages import DEFAULT, shipped
 from woz_tui.config.loading import load
@@ -121,16 +121,12 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
         return 2
     if os.path.lexists(path):
         return _taken(path)
-    try:
-        answers = _answers(arguments, ask, catalogue)
-    except EOFError:
-        print("\nNothing was written.")
-        return 1
+    answers: dict[str, str] = {}
     with ExitStack() as undo:
         try:
             _make_folder(path.parent, undo)
-            robot = _robot(answers["robot"], path.parent, catalogue, undo)
-            abilities = _abilities(robot, path.parent, catalogue)
+            robot, abilities = _robot_answer(arguments, ask, catalogue, undo, answers)
+            answers |= _answers(arguments, ask)
             text = experiment_text(
                 TEMPLATES[arguments.template], {**answers, "robot": robot}, abilities
             )
@@ -142,6 +138,9 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
             with file:
                 file.write(text)
             experiment = load(path, catalogue)
+        except EOFError:
+            print("\nNothing was written.")
+            return 1
         except ExperimentError as error:
             return _print_refusal(error, answers)
         undo.pop_all()
@@ -164,10 +163,16 @@ def _make_folder(folder: Path, undo: ExitStack) -> None:
 
 def _print_refusal(error: ExperimentError, answers: Mapping[str, str]) -> int:
     for problem in error.problems:
-        print(f"{problem.path}: {problem.message}", file=sys.stderr)
+        print(_refused(problem), file=sys.stderr)
     text = ", ".join(f"{name} {value}" for name, value in answers.items() if value)
     print(f"woz: no file was written ({text})", file=sys.stderr)
     return 1
+
+
+def _refused(problem: Problem) -> str:
+    if problem.path.endswith(".say"):  # of the trial, which the wizard does not see
+        return f"this robot cannot speak (say: {problem.message})"
+    return f"{problem.path}: {problem.message}"
 
 
 def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
@@ -177,8 +182,8 @@ def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
         print(f"  {warning}")
     if to_write:
         print(f"  {counted(to_write, 'sentence')} to write: look for {utterance_template.TO_WRITE}")
-    if len(experiment.files) > 1:
-        print(f"  The robot, with its address: {experiment.files[1]}")
+    for robot in {*experiment.files[1:]} - {*robot_files(None).values()}:
+        print(f"  The robot, with its address: {robot}")
     if not abilities.moves:
         print("  This robot has no gestures that the template knows; add `play: ...` yourself.")
     print("Next:")
@@ -214,19 +219,40 @@ def _answer(
     return default
 
 
-def _answers(
-    arguments: Namespace, ask: Ask | None, catalogue: Mapping[str, type[Driver]]
-) -> dict[str, str]:
-    """The five answers by the question's name."""
+def _robot_answer(
+    arguments: Namespace,
+    ask: Ask | None,
+    catalogue: Mapping[str, type[Driver]],
+    undo: ExitStack,
+    answers: dict[str, str],
+) -> tuple[str, Abilities]:
+    """The value of `robot:` and what this robot can do; its name goes into `answers`. One that is
+    not there, or cannot speak, is asked for again: four more questions would be in vain.
+    """
+    folder = arguments.file.parent
     robots = ", ".join(name for name in catalogue if catalogue[name].facts.robot)
+    text = f"1 of 5  Robot ({robots}, or a robot file)"
+    while True:
+        answers["robot"] = _answer(arguments.robot, ask, text, SIMULATED)
+        with ExitStack() as tried:
+            try:
+                robot = _robot(answers["robot"], folder, catalogue, tried)
+                abilities = _abilities(robot, folder, catalogue)
+            except ExperimentError as error:
+                if ask is None or arguments.robot is not None:
+                    raise
+                print("\n".join(f"  {_refused(problem)}" for problem in error.problems))
+                continue
+            undo.push(tried.pop_all())
+            return robot, abilities
+
+
+def _answers(arguments: Namespace, ask: Ask | None) -> dict[str, str]:
+    """The other four answers by the question's name."""
     kind = {True: "study", False: "free", None: None}[arguments.study]
     if kind is None and arguments.conditions is not None:
         kind = "study"
     answers = {
-        "robot": _answer(
-            *(arguments.robot, ask, f"1 of 5  Robot ({robots}, or a robot file)"),
-            "simulated",
-        ),
         "kind": _answer(kind, ask, "2 of 5  A study, or free play?", "study", ("study", "free")),
         "conditions": "",
     }
@@ -260,6 +286,8 @@ def _abilities(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) 
     return Abilities(frozenset(moves) - refused, {"presence", "gaze", "distance"} <= sensors)
 
 
+#: A name that needs no quotes in YAML.
+_WORD = re.compile(r"[A-Za-z][\w-]*")
 #: In the path of a problem which action of a trial it is about.
 _TRIED = re.compile(r"actions\[(\d+)\]")
 
@@ -361,7 +389,7 @@ def _robot(
             _make_folder(own.parent, undo)
             undo.callback(own.unlink)
             shutil.copy(file, own)
-        return json.dumps(f"{ROBOTS}/{file.name}")
+        return answer if _WORD.fullmatch(answer) else json.dumps(answer)
     if answer not in catalogue or not catalogue[answer].facts.robot:
         here = is_path(answer) and not (folder / answer).exists() and Path(answer).exists()
         return json.dumps(os.path.relpath(answer, folder) if here else answer)

@@ -64,5 +64,6 @@ def state_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         (state / SEEN).parent.mkdir(parents=True)
         (state / SEEN).touch()  # nobody's first start
         patch.setenv("XDG_STATE_HOME", str(state))
+        patch.setenv("WOZ_SILENT", "1")  # demos
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
         yield

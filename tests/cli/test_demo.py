@@ -80,7 +80,7 @@ def test_camera_and_microphone_are_for_the_demo_of_the_engagement_model(
     assert f"{options[0]} is for --robot guide" in capsys.readouterr().err
     played: list[list[str]] = []
 
-    def play(arguments: argparse.Namespace, experiment: Path, robot: str) -> int:
+    def play(arguments: argparse.Namespace, experiment: Path, robot: str, *, aloud: bool) -> int:
         played.append([one.type for one in load(experiment, installed(), robot=robot).drivers])
         return 0
 

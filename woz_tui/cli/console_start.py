@@ -41,7 +41,8 @@ class ScreenOptions:
     `restart` are the arguments of `woz host` with which a lost robot process is started again;
     None if nobody can. `builtins` are the console's own keys, moved by a keymap file or not.
     `pictures`: how a camera's are drawn. `theme`: its colours, as `add_theme` has them. `part`:
-    which part of the panels this wizard plays. `explain`: see `HostConnection`.
+    which part of the panels this wizard plays. `explain`: see `HostConnection`. `greeting`: what to
+    warn of at the beginning, and what helps.
     """
 
     socket: Path
@@ -54,6 +55,7 @@ class ScreenOptions:
     theme: str = ""
     part: str = ""
     explain: Callable[[Loss], Loss] | None = None
+    greeting: tuple[str, str] = ("", "")
 
 
 def with_terminal(work: Callable[[], int], hint: str = "") -> int:
@@ -162,6 +164,7 @@ def make_console(options: ScreenOptions) -> Console:
         pictures=options.pictures,
         driver_class=WizardDriver,
     )
+    app.greeting = options.greeting
     if options.restart is not None:
         app.restart = _restart(
             list(options.restart), lambda: app.state.log, app.call_from_thread, app.explain_loss

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from argparse import ArgumentParser, Namespace
 
@@ -22,6 +23,8 @@ DEMOS: dict[str, tuple[str, str, str]] = {
 
 
 DEFAULT = "simulated"
+#: A variable of the environment that is as good as `--silent`: for tests.
+SILENT = "WOZ_SILENT"
 #: With which robot the demo of the engagement model is played with `--camera` and `--microphone`.
 REAL = {
     (True, False): "simulated-camera",
@@ -57,6 +60,11 @@ def add(parser: ArgumentParser) -> None:
         action="store_true",
         help="with --robot guide: it hears you, by the machine's microphone (needs arecord;"
         " docs/how-to/faces.md); without --camera your keys tell what it would see",
+    )
+    parser.add_argument(
+        "--silent",
+        action="store_true",
+        help="no sound; without it what the robot says is heard here, by espeak-ng or Piper",
     )
     add_session(parser)
     add_part(parser)
@@ -95,4 +103,5 @@ def run(arguments: Namespace) -> int:
     arguments.condition = arguments.condition or condition
     arguments.participant = arguments.participant or participant
     robot = real or ("" if wanted in DEMOS else wanted)
-    return run_command.play(arguments, experiment, robot)
+    aloud = not (arguments.silent or os.environ.get(SILENT))
+    return run_command.play(arguments, experiment, robot, aloud=aloud)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from woz_tui.cli import console_start
 from woz_tui.cli.console_start import run_session
-from woz_tui.cli.host_start import host_arguments
+from woz_tui.cli.host_start import RobotProcess, host_arguments
 from woz_tui.cli.shared_options import (
     add_keymap,
     add_part,
@@ -40,28 +40,37 @@ def run(arguments: Namespace) -> int:
     return play(arguments, arguments.experiment, arguments.robot)
 
 
-def play(arguments: Namespace, experiment: Path, robot: str = "") -> int:
+def play(arguments: Namespace, experiment: Path, robot: str = "", *, aloud: bool = False) -> int:
     """A session on `experiment`, with another `robot` than its own if one is named; the exit
-    code.
+    code. `aloud`: what the robot says is heard here, if anything can be.
     """
-    return console_start.with_terminal(lambda: _play(arguments, experiment, robot))
+    return console_start.with_terminal(lambda: _play(arguments, experiment, robot, aloud))
 
 
-def _play(arguments: Namespace, experiment: Path, robot: str) -> int:
+def _play(arguments: Namespace, experiment: Path, robot: str, aloud: bool) -> int:
     own_keys = builtins(arguments)
     command = _host_command(arguments, experiment, robot)
-    result = run_session(
-        command,
-        lambda robot: console_start.ScreenOptions(
-            socket=robot.socket,
+
+    def options(process: RobotProcess) -> console_start.ScreenOptions:
+        silent = ("", "")
+        if aloud:
+            from woz_tui.cli import demo_voice  # noqa: PLC0415 - only demos are heard
+
+            silent = demo_voice.silence()
+            if not silent[0]:
+                demo_voice.start(process.socket, experiment, robot)
+        return console_start.ScreenOptions(
+            socket=process.socket,
             ask_participant=True,
-            restart=[*command, *robot.restart_arguments],
+            restart=[*command, *process.restart_arguments],
             builtins=own_keys,
             pictures=arguments.pictures,
             theme=arguments.theme,
             part=arguments.part,
-        ),
-    )
+            greeting=silent,
+        )
+
+    result = run_session(command, options)
     if result is None:
         return 1
     if result.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this

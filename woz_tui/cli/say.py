@@ -26,7 +26,7 @@ from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock
 
 #: The driver of this machine's loudspeaker, and the verb that is tried.
-_LOUDSPEAKER, SAY = "speech", "say"
+LOUDSPEAKER, SAY = "speech", "say"
 #: How long a robot may take to be there, in seconds.
 _THERE_S = 20.0
 #: What an utterance may change, as options: name -> type.
@@ -51,8 +51,8 @@ class Speaker:
 
 
 @dataclass(slots=True)
-class _TriedJob:
-    """The one command."""
+class LoneJob:
+    """A command outside of a session."""
 
     args: Mapping[str, Any]
     command: str = "try"
@@ -113,14 +113,14 @@ def run(arguments: Namespace) -> int:
 def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> list[Speaker]:
     """Drivers that speak. Raises `ExperimentError`, or `ValueError` for options."""
     if arguments.experiment is None and not arguments.robot:
-        kind = catalogue[_LOUDSPEAKER]
+        kind = catalogue[LOUDSPEAKER]
         pairs = [one.partition("=") for one in arguments.set]
         settings = settings_from_texts(
             kind.Settings, {name: value for name, _, value in pairs}, Path.cwd()
         )
         verbs = kind.verbs(settings)
         return [
-            Speaker(_LOUDSPEAKER, kind, settings, verb, Path.cwd())
+            Speaker(LOUDSPEAKER, kind, settings, verb, Path.cwd())
             for verb in verbs
             if verb.name == SAY
         ]
@@ -178,7 +178,7 @@ async def _heard(speaker: Speaker, args: Mapping[str, Json]) -> int:
             async with asyncio.timeout(_THERE_S):
                 await moved.wait()
         began_us = clock.now_us()
-        sent = await driver.perform(_TriedJob(speaker.verb.spoken(args)))
+        sent = await driver.perform(LoneJob(speaker.verb.spoken(args)))
         _print(sent, (clock.now_us() - began_us) / 1_000_000)
     except TimeoutError:
         last = health[-1] if health else None

@@ -113,6 +113,8 @@ class Console(ScreenApp):
         )
         keyboard.bind({}, self._own_keys())
         self.restart = restart
+        #: What to warn of when the session is there for the first time, and what helps.
+        self.greeting = ("", "")
         self.ask_participant = ask_participant
         self._greets = greets
         #: How the session began in which it was asked; its log may change its name.
@@ -271,7 +273,13 @@ class Console(ScreenApp):
             self._was_lost = False
             calls("screens.lost:close_lost")(self)
             self._back()
-        if self._greets:
+        text, remedy = self.greeting
+        if text:
+            self.greeting = ("", "")
+            now = self.state.now(self.clock.now_us())
+            self.state.events.append(EventLine("warning", text, remedy, now))
+            self.news(f"{text} ({remedy})", "warn")
+        if self._greets:  # this line takes the place of the other, which is an event, too
             self._greets = False
             stop, leave, keys = map(self._key, ("stop", "leave", "help"))
             self.news(f"{stop} stops the robot; {leave} closes; {keys} lists all keys", "strong")

@@ -28,7 +28,7 @@ BEGINS_S, ENDS_S = 20.0, 30.0
 
 #: Seconds from the beginning, and what the wizard asks for then.
 COURSE: tuple[tuple[float, dict[str, Any]], ...] = (
-    (3.0, {"kind": "script"}),  # Begins
+    (3.0, {"kind": "action", "action": "Trial begins", "source": "key", "key": "f8"}),
     (5.0, {"kind": "action", "action": "Hello", "source": "key", "key": "h"}),
     (6.5, {"kind": "action", "action": "Happy", "source": "key", "key": "f2"}),
     (10.0, {"kind": "action", "action": "Welcome", "source": "key", "key": "w"}),

@@ -15,7 +15,9 @@ from tests.session.rig import SessionRig
 from woz_tui.cli import demo
 from woz_tui.cli import run as run_command
 from woz_tui.config.bundled_files import bundled_file, robot_files
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
+from woz_tui.config.robot_fit import fitted
 from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
@@ -60,6 +62,47 @@ def test_the_same_file_runs_on_every_robot(name: str, robot: str) -> None:
         assert sorted({*done, *left_out}) == sorted({call.verb for call in before.calls})
 
 
+def shown_by(robot: str) -> Experiment:
+    file = bundled_file(demo.DEMOS[demo.DEFAULT][0])
+    assert file is not None
+    return fitted(load(file, installed(), robot=demo.NAMES.get(robot, robot)))
+
+
+@pytest.mark.parametrize("robot", demo.other_robots())
+def test_a_demo_has_the_size_of_its_robot(robot: str) -> None:
+    experiment = shown_by(robot)
+    verbs = {(spec.name, verb.name) for spec in experiment.drivers for verb in spec.verbs}
+    actions = [action for panel in experiment.panels for action in panel.actions]
+    assert len(actions) >= 10
+    for action in actions:
+        assert action.calls
+        assert not action.left_out
+        for call in action.calls:
+            assert (call.driver, call.verb) in verbs or call.driver in ("session", "engagement")
+            if call.verb in ("lock", "unlock"):
+                assert call.args["panel"] in {panel.title for panel in experiment.panels}
+    first = experiment.action(experiment.script[0])
+    assert first is not None
+    assert "say" in [call.verb for call in first.calls] or "say" not in {v for _, v in verbs}
+    sensors = {name for spec in experiment.drivers for name in spec.sensors}
+    if experiment.engagement is not None:
+        assert {*experiment.engagement.settings.signs} <= sensors
+    assert {*experiment.sensors} <= {*sensors, "engagement", "pose"}
+
+
+def test_robots_differ_in_what_their_demos_show() -> None:
+    def labels(robot: str) -> set[str]:
+        return {each.label for panel in shown_by(robot).panels for each in panel.actions}
+
+    assert {"Nod", "Happy", "Whale song"} <= labels("reachy-mini")
+    assert not {"Forward", "Drive on", "Picture", "Lean in"} & labels("reachy-mini")
+    assert {"Forward", "Drive on"} <= labels("nao")
+    model = shown_by("reachy-mini").engagement
+    assert model is not None
+    assert model.settings.signs == ("presence",)
+    assert shown_by("qtrobot").engagement is None
+
+
 @pytest.mark.parametrize(
     ("options", "drivers"),
     [
@@ -80,7 +123,7 @@ def test_camera_and_microphone_are_for_the_demo_of_the_engagement_model(
     assert f"{options[0]} is for --robot guide" in capsys.readouterr().err
     played: list[list[str]] = []
 
-    def play(arguments: argparse.Namespace, experiment: Path, robot: str, *, aloud: bool) -> int:
+    def play(arguments: argparse.Namespace, experiment: Path, robot: str, shown: object) -> int:
         played.append([one.type for one in load(experiment, installed(), robot=robot).drivers])
         return 0
 

@@ -104,4 +104,5 @@ def run(arguments: Namespace) -> int:
     arguments.participant = arguments.participant or participant
     robot = real or ("" if wanted in DEMOS else wanted)
     aloud = not (arguments.silent or os.environ.get(SILENT))
-    return run_command.play(arguments, experiment, robot, aloud=aloud)
+    shown = run_command.Shown(aloud, fitted=bool(robot) and not real)
+    return run_command.play(arguments, experiment, robot, shown)

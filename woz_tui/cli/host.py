@@ -60,6 +60,11 @@ def add(parser: ArgumentParser) -> None:
         metavar="N",
         help="with --train: number of cues (default: from the file)",
     )
+    parser.add_argument(
+        "--fitted",
+        action="store_true",
+        help="without actions of which the robot of --robot does nothing: for demos",
+    )
     parser.add_argument("--announce", action="store_true", help=SUPPRESS)
     parser.add_argument("--restarted", action="store_true", help=SUPPRESS)
 
@@ -125,6 +130,7 @@ def run(arguments: Namespace) -> int:
                 rerun=rerun,
                 training=training,
                 robot=arguments.robot,
+                fitted=arguments.fitted,
                 listen=arguments.listen,
             )
         )

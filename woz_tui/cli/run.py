@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from argparse import ArgumentParser, Namespace
+from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.cli import console_start
@@ -40,20 +41,36 @@ def run(arguments: Namespace) -> int:
     return play(arguments, arguments.experiment, arguments.robot)
 
 
-def play(arguments: Namespace, experiment: Path, robot: str = "", *, aloud: bool = False) -> int:
-    """A session on `experiment`, with another `robot` than its own if one is named; the exit
-    code. `aloud`: what the robot says is heard here, if anything can be.
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What a demo wants. `aloud`: what the robot says is heard here, if anything can be. `fitted`:
+    actions of which another robot does nothing are left out.
     """
-    return console_start.with_terminal(lambda: _play(arguments, experiment, robot, aloud))
+
+    aloud: bool = False
+    fitted: bool = False
 
 
-def _play(arguments: Namespace, experiment: Path, robot: str, aloud: bool) -> int:
+def play(
+    arguments: Namespace, experiment: Path, robot: str = "", shown: Shown | None = None
+) -> int:
+    """A session on `experiment`, with another `robot` than its own if one is named; the exit
+    code.
+    """
+    return console_start.with_terminal(
+        lambda: _play(arguments, experiment, robot, shown or Shown())
+    )
+
+
+def _play(arguments: Namespace, experiment: Path, robot: str, shown: Shown) -> int:
     own_keys = builtins(arguments)
     command = _host_command(arguments, experiment, robot)
+    if shown.fitted:
+        command.append("--fitted")
 
     def options(process: RobotProcess) -> console_start.ScreenOptions:
         silent = ("", "")
-        if aloud:
+        if shown.aloud:
             from woz_tui.cli import demo_voice  # noqa: PLC0415 - only demos are heard
 
             silent = demo_voice.silence()

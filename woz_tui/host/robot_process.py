@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
+from woz_tui.config.robot_fit import fitted
 from woz_tui.drivers.plugins import Catalogue, installed
 from woz_tui.host.loop_watchdog import LoopWatchdog
 from woz_tui.host.request_handlers import RequestHandlers
@@ -70,7 +71,8 @@ class HostOptions:
     `left_out` are then the sorts of those that it no longer allows.
     `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
     commands are run again. `training`: a wizard is trained, and nothing moves. `robot`: the one
-    that plays instead of the file's own. `listen`: where other machines can join; empty: nowhere.
+    that plays instead of the file's own; `fitted`: the file without what it cannot do. `listen`:
+    where other machines can join; empty: nowhere.
     """
 
     experiment: Path
@@ -85,6 +87,7 @@ class HostOptions:
     rerun: RerunOptions | None = None
     training: TrainingOptions | None = None
     robot: str = ""
+    fitted: bool = False
     listen: str = ""
 
 
@@ -119,6 +122,8 @@ def run(options: HostOptions) -> int:
 def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
     """The experiment's file as it is now, for this kind of session."""
     experiment = load(options.experiment, catalogue, robot=options.robot)
+    if options.fitted:
+        experiment = fitted(experiment)
     if options.training is not None:
         from woz_tui.host.training_session import without_participant  # noqa: PLC0415
 

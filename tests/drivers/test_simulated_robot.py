@@ -16,8 +16,9 @@ from woz_drivers.simulated.speech import utterance
 from woz_drivers.simulated.verbs import MOVES
 
 from tests.fakes.simulated_rig import Rig, rig
+from woz_tui.console.bodies.driver_outlines import body_outlines, outlines_of
 from woz_tui.drivers.contract import RejectedError
-from woz_tui.protocol.messages import Json
+from woz_tui.protocol.messages import FaceShown, Json
 from woz_tui.testing import PlainJob, RecordingContext
 
 
@@ -330,3 +331,21 @@ async def test_every_verb_that_it_offers_is_carried_out_by_something(robot: Rig)
     """`fault` is no act of the robot but one against it."""
     offered = {verb.name for verb in SimulatedRobot.verbs(robot.robot.settings)}
     assert offered - {"fault"} <= set(robot.robot._performers), "name it in the table of `__init__`"
+
+
+async def test_a_console_draws_its_body_and_the_face_that_it_shows(robot: Rig) -> None:
+    outlines = outlines_of({"robot": SimulatedRobot.outline(SimulatedSettings())})
+    (body,) = body_outlines(outlines)
+    assert [*body.home] == ["hip", "pan", "tilt"]
+    look = body.chain.ray({"pan": 90.0, "tilt": 30.0})[1]  # to its left, and down
+    assert look == pytest.approx((0.0, 0.866, -0.5), abs=0.01)
+    await robot.pace.advance(0.1)
+    robot.begin("emotion", emotion="happy", intensity=0.8)
+    await robot.pace.advance(1.0)
+    neutral, happy = (one for one in robot.context.shown if isinstance(one, FaceShown))
+    assert (neutral.emotion, happy.emotion, happy.intensity) == ("neutral", "happy", 0.8)
+    assert (happy.width, neutral.rows) != (0, happy.rows)
+
+
+def test_a_voice_alone_has_no_body() -> None:
+    assert SimulatedRobot.outline(SimulatedSettings(voice_only=True)) == {}

@@ -15,7 +15,7 @@ from woz_drivers.argument_values import (
     known_joints,
     sound_seconds,
 )
-from woz_drivers.simulated import doctor, verbs
+from woz_drivers.simulated import doctor, looks, verbs
 from woz_drivers.simulated import settings as _settings
 from woz_drivers.simulated.body import SimulatedRobotBody
 from woz_drivers.simulated.faults import SLOWNESS, ActiveFaults, Fault
@@ -185,6 +185,11 @@ class SimulatedRobot(Driver):
         }
 
     @classmethod
+    def outline(cls, settings: _settings.SimulatedSettings) -> dict[str, Json]:
+        """A trunk with a head and a face."""
+        return looks.outline(settings)
+
+    @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Nothing can be missing; say what of the settings deserves a thought."""
         return doctor.examine(probe)
@@ -198,6 +203,8 @@ class SimulatedRobot(Driver):
             self._faults.add(fault.kind, fault.seconds, fault.part, now + fault.after)
         self.context.health(Health.CONNECTING, "simulated hardware")
         self._report_health(now)
+        if not self.settings.voice_only:
+            self.context.show(looks.face())
         if self._microphone is not None:
             self._microphone.tell_threshold()
             self.context.sensor(SPEECH, "ready", "it reports speech by itself")
@@ -466,6 +473,8 @@ class SimulatedRobot(Driver):
 
     async def _emotion(self, job: Job) -> Sent:
         await self._spend(job, FACE_SECONDS)
+        emotion, intensity = job.args["emotion"], job.args.get("intensity")
+        self.context.show(looks.face(emotion, 1.0 if intensity is None else intensity))
         return job.args
 
     async def _eyes(self, job: Job) -> Sent:

@@ -65,6 +65,8 @@ def word_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
         ("tempo", value_text("tempo", seen.value("tempo"), glyphs), "plain"),
         ("seen", seen.old, "stale") if seen.old else ("", "", "plain"),
     ]
+    if not seen.values:  # of a body that tells no more than its face and its mode
+        lines = [*lines[:2], *lines[-1:]]
     if height < len(lines):
         lines = [line for line in lines if line[1]][: max(1, height)]
     names = NAMES if width >= 2 * NAMES else SHORT_NAMES

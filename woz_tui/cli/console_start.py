@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from woz_tui.cli import GC_THRESHOLDS
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
+from woz_tui.cli.progress import progress
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 from woz_tui.log.file_names import current_path
 from woz_tui.system.text_cleaning import lasting
@@ -330,8 +331,10 @@ def run_session(
     """
     launch = Launch(command)
     try:
-        load_modules()
-        robot = launch.wait()
+        with progress(patience_s=0.0) as show:
+            show("Starting the robot process ...")
+            load_modules()
+            robot = launch.wait()
         console = make_console(options(robot))
     except LaunchError as error:
         print(error, file=sys.stderr)

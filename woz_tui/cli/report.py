@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import os_error_text
+from woz_tui.cli.progress import progress
 from woz_tui.cli.safe_streams import json_text
 
 if TYPE_CHECKING:
@@ -43,7 +44,11 @@ def add(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="check all line numbers and checksums, also of the samples",
     )
-    parser.add_argument("--all", action="store_true", help="tables without a limit of rows")
+    parser.add_argument(
+        "--all",
+        action="store_true",
+        help="everything on a terminal, which shows ten lines else; tables without a limit of rows",
+    )
 
 
 def add_sessions(parser: argparse.ArgumentParser) -> None:
@@ -114,7 +119,7 @@ def _report(arguments: argparse.Namespace) -> int:
         return 1
     if arguments.json:
         _print_json(sessions, grouped, reading.problems)
-    elif kept or grouped.sessions:
+    elif (kept or grouped.sessions) and not arguments.html:
         _print(arguments, grouped, kept, len(reading.paths))
     _print_written(arguments, nothing=not grouped.sessions)
     return reading.print_problems("woz report")
@@ -141,14 +146,16 @@ class SessionReader:
         from woz_tui.analysis.session_reading import read_report  # noqa: PLC0415
 
         options = options_of(self._arguments)
-        for path in self.paths:
-            try:
-                report = read_report(path, options, extras)
-            except (OSError, ValueError) as error:
-                reason = os_error_text(error) if isinstance(error, OSError) else str(error)
-                self.problems.append(reason)
-                continue
-            yield report
+        with progress() as show:
+            for number, path in enumerate(self.paths, 1):
+                show(f"Reading session {number} of {len(self.paths)}: {path.name}")
+                try:
+                    report = read_report(path, options, extras)
+                except (OSError, ValueError) as error:
+                    reason = os_error_text(error) if isinstance(error, OSError) else str(error)
+                    self.problems.append(reason)
+                    continue
+                yield report
 
     def print_problems(self, command: str) -> int:
         """Print what was wrong; returns the exit code."""
@@ -201,7 +208,9 @@ def _print(
     from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
 
     page = report_page()
-    if sessions == 1 and kept:
+    if page.console.is_terminal and not arguments.all:
+        terminal.show_summary(page, grouped, kept[0] if sessions == 1 and kept else None)
+    elif sessions == 1 and kept:
         terminal.show_session(page, kept[0], sys.maxsize if arguments.all else terminal.TOP)
     else:
         terminal.show_sessions(page, grouped)

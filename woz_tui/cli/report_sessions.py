@@ -5,8 +5,9 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 
+from rich.table import Table
 from rich.text import Text
 
 from woz_tui.analysis import report_tables as tables
@@ -14,6 +15,7 @@ from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.experiment_names import file_of
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import PartFigures, Reactions, SessionFigures
+from woz_tui.analysis.measures import title_of
 from woz_tui.analysis.participant_groups import GroupedSessions, who_took_part
 from woz_tui.analysis.participants import alike_sentence, excluded_sentence
 from woz_tui.analysis.session_reading import SessionReport
@@ -55,6 +57,41 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
         page.head("Circumstances")
     for sentence in sentences:
         page.say(sentence)
+
+
+#: Lines of figures in a summary on a terminal.
+SUMMARY = 6
+#: The figures of one session in its summary, those first that are worth most.
+_IN_SUMMARY = (
+    *("wizard_actions", "mistakes", "stops", "actions_done", "actions_failed", "actions_refused"),
+    *("cues", "cues_answered", "reaction_median_s", "press_median_ms", "engaged_share"),
+    *("trials", "improvised_actions", "markers", "notes", "actions_stopped", "episodes"),
+)
+
+
+def show_summary(page: ReportPage, grouped: GroupedSessions, alone: SessionReport | None) -> None:
+    """Print what fits a screen, of one session or of the first experiment of many."""
+    if alone is not None:
+        title(page, alone.figures)
+        values = {row[0]: row[1] for row in tables.figures_table(alone.figures).rows}
+        names = [name for name in map(title_of, _IN_SUMMARY) if name in values][: 2 * SUMMARY]
+        figures = Table.grid(padding=(0, 3, 0, 0))
+        for justify in ("left", "right", "left", "right"):
+            figures.add_column(justify=justify)
+        half = -(-len(names) // 2)
+        for left, right in zip_longest(names[:half], names[half:], fillvalue=""):
+            figures.add_row(left, values[left], right, values.get(right, ""))
+        page.console.print(figures)
+    else:
+        for experiment in [*grouped.experiments][:1]:
+            _size(page, grouped, experiment)
+            page.print(page.block(tables.condition_totals(grouped.totals(experiment)), SUMMARY - 2))
+        others = len(grouped.experiments) - 1
+        if others > 0:
+            page.say(f"and {counted(others, 'other experiment')}")
+        if grouped.damaged:
+            page.trouble(f"{counted(len(grouped.damaged), 'log')} not whole")
+    page.say("--all: everything; --html page.html: with pictures, for the browser", style="dim")
 
 
 def title(page: ReportPage, figures: SessionFigures) -> None:
@@ -187,14 +224,19 @@ def bars(rows: Sequence[tuple[str, int]], width: int, signs: TextSigns) -> list[
 # -- many sessions --------------------------------------------------------------------------------
 
 
+def _size(page: ReportPage, grouped: GroupedSessions, experiment: str) -> None:
+    rows = grouped.of(experiment)
+    people = len({who_took_part(row.participant, row.session) for row in rows if row.counted})
+    size = counted(grouped.sessions_of(experiment), "session")
+    size += f", {counted(people, 'participant')}"
+    page.head(f"{experiment or 'experiment not recorded'}: {size}")
+
+
 def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
     """Print the tables of all experiments."""
     for experiment in grouped.experiments:
+        _size(page, grouped, experiment)
         rows = grouped.of(experiment)
-        people = len({who_took_part(row.participant, row.session) for row in rows if row.counted})
-        size = counted(grouped.sessions_of(experiment), "session")
-        size += f", {counted(people, 'participant')}"
-        page.head(f"{experiment or 'experiment not recorded'}: {size}")
         versions = grouped.versions(experiment)
         if versions > 1:
             files = grouped.files(experiment)

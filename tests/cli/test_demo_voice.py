@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import importlib.util
 from pathlib import Path
 
 import pytest
+from woz_drivers.speech.driver import Speech
+from woz_drivers.speech.settings import SpeechSettings
 
 from tests.drivers.published_messages import until
 from tests.drivers.speech_rig import SpeechRig, desk_in
 from tests.host.rig import served_session
-from woz_tui.cli.demo_voice import DemoVoice, silence
+from woz_tui.cli.demo_voice import DemoVoice, silence, voice_settings
 from woz_tui.client import WozStoppedError, connect
+from woz_tui.config.annotated_decoder import settings_from_texts
 
 
 def said(rig: SpeechRig) -> list[object]:
@@ -58,6 +62,18 @@ async def test_the_stop_silences_it_and_drivers_that_sound_are_left_to_themselve
         following.cancel()
         assert said(rig) == ["Welcome\n"]
         assert rig.journal_entries("played") == []
+
+
+@pytest.mark.parametrize("installed", [True, False])
+async def test_pipers_voice_is_taken_where_it_is_installed_with_a_model(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, installed: bool
+) -> None:
+    for name in ("de_DE-a.onnx", "de_DE-a.onnx.json", "en_US-joe.onnx", "en_US-joe.onnx.json"):
+        (tmp_path / name).touch()
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: object() if installed else None)
+    settings = await voice_settings(Speech, tmp_path)
+    assert settings.get("resident_voice", "").endswith("--model en_US-joe") is installed
+    assert settings_from_texts(SpeechSettings, settings, tmp_path)
 
 
 def programs(folder: Path, **scripts: str) -> None:

@@ -127,7 +127,7 @@ class DemoVoice:
         await self._speech.stop(Scope.ALL)
 
 
-async def _settings(kind: type[Driver], folder: Path) -> Mapping[str, str]:
+async def voice_settings(kind: type[Driver], folder: Path) -> Mapping[str, str]:
     """Piper's voice, if there is one: it sounds better; else espeak-ng's."""
     if _has_piper():
         found = await kind.voices(Probe(LOUDSPEAKER, None, folder))
@@ -145,7 +145,7 @@ async def _speak(socket: Path, experiment: Path, robot: str) -> None:
     clock = RealClock()
     hub = Hub(clock, lambda message, line: None)
     context = SessionDriverContext(LOUDSPEAKER, hub, clock, experiment.parent)
-    texts = await _settings(kind, experiment.parent)
+    texts = await voice_settings(kind, experiment.parent)
     settings = settings_from_texts(kind.Settings, texts, experiment.parent)
     speech = kind(LOUDSPEAKER, settings, context)
     await speech.open()

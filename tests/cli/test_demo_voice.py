@@ -30,7 +30,7 @@ async def test_what_the_robot_says_is_heard_until_the_session_ends(tmp_path: Pat
             session = await listener.__aenter__()
             following = asyncio.create_task(DemoVoice(await rig.open()).follow(session))
             await program.perform("say", text="Welcome")
-            await program.say("And goodbye")
+            await program.say("^start(animations/Hey_1) And goodbye")  # of a Pepper
         await following
         await listener.__aexit__(None, None, None)
         assert said(rig) == ["Welcome\n", "And goodbye\n"]

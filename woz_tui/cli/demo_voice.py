@@ -86,6 +86,7 @@ class DemoVoice:
 
     def __init__(self, speech: Driver, audible: frozenset[str] = frozenset()) -> None:
         self._speech = speech
+        self._verbs = {verb.name: verb for verb in speech.verbs(speech.settings)}
         self._audible = audible
         self._asked: dict[str, m.Command] = {}
         self._heard: dict[str, asyncio.Task[None]] = {}
@@ -101,12 +102,13 @@ class DemoVoice:
 
     async def _take(self, message: m.Message) -> None:
         match message:
-            case m.Command(verb=verb, driver=driver) if verb in _TAKEN:
+            case m.Command(verb=verb, driver=driver) if verb in _TAKEN and verb in self._verbs:
                 if driver not in self._audible:
                     self._asked[message.command] = message
             case m.Dispatched() if asked := self._asked.pop(message.command, None):
                 args = {name: asked.args[name] for name in _TAKEN[asked.verb] if name in asked.args}
-                heard = asyncio.create_task(self._perform(LoneJob(args, verb=asked.verb)))
+                job = LoneJob(self._verbs[asked.verb].spoken(args), verb=asked.verb)
+                heard = asyncio.create_task(self._perform(job))
                 self._heard[message.command] = heard
                 heard.add_done_callback(lambda _: self._heard.pop(message.command, None))
             case m.End() if not isinstance(message, m.Done):

@@ -52,7 +52,7 @@ def test_the_demo_shows_every_verb_of_the_simulated_robot() -> None:
     assert offered - used == set()
     assert 25 <= len(actions_of(demo)) <= 60
     assert len(demo.panels) in (5, 6)
-    assert len(demo.script) == 8
+    assert len(demo.script) == 7
 
 
 def test_the_reader_knows_the_verbs_that_the_session_carries_out() -> None:

@@ -29,7 +29,7 @@ from typing import Any
 import psutil
 from woz_drivers.microphone import whisper_transcriber
 from woz_drivers.microphone.transcriber import Transcript
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs.resident_program import ResidentProgram
 from woz_drivers.speech import piper_voice
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings

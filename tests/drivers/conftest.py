@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from woz_drivers import confirmed_stop
 from woz_drivers.dynamixel import wire
 
 from tests.drivers.published_messages import PATIENCE_S
 from tests.drivers.servo_rig import MEASURED_MS, MISSING_MS
+from woz_tui.drivers import confirmed_stop
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from woz_drivers import room_threshold
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.sound import room_threshold
 
 from tests.drivers.published_messages import BusJob, PublishedMessages, until
 from woz_tui.protocol.messages import Json

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import psutil
-from woz_drivers.child_process import guard
+from woz_drivers.programs.child_process import guard
+from woz_drivers.sound.wav import Wav
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
-from woz_drivers.wav import Wav
 
 from tests.drivers.published_messages import PATIENCE_S, BusJob, PublishedMessages
 from tests.fakes import sound as fake

@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from woz_drivers.background import BackgroundTasks
-from woz_drivers.confirmed_stop import Ends, confirmed_within
 
 from tests.fakes.virtual_time import run_virtual, stand_still
+from woz_tui.drivers.background import BackgroundTasks
+from woz_tui.drivers.confirmed_stop import Ends, confirmed_within
 from woz_tui.drivers.contract import DriverError, StopReport
 
 

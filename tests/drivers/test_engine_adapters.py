@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from woz_drivers.microphone import whisper_transcriber
 from woz_drivers.microphone.transcriber import Transcript
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs.resident_program import ResidentProgram
 from woz_drivers.speech import piper_voice
 from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
 from woz_drivers.speech.synthesis import PreparedUtterance, SpeechSynthesis

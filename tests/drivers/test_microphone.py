@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import psutil
 import pytest
-from woz_drivers import pcm_audio
-from woz_drivers.child_process import guard
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.programs.child_process import guard
+from woz_drivers.sound import pcm_audio
 
 from tests.drivers.microphones import learning, microphone_opener
 from tests.drivers.published_messages import BusJob, PublishedMessages, until

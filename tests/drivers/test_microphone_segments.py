@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from woz_drivers import pcm_audio
 from woz_drivers.microphone import speech_segments
 from woz_drivers.microphone.driver import Microphone
+from woz_drivers.sound import pcm_audio
 
 from tests.drivers.microphones import microphone_opener
 from tests.drivers.published_messages import PATIENCE_S, PublishedMessages, until

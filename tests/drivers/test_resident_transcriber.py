@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers import byte_stream
-from woz_drivers.child_process import RestartPauses
 from woz_drivers.microphone import doctor
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.transcriber import TRANSCRIBER
+from woz_drivers.programs import byte_stream
+from woz_drivers.programs.child_process import RestartPauses
 
 from tests.drivers.microphones import microphone_opener
 from tests.drivers.published_messages import PublishedMessages, until

@@ -6,13 +6,13 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from woz_drivers import room_threshold
 from woz_drivers.microphone.driver import Microphone
-from woz_drivers.pcm_audio import decode, rms
 from woz_drivers.simulated import SimulatedSettings
 from woz_drivers.simulated.senses import ROOM_NOISE, ROOM_SPREAD, THRESHOLD
 from woz_drivers.simulated.verbs import offered
 from woz_drivers.simulated.visitor import SimulatedVisitor
+from woz_drivers.sound import room_threshold
+from woz_drivers.sound.pcm_audio import decode, rms
 
 from tests.fakes.simulated_rig import Rig, rig
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope

@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pcm_audio import decode, rms
+from woz_drivers.sound.pcm_audio import decode, rms
+from woz_drivers.sound.wav import parse
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.speech.synthesis import file_names, spoken_text
-from woz_drivers.wav import parse
 
 from tests.drivers.published_messages import BusJob, until
 from tests.drivers.speech_rig import SpeechRig, desk_in, say, say_arguments

@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 from woz_drivers.microphone.transcriber import Transcript
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs.resident_program import ResidentProgram
+from woz_drivers.sound.wav import Wav
 from woz_drivers.speech.settings import SynthesisSettings
 from woz_drivers.speech.synthesis import SpeechSynthesis
-from woz_drivers.wav import Wav
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "speech-programs.md"
 

@@ -12,7 +12,7 @@ import pytest
 from woz_drivers.microphone import voice_detection
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
-from woz_drivers.pcm_audio import Samples
+from woz_drivers.sound.pcm_audio import Samples
 
 from woz_tui.sensing.speech_endpoint import SpeechEnd, SpeechStart
 

@@ -21,7 +21,6 @@ import pytest
 import pytest_asyncio
 from aiohttp import web
 from robot_simulators.reachy_mini import ReachyMiniSimulator
-from woz_drivers import confirmed_stop
 from woz_drivers.reachy_mini import (
     ReachyMini,
     ReachyMiniSettings,
@@ -33,6 +32,7 @@ from woz_drivers.speech.settings import SynthesisSettings
 
 from tests.peers.places import place
 from tests.peers.vendors_daemon import BACKENDS, STARTS_S, VendorsDaemon
+from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.contract import (
     DeviceLostError,
     Health,

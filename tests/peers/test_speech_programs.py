@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pytest_asyncio
-from woz_drivers import pcm_audio
 from woz_drivers.microphone import whisper_transcriber
 from woz_drivers.microphone.transcriber import TRANSCRIBER, Transcript
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs.resident_program import ResidentProgram
+from woz_drivers.sound import pcm_audio
+from woz_drivers.sound.wav import Wav
 from woz_drivers.speech import piper_voice
 from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
 from woz_drivers.speech.synthesis import SpeechSynthesis
-from woz_drivers.wav import Wav
 
 from tests.drivers.microphones import microphone_opener
 from tests.peers.places import place

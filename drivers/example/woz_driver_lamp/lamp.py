@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers.serial_line import LOSSES, SerialLine, explain_port_error, open_port
+from woz_drivers.lines.serial_line import LOSSES, SerialLine, explain_port_error, open_port
 
 from woz_tui.drivers.contract import (
     Argument,

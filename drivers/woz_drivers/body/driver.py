@@ -8,12 +8,12 @@ import logging
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar
 
-from woz_drivers.background import BackgroundTasks
 from woz_drivers.body import doctor
 from woz_drivers.body.servo_feedback import MOVING, MotionWatch, joint_troubles
 from woz_drivers.body.settings import BodySettings, move_changes
 from woz_drivers.body.tick_loop import BodyLoop, ThreadTicker
-from woz_drivers.confirmed_stop import AGAIN_S
+from woz_tui.drivers.background import BackgroundTasks
+from woz_tui.drivers.confirmed_stop import AGAIN_S
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,

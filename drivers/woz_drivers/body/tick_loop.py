@@ -16,7 +16,6 @@ from concurrent.futures import Future
 
 from woz_drivers.body.servo_feedback import FRESH_S, MotionWatch, ServoFeedback
 from woz_drivers.body.settings import BodySettings
-from woz_drivers.rate_limit import RateLimit
 from woz_tui.drivers.contract import Ask, DriverContext, DriverError, Health
 from woz_tui.motion.body_feeds import (
     FACE,
@@ -36,6 +35,7 @@ from woz_tui.motion.light_frames import LightFrame
 from woz_tui.motion.modes import Mode, Operator
 from woz_tui.motion.move_types import Move, SoundCue
 from woz_tui.protocol.messages import BodyChanged, FaceShown, Json
+from woz_tui.system.rate_limit import RateLimit
 
 # -- lateness -------------------------------------------------------------------------------------
 # How punctual ticks were, counted without keeping them.

@@ -7,11 +7,11 @@ import contextlib
 import time
 from collections.abc import Awaitable, Callable
 
-from woz_drivers import child_process
-from woz_drivers.answer_times import BUSY_REMEDY, Now
 from woz_drivers.camera.blob import BlobFinder
 from woz_drivers.camera.picture_source import PictureSource
 from woz_drivers.camera.settings import CameraSettings
+from woz_drivers.lines.answer_times import BUSY_REMEDY, Now
+from woz_drivers.programs import child_process
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 from woz_tui.system.processor_time import ProcessorWaits
 

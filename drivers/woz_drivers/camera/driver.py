@@ -7,13 +7,12 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_drivers.camera import doctor, frame_files
 from woz_drivers.camera.blob import BlobFinder
 from woz_drivers.camera.frame_files import FrameFiles
 from woz_drivers.camera.picture_feed import PictureFeed
 from woz_drivers.camera.settings import CameraSettings
-from woz_drivers.rate_limit import RateLimit
+from woz_drivers.programs.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
@@ -28,6 +27,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.protocol.messages import Json
+from woz_tui.system.rate_limit import RateLimit
 
 #: Published beside the feed: places from -1 to 1, null while nothing is seen; share of the picture.
 SENSORS = ("seen.x", "seen.y", "seen.size")

@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
-from woz_drivers import picture_files
 from woz_drivers.camera.picture_source import PictureSource
 from woz_drivers.camera.settings import FrameSettings
+from woz_drivers.pictures import picture_files
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Verb
 from woz_tui.protocol.messages import Json
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from woz_drivers.camera import raw_pictures
 from woz_drivers.camera.picture_source import PictureSource
-from woz_drivers.live_pictures import LivePictures
+from woz_drivers.pictures.live_pictures import LivePictures
 from woz_tui.drivers.contract import DriverContext
 
 #: A frame's line is this share of the picture's width.

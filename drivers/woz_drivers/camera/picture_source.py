@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers import command_lines
 from woz_drivers.camera.raw_pictures import FORMATS, PictureLayout
+from woz_drivers.programs import command_lines
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
 

@@ -21,7 +21,7 @@ from typing import TypeVar
 import serial
 from dynamixel_sdk import PortHandler
 
-from woz_drivers.serial_line import LOSSES, explain_port_error, reason_of
+from woz_drivers.lines.serial_line import LOSSES, explain_port_error, reason_of
 from woz_tui.drivers.contract import DeviceLostError
 
 #: Longest sleep in one wait for bytes, in milliseconds.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import asyncio
 
-from woz_drivers import child_process
 from woz_drivers.camera.doctor import examine_pictures
 from woz_drivers.faces.face_lines import FacesLine, RecogniserAnswer, decoded_line
 from woz_drivers.faces.face_tracks import distance_of
 from woz_drivers.faces.settings import FacesSettings
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs import child_process
+from woz_drivers.programs.resident_program import ResidentProgram
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: What the program is called in sentences, and what to do about it.

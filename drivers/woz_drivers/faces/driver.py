@@ -7,7 +7,6 @@ import statistics
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_drivers.camera.picture_feed import PictureFeed, PictureMark
 from woz_drivers.faces import doctor
 from woz_drivers.faces.face_identity import EACH_IDENTITY, IDENTITY, FaceIdentity
@@ -23,6 +22,7 @@ from woz_drivers.faces.face_tracks import (
 )
 from woz_drivers.faces.feed_camera import FeedCamera
 from woz_drivers.faces.settings import FacesSettings
+from woz_drivers.programs.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_tui.drivers.contract import (
     FACE_CONSENT,
     LEARN_FACE,

@@ -17,7 +17,7 @@ from woz_drivers.faces.face_lines import RecogniserAnswer, SeenFace
 from woz_drivers.faces.face_networks import PictureSampler
 from woz_drivers.faces.face_tracks import FaceTrack
 from woz_drivers.faces.settings import FacesSettings
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs.resident_program import ResidentProgram
 from woz_tui.drivers.contract import DriverContext, DriverError, RejectedError
 from woz_tui.drivers.face_store import FaceStore, default_path, key_of
 from woz_tui.protocol.messages import Json

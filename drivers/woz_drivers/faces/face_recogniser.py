@@ -2,9 +2,9 @@
 
     python -m woz_drivers.faces.face_recogniser --models FOLDER [--alike 0.45]
 
-It stays loaded and speaks the lines of `woz_drivers.resident_program`. A request is about one face,
-given as `crop`: 112 x 112 pixels, red, green and blue, in base64, with the eyes, the nose and the
-corners of the mouth at the places of `CROP_PLACES` (`face_geometry`).
+It stays loaded and speaks the lines of `woz_drivers.programs.resident_program`. A request is about
+one face, given as `crop`: 112 x 112 pixels, red, green and blue, in base64, with the eyes, the nose
+and the corners of the mouth at the places of `CROP_PLACES` (`face_geometry`).
 
     {"id": 1, "do": "identify", "crop": "..."}          -> {"id": 1, "name": "V3", "likeness": 0.81}
     {"id": 2, "do": "take", "anew": true, "crop": "..."} -> {"id": 2}        kept in memory alone

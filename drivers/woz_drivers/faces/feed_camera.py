@@ -6,7 +6,7 @@ import asyncio
 
 import numpy as np
 
-from woz_drivers.byte_stream import StreamListener
+from woz_drivers.programs.byte_stream import StreamListener
 from woz_tui.drivers.contract import DriverContext, DriverError
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.system.tasks import end_tasks

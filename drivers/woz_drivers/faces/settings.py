@@ -8,9 +8,9 @@ import sys
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers import command_lines
 from woz_drivers.camera.picture_source import PictureSource
 from woz_drivers.faces import models
+from woz_drivers.programs import command_lines
 from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Sibling
 
 

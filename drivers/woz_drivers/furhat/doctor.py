@@ -9,8 +9,6 @@ from typing import Any, TypeVar
 
 import aiohttp
 
-from woz_drivers.answer_times import line_finding
-from woz_drivers.argument_values import did_you_mean
 from woz_drivers.furhat.furhat_link import NO_ACCESS, PATH
 from woz_drivers.furhat.realtime_events import (
     Access,
@@ -22,8 +20,10 @@ from woz_drivers.furhat.realtime_events import (
     read_event,
 )
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_drivers.simulated_process import SimulatedProcess
-from woz_drivers.web_socket_line import failure_reason
+from woz_drivers.lines.answer_times import line_finding
+from woz_drivers.lines.web_socket_line import failure_reason
+from woz_drivers.programs.simulated_process import SimulatedProcess
+from woz_tui.drivers.argument_values import did_you_mean
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 from woz_tui.system.extras import install_command
 

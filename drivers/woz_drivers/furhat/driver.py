@@ -7,9 +7,6 @@ import contextlib
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers import confirmed_stop
-from woz_drivers.background import Background, BackgroundTasks
-from woz_drivers.confirmed_stop import confirmed_within, succeeded
 from woz_drivers.furhat import doctor
 from woz_drivers.furhat.furhat_camera import FurhatCamera
 from woz_drivers.furhat.furhat_face import FurhatFace
@@ -22,6 +19,9 @@ from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.furhat_senses import FurhatSenses
 from woz_drivers.furhat.furhat_speech import FurhatSpeech
 from woz_drivers.furhat.settings import FurhatSettings
+from woz_tui.drivers import confirmed_stop
+from woz_tui.drivers.background import Background, BackgroundTasks
+from woz_tui.drivers.confirmed_stop import confirmed_within, succeeded
 from woz_tui.drivers.contract import (
     DeviceLostError,
     Driver,

@@ -13,12 +13,12 @@ import io
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.background import Background
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import CameraData
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_drivers.live_pictures import LivePictures, kept_picture
+from woz_drivers.pictures.live_pictures import LivePictures, kept_picture
+from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DriverContext, DriverError, Job, Verb
 from woz_tui.protocol.camera_pictures import CameraWatched
 from woz_tui.protocol.messages import Json

@@ -11,14 +11,6 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from woz_drivers.argument_values import (
-    did_you_mean,
-    known_joints,
-    number,
-    positive,
-    text,
-    word,
-)
 from woz_drivers.furhat.furhat_head import FurhatHead, within
 from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
 from woz_drivers.furhat.furhat_moves import (
@@ -33,6 +25,14 @@ from woz_drivers.furhat.furhat_moves import (
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import FaceStatus, GestureEnded, GestureStarted
 from woz_drivers.furhat.settings import FurhatSettings
+from woz_tui.drivers.argument_values import (
+    did_you_mean,
+    known_joints,
+    number,
+    positive,
+    text,
+    word,
+)
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,

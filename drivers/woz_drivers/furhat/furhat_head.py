@@ -10,11 +10,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.argument_values import number, text
 from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import AttendStatus, Place
 from woz_drivers.furhat.settings import FurhatSettings
+from woz_tui.drivers.argument_values import number, text
 from woz_tui.drivers.contract import Argument, DriverContext, Job, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb

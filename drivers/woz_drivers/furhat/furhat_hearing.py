@@ -19,7 +19,7 @@ from woz_drivers.furhat.realtime_events import (
     ListenStarted,
 )
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_drivers.noticed_speech import NoticedSpeech
+from woz_drivers.sound.noticed_speech import NoticedSpeech
 from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Argument, DriverContext, Job, Verb
 from woz_tui.protocol.messages import Json
 

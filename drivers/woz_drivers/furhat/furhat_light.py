@@ -6,11 +6,11 @@ import asyncio
 import contextlib
 from collections.abc import Mapping
 
-from woz_drivers.argument_values import color, word
-from woz_drivers.background import Background
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.settings import FurhatSettings
+from woz_tui.drivers.argument_values import color, word
+from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Verb
 from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS, common_verb
 from woz_tui.protocol.messages import Json

@@ -8,11 +8,11 @@ import os
 from collections.abc import Callable, Coroutine
 from typing import Any, Generic, TypeVar
 
-from woz_drivers.background import forget_outcome
 from woz_drivers.furhat.realtime_events import Access, RobotEvent, read_error, read_event
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
-from woz_drivers.web_socket_line import WebPlace, WebSocketLine
+from woz_drivers.lines.web_socket_line import WebPlace, WebSocketLine
+from woz_drivers.programs.simulated_process import SIMULATED, SimulatedProcess
+from woz_tui.drivers.background import forget_outcome
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
 PATH = "/v1/events"

@@ -8,13 +8,13 @@ import binascii
 import contextlib
 import math
 
-from woz_drivers import pcm_audio
-from woz_drivers.background import Background
 from woz_drivers.furhat.furhat_head import FurhatHead, direction_of
 from woz_drivers.furhat.furhat_link import FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import AudioData, DetectedUser, Place, UsersData
 from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.sound import pcm_audio
+from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 from woz_tui.drivers.sound_feeds import WIDTH, SoundOffer
 

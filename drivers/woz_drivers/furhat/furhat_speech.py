@@ -13,9 +13,6 @@ from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from woz_drivers import live_talk, pcm_audio, wav
-from woz_drivers.argument_values import file, number, text
-from woz_drivers.background import BackgroundTasks
 from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
 from woz_drivers.furhat.furhat_parts import FurhatPart
 from woz_drivers.furhat.realtime_events import (
@@ -27,8 +24,11 @@ from woz_drivers.furhat.realtime_events import (
     VoiceStatus,
 )
 from woz_drivers.furhat.settings import FurhatSettings, FurhatTalkSettings
-from woz_drivers.live_talk import LiveTalk, SentVoice, VoiceTally
+from woz_drivers.sound import live_talk, pcm_audio, wav
+from woz_drivers.sound.live_talk import LiveTalk, SentVoice, VoiceTally
 from woz_drivers.speech.synthesis import read_wav
+from woz_tui.drivers.argument_values import file, number, text
+from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,

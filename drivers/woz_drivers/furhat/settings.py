@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_drivers.argument_values import color, did_you_mean
 from woz_drivers.furhat.furhat_moves import FACE_PARAMETERS, FaceFrame
-from woz_drivers.live_talk import TalkSettings
-from woz_drivers.simulated_process import SIMULATED, robot_place
+from woz_drivers.programs.simulated_process import SIMULATED, robot_place
+from woz_drivers.sound.live_talk import TalkSettings
+from woz_tui.drivers.argument_values import color, did_you_mean
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from woz_drivers.control_functions import BUTTON, KNOB, SLIDER, PanelControl
+from woz_drivers.panels.control_functions import BUTTON, KNOB, SLIDER, PanelControl
 
 GAMEPAD, STREAM_DECK = DEVICES = ("gamepad", "stream-deck")
 #: Keys that the largest Stream Deck has.

@@ -8,9 +8,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from woz_drivers.control_functions import MappedControl
-from woz_drivers.control_panel import ControlPanel, drawn_control
-from woz_drivers.control_requests import RequestQueue
 from woz_drivers.hands import doctor
 from woz_drivers.hands.device_models import STICKS
 from woz_drivers.hands.device_watch import DeviceWatch
@@ -20,6 +17,9 @@ from woz_drivers.hands.settings import (
     HandsSettings,
     mapped_controls,
 )
+from woz_drivers.panels.control_functions import MappedControl
+from woz_drivers.panels.control_panel import ControlPanel, drawn_control
+from woz_drivers.panels.control_requests import RequestQueue
 from woz_tui.drivers.contract import (
     Ask,
     DriverContext,

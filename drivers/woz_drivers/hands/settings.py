@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
-from woz_drivers.control_functions import (
+from woz_drivers.hands.device_models import DEVICES, GAMEPAD, MODELS, TRIGGERS
+from woz_drivers.panels.control_functions import (
     BUTTON,
     JUMP,
     SOFT,
@@ -15,7 +16,6 @@ from woz_drivers.control_functions import (
     MappedControl,
     function_problems,
 )
-from woz_drivers.hands.device_models import DEVICES, GAMEPAD, MODELS, TRIGGERS
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section, Sibling
 
 #: The common verb that moves a robot through the room.

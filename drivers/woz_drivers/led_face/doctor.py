@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 
-from woz_drivers.answer_times import BUSY_REMEDY, AnswerTimes, Now
 from woz_drivers.led_face.conversation import mismatch
 from woz_drivers.led_face.settings import LedFaceSettings
 from woz_drivers.led_face.wire import (
@@ -17,7 +16,8 @@ from woz_drivers.led_face.wire import (
     Packet,
     PacketReader,
 )
-from woz_drivers.serial_line import SerialLine
+from woz_drivers.lines.answer_times import BUSY_REMEDY, AnswerTimes, Now
+from woz_drivers.lines.serial_line import SerialLine
 from woz_tui.drivers.contract import DeviceLostError, Finding
 from woz_tui.system.processor_time import ProcessorWaits
 from woz_tui.system.tasks import end_tasks, wait_at_most

@@ -10,7 +10,7 @@ from typing import Any
 from woz_drivers.led_face.conversation import FaceLink, LinkState
 from woz_drivers.led_face.doctor import examine
 from woz_drivers.led_face.settings import LedFaceSettings
-from woz_drivers.serial_line import SerialLine
+from woz_drivers.lines.serial_line import SerialLine
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,

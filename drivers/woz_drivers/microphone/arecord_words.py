@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import re
 
-from woz_drivers import pcm_audio
 from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.sound import pcm_audio
 
 #: The list of formats is not translated, what stands before it is.
 _FORMATS = re.compile(r"Available formats: ?(.*)")

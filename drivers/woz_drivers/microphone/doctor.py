@@ -6,11 +6,12 @@ import asyncio
 
 import numpy as np
 
-from woz_drivers import child_process, command_lines, pcm_audio
 from woz_drivers.microphone import arecord_words
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs import child_process, command_lines
+from woz_drivers.programs.resident_program import ResidentProgram
+from woz_drivers.sound import pcm_audio
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: How much is listened to, and how long that may take, in seconds.

@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from woz_drivers import pcm_audio, room_threshold
-from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_drivers.microphone import arecord_words, doctor
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
@@ -20,6 +18,8 @@ from woz_drivers.microphone.transcriber import (
     Transcriber,
     TranscribingProgram,
 )
+from woz_drivers.programs.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
+from woz_drivers.sound import pcm_audio, room_threshold
 from woz_tui.drivers.contract import (
     SPEECH,
     SPEECH_TEXT,

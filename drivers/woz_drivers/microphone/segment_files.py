@@ -18,8 +18,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from woz_drivers.background import forget_outcome
-from woz_drivers.wav import Wav
+from woz_drivers.sound.wav import Wav
+from woz_tui.drivers.background import forget_outcome
 
 #: So many files may be on their way to a disk that does not answer.
 _MOST_AT_ONCE = 4

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers import command_lines, pcm_audio
 from woz_drivers.microphone import voice_detection
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechCriteria
-from woz_drivers.resident_program import resident_words
+from woz_drivers.programs import command_lines
+from woz_drivers.programs.resident_program import resident_words
+from woz_drivers.sound import pcm_audio
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 from woz_tui.system.extras import install_command

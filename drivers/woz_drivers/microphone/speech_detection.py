@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from woz_drivers.microphone.voice_detection import VoiceDetector
-from woz_drivers.pcm_audio import Samples, clipped, rms
+from woz_drivers.sound.pcm_audio import Samples, clipped, rms
 from woz_tui.sensing.speech_endpoint import Endpointer, SpeechEnd, SpeechStart
 
 #: Length of a block, in seconds.

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import msgspec
 
-from woz_drivers import pcm_audio
 from woz_drivers.microphone.segment_files import SegmentFiles
 from woz_drivers.microphone.speech_detection import BLOCK_S
 from woz_drivers.microphone.transcriber import SpeechToTranscribe, Transcriber
+from woz_drivers.sound import pcm_audio
 from woz_tui.drivers.contract import DriverContext
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
 from woz_tui.sensing.speech_endpoint import SpeechEnd, SpeechStart

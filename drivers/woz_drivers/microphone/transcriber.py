@@ -17,8 +17,8 @@ from typing import Any, Protocol
 
 import msgspec
 
-from woz_drivers import child_process, command_lines
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs import child_process, command_lines
+from woz_drivers.programs.resident_program import ResidentProgram
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
 from woz_tui.protocol.messages import SpeechText, SpokenWord
 from woz_tui.system.tasks import end_tasks

@@ -11,7 +11,7 @@ import importlib.util
 
 import numpy as np
 
-from woz_drivers.pcm_audio import Samples
+from woz_drivers.sound.pcm_audio import Samples
 
 #: Frames a second that the model was made for.
 MODEL_RATE = 16_000

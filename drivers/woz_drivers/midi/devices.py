@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_drivers.device_line import DeviceLine
+from woz_drivers.lines.device_line import DeviceLine
 from woz_tui.drivers.contract import DeviceLostError
 
 DEV, PROC = Path("/dev/snd"), Path("/proc/asound")

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from woz_drivers.control_functions import MappedControl
-from woz_drivers.control_panel import LOOK_S, ControlPanel, drawn_control
 from woz_drivers.midi import doctor
 from woz_drivers.midi.devices import MidiPort
 from woz_drivers.midi.learning import MapLearning, begin_learning, map_text
@@ -22,6 +20,8 @@ from woz_drivers.midi.wire import (
     control_change,
     note_on,
 )
+from woz_drivers.panels.control_functions import MappedControl
+from woz_drivers.panels.control_panel import LOOK_S, ControlPanel, drawn_control
 from woz_tui.drivers.contract import (
     Ask,
     DeviceLostError,

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import yaml
 
-from woz_drivers.control_functions import ControlFunction, MappedControl
 from woz_drivers.midi import devices
 from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal
 from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
 from woz_drivers.midi.resolved_map import controls_by_signal, mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM, MidiDecoder, MidiMessage
+from woz_drivers.panels.control_functions import ControlFunction, MappedControl
 from woz_tui.drivers.contract import DriverError
 
 #: A knob is heard as one when it has sent so many different values: nobody touches it by chance.

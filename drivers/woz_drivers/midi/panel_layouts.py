@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from woz_drivers.control_functions import BUTTON, KNOB, SLIDER, PanelControl
 from woz_drivers.midi.wire import BEND, CC, NOTE
+from woz_drivers.panels.control_functions import BUTTON, KNOB, SLIDER, PanelControl
 
 #: Native mode on and off (section 3, "Native mode In/Out request"): the lights then belong to us.
 #: 0x40 is the device on its first global channel, where it is when it comes from the factory.

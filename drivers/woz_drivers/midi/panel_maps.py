@@ -17,7 +17,9 @@ from typing import Annotated
 
 import msgspec
 
-from woz_drivers.control_functions import (
+from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelModel
+from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM
+from woz_drivers.panels.control_functions import (
     BUTTON,
     KINDS,
     KNOB,
@@ -25,8 +27,6 @@ from woz_drivers.control_functions import (
     Problems,
     function_problems,
 )
-from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelModel
-from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
 _NUMBER = Range(0, 127)

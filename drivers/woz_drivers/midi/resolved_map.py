@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from woz_drivers.control_functions import BUTTON, MappedControl
 from woz_drivers.midi.panel_layouts import LAYOUTS, MidiControl, MidiSignal
 from woz_drivers.midi.panel_maps import ControlMapping, PanelMap, kind_of
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import BEND, NOTE, MidiMessage
+from woz_drivers.panels.control_functions import BUTTON, MappedControl
 
 #: Columns of the picture for controls that no layout gives a place.
 COLUMNS = 8

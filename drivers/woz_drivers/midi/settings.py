@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
-from woz_drivers.control_functions import JUMP, SOFT
 from woz_drivers.midi.panel_layouts import LAYOUTS
 from woz_drivers.midi.panel_maps import (
     BUILT_IN,
@@ -14,6 +13,7 @@ from woz_drivers.midi.panel_maps import (
     duplicate_signals,
     mapping_problems,
 )
+from woz_drivers.panels.control_functions import JUMP, SOFT
 from woz_tui.drivers.fields import Doc, Included, OneOf, Section, Sibling
 
 

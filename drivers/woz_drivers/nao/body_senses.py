@@ -6,7 +6,6 @@ import asyncio
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from woz_drivers.background import Background
 from woz_drivers.nao import falls, hot_motors
 from woz_drivers.nao.falls import FallWatch
 from woz_drivers.nao.hot_motors import MotorWatch
@@ -14,6 +13,7 @@ from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.senses import CALM_US, MemoryQuery
+from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext
 
 #: From one question to the next, in seconds: a fall and a touch are known after so long.

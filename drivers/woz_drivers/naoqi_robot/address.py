@@ -6,8 +6,8 @@ import contextlib
 import re
 from dataclasses import dataclass
 
-from woz_drivers.network_address import host_and_port
-from woz_drivers.simulated_process import SIMULATED
+from woz_drivers.lines.network_address import host_and_port
+from woz_drivers.programs.simulated_process import SIMULATED
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.secret_arguments import HIDDEN
 

@@ -7,11 +7,11 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from woz_drivers.argument_values import number
 from woz_drivers.naoqi_robot.memory import items
 from woz_drivers.naoqi_robot.memory import number as number_of
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, answers
+from woz_tui.drivers.argument_values import number
 from woz_tui.drivers.contract import (
     DriverError,
     Forecast,

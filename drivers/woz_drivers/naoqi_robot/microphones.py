@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
-from woz_drivers.background import Background, BackgroundTasks
 from woz_drivers.naoqi_robot.memory import stamped, within
 from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, Unsubscribe, binary
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import WITHIN_S, NaoqiPart, RobotCalls
-from woz_drivers.picture_files import stamp
-from woz_drivers.sound_file import SoundFile
+from woz_drivers.pictures.picture_files import stamp
+from woz_drivers.sound.sound_file import SoundFile
+from woz_tui.drivers.background import Background, BackgroundTasks
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
 from woz_tui.drivers.sound_feeds import SoundOffer
 from woz_tui.protocol.messages import Json

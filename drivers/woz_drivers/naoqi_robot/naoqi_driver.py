@@ -10,10 +10,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
-from woz_drivers import confirmed_stop
-from woz_drivers.argument_values import text
-from woz_drivers.background import Background, BackgroundTasks
-from woz_drivers.confirmed_stop import confirmed_within
 from woz_drivers.naoqi_robot import address, tags, text_remarks
 from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.base import BasePart
@@ -23,7 +19,11 @@ from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.naoqi_robot.settings_reading import SettingsReader
-from woz_drivers.simulated_process import SIMULATED
+from woz_drivers.programs.simulated_process import SIMULATED
+from woz_tui.drivers import confirmed_stop
+from woz_tui.drivers.argument_values import text
+from woz_tui.drivers.background import Background, BackgroundTasks
+from woz_tui.drivers.confirmed_stop import confirmed_within
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,

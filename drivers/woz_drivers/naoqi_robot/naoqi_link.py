@@ -20,9 +20,9 @@ from qimessaging import errors
 from qimessaging.client import NaoqiClient
 from qimessaging.hosted_objects import HostedMethod, HostedObject
 
-from woz_drivers.background import apart
 from woz_drivers.naoqi_robot.address import Address
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_tui.drivers.background import apart
 from woz_tui.drivers.contract import DeviceLostError
 
 _HIDDEN = "***"

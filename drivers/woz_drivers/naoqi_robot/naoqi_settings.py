@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Annotated, ClassVar, Protocol
 
-from woz_drivers.argument_values import color
-from woz_drivers.live_talk import TalkSettings
 from woz_drivers.naoqi_robot.address import parse, without_password
 from woz_drivers.naoqi_robot.robot_model import RobotModel
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, RobotSetting, of_section
+from woz_drivers.sound.live_talk import TalkSettings
+from woz_tui.drivers.argument_values import color
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, Range, Seconds, Section
 from woz_tui.protocol.messages import Json

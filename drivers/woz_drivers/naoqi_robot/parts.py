@@ -10,11 +10,11 @@ import asyncio
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from woz_drivers.background import BackgroundTasks
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.naoqi_link import Methods, Unsubscribe
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.robot_settings import RobotSetting
+from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.answer_times import line_finding
+from woz_drivers.lines.answer_times import line_finding
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.address import Address, parse
 from woz_drivers.naoqi_robot.naoqi_link import LinkError, NaoqiLink, ServiceMissingError, open_link

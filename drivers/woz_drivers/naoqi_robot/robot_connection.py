@@ -29,7 +29,6 @@ from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
-from woz_drivers.background import BackgroundTasks, forget_outcome
 from woz_drivers.naoqi_robot.address import Address, parse
 from woz_drivers.naoqi_robot.naoqi_link import (
     ConnectionRefusedByRobotError,
@@ -45,7 +44,8 @@ from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, WITHIN_S, Refusal, ServiceAbsentError
 from woz_drivers.naoqi_robot.robot_line import HALTS, RobotLine, silence, until_services
 from woz_drivers.naoqi_robot.served_files import ServedFiles
-from woz_drivers.simulated_process import SimulatedProcess
+from woz_drivers.programs.simulated_process import SimulatedProcess
+from woz_tui.drivers.background import BackgroundTasks, forget_outcome
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.background import Background
 from woz_drivers.naoqi_robot.memory import number
 from woz_drivers.naoqi_robot.naoqi_link import Unsubscribe
 from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
@@ -18,6 +17,7 @@ from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.served_files import is_address
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import PageKind, found, kind, page
+from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,

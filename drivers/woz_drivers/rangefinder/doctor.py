@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 
+from woz_drivers.lines.serial_line import SerialLine
 from woz_drivers.rangefinder.distance_reader import DistanceReader
 from woz_drivers.rangefinder.settings import RangefinderSettings
-from woz_drivers.serial_line import SerialLine
 from woz_tui.drivers.contract import DeviceLostError, Finding, Probe
 from woz_tui.system.tasks import end_tasks
 

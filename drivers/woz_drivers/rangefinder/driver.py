@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
+from woz_drivers.lines.serial_line import SerialLine
 from woz_drivers.rangefinder import doctor
 from woz_drivers.rangefinder.distance_reader import DistanceReader
 from woz_drivers.rangefinder.settings import RangefinderSettings
-from woz_drivers.serial_line import SerialLine
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,

@@ -15,6 +15,8 @@ from typing import Any
 
 import aiohttp
 
+from woz_drivers.lines.web_socket_line import AnswerError, WebPlace, WebSocketLine
+from woz_drivers.programs.simulated_process import SimulatedProcess
 from woz_drivers.reachy_mini.reachy_moves import LIBRARIES
 from woz_drivers.reachy_mini.reachy_pose import (
     LIMITS,
@@ -25,8 +27,6 @@ from woz_drivers.reachy_mini.reachy_pose import (
     target_message,
 )
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
-from woz_drivers.simulated_process import SimulatedProcess
-from woz_drivers.web_socket_line import AnswerError, WebPlace, WebSocketLine
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
 WEB_SOCKET = "/ws/sdk"

@@ -6,12 +6,12 @@ from typing import Any
 
 import aiohttp
 
-from woz_drivers.answer_times import line_finding
+from woz_drivers.lines.answer_times import line_finding
+from woz_drivers.lines.web_socket_line import failure_reason
+from woz_drivers.programs.simulated_process import SimulatedProcess
 from woz_drivers.reachy_mini.daemon_link import read_status
 from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
-from woz_drivers.simulated_process import SimulatedProcess
 from woz_drivers.speech.doctor import synthesiser_finding, talk_findings
-from woz_drivers.web_socket_line import failure_reason
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Probe
 from woz_tui.system.foreign_json import decode_foreign
 

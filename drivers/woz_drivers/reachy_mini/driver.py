@@ -8,11 +8,7 @@ import functools
 from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from woz_drivers import confirmed_stop, live_talk
-from woz_drivers.argument_values import did_you_mean
-from woz_drivers.background import Background, BackgroundTasks
-from woz_drivers.confirmed_stop import confirmed_within
-from woz_drivers.live_talk import LiveTalk, program_loudspeaker
+from woz_drivers.lines.web_socket_line import AnswerError
 from woz_drivers.reachy_mini import doctor, reachy_pose
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_body import ReachyBody
@@ -27,9 +23,14 @@ from woz_drivers.reachy_mini.reachy_pose import ASLEEP, HOME, Pose
 from woz_drivers.reachy_mini.reachy_senses import ReachySenses
 from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
 from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
+from woz_drivers.sound import live_talk
+from woz_drivers.sound.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, voice_remarks
 from woz_drivers.speech.voice_list import voices
-from woz_drivers.web_socket_line import AnswerError
+from woz_tui.drivers import confirmed_stop
+from woz_tui.drivers.argument_values import did_you_mean
+from woz_tui.drivers.background import Background, BackgroundTasks
+from woz_tui.drivers.confirmed_stop import confirmed_within
 from woz_tui.drivers.contract import (
     UNKNOWN,
     Argument,

@@ -15,12 +15,12 @@ import random
 from collections.abc import AsyncIterator, Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
-from woz_drivers.background import BackgroundTasks
+from woz_drivers.lines.web_socket_line import AnswerError, LateAnswerError
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_moves import PoseFrame
 from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, Pose, reachable
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
-from woz_drivers.web_socket_line import AnswerError, LateAnswerError
+from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.motion.safety import LimitedJoint, Limits

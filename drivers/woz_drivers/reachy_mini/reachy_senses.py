@@ -6,11 +6,11 @@ import asyncio
 import math
 from collections.abc import Callable
 
-from woz_drivers.background import Background
-from woz_drivers.noticed_speech import NoticedSpeech
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.reachy_pose import LIMITS, Pose
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.sound.noticed_speech import NoticedSpeech
+from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.motion.safety import finite_number

@@ -15,12 +15,12 @@ from typing import Any
 
 import aiohttp
 
-from woz_drivers.background import BackgroundTasks
 from woz_drivers.reachy_mini.daemon_link import QUICK_S, UPLOAD_S, DaemonLink
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.sound.wav import Wav
 from woz_drivers.speech.settings import VoiceChoice
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav, spoken_text
-from woz_drivers.wav import Wav
+from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol import markup

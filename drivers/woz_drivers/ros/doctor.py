@@ -10,7 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.answer_times import line_finding
+from woz_drivers.lines.answer_times import line_finding
+from woz_drivers.programs.simulated_process import SIMULATED
 from woz_drivers.ros import simulated_interface
 from woz_drivers.ros.declarations import TWIST, TWIST_STAMPED
 from woz_drivers.ros.laser_scans import SCAN, nearest_of_quarters
@@ -19,7 +20,6 @@ from woz_drivers.ros.rosbridge import Rosbridge
 from woz_drivers.ros.settings import RosSettings, shown
 from woz_drivers.ros.survey import Survey, survey
 from woz_drivers.ros.templates import ValuePath
-from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Health, Probe
 from woz_tui.system.clock import Clock, RealClock
 

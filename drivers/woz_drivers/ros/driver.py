@@ -9,10 +9,6 @@ from collections.abc import Coroutine, Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from woz_drivers import confirmed_stop
-from woz_drivers.argument_values import color, known_joints, number
-from woz_drivers.background import Background
-from woz_drivers.confirmed_stop import confirmed_within
 from woz_drivers.ros import doctor, simulated_interface
 from woz_drivers.ros.declarations import (
     EndDeclaration,
@@ -26,6 +22,10 @@ from woz_drivers.ros.survey import survey
 from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
 from woz_drivers.ros.velocity_drive import PERIOD_S, VelocityDrive
 from woz_drivers.ros.verbs import BRIEF, DERIVED, arguments_of, offered
+from woz_tui.drivers import confirmed_stop
+from woz_tui.drivers.argument_values import color, known_joints, number
+from woz_tui.drivers.background import Background
+from woz_tui.drivers.confirmed_stop import confirmed_within
 from woz_tui.drivers.contract import (
     UNKNOWN,
     DeviceLostError,

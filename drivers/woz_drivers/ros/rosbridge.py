@@ -20,11 +20,11 @@ from typing import Any
 import aiohttp
 import msgspec
 
-from woz_drivers.background import BackgroundTasks
+from woz_drivers.lines.web_socket_line import WebPlace, WebSocketLine, resetting_connector
+from woz_drivers.programs.simulated_process import SIMULATED, SimulatedProcess
 from woz_drivers.ros.message_types import plain, wire_name
 from woz_drivers.ros.settings import RosSettings, shown, url
-from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
-from woz_drivers.web_socket_line import WebPlace, WebSocketLine, resetting_connector
+from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 from woz_tui.protocol.messages import Json
 from woz_tui.system.foreign_json import decode_foreign

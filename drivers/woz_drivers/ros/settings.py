@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_drivers.network_address import host_and_port, joined
+from woz_drivers.lines.network_address import host_and_port, joined
+from woz_drivers.programs.simulated_process import SIMULATED
 from woz_drivers.ros.declarations import (
     NAME,
     DriveDeclaration,
@@ -20,7 +21,6 @@ from woz_drivers.ros.laser_scans import SCAN
 from woz_drivers.ros.message_types import MessageTypes, plain
 from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
 from woz_drivers.ros.verbs import BRIEF, COMMON, DERIVED, DRIVE, arguments_of
-from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import Argument, RejectedError
 from woz_tui.drivers.fields import Doc, Range, Section
 from woz_tui.protocol.messages import Json

@@ -7,9 +7,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.argument_values import number
 from woz_drivers.ros.declarations import TWIST_STAMPED, DriveDeclaration
 from woz_drivers.ros.rosbridge import Rosbridge
+from woz_tui.drivers.argument_values import number
 from woz_tui.drivers.contract import DriverError, Job, RejectedError
 from woz_tui.protocol.messages import Json
 

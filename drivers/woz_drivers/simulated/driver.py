@@ -8,13 +8,6 @@ from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Mapping
 from typing import Any
 
-from woz_drivers.argument_values import (
-    color,
-    did_you_mean,
-    file,
-    known_joints,
-    sound_seconds,
-)
 from woz_drivers.simulated import doctor, looks, verbs
 from woz_drivers.simulated import settings as _settings
 from woz_drivers.simulated.body import SimulatedRobotBody
@@ -25,6 +18,13 @@ from woz_drivers.simulated.simulated_microphone import SimulatedMicrophone, Spee
 from woz_drivers.simulated.speech import Utterance, utterance, word_times
 from woz_drivers.simulated.verbs import SimulatedMove
 from woz_drivers.simulated.visitor import SimulatedVisitor
+from woz_tui.drivers.argument_values import (
+    color,
+    did_you_mean,
+    file,
+    known_joints,
+    sound_seconds,
+)
 from woz_tui.drivers.contract import (
     FACE_CONSENT,
     LEARN_FACE,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from woz_drivers.live_pictures import LivePictures
+from woz_drivers.pictures.live_pictures import LivePictures
 from woz_tui.drivers.contract import DriverContext
 
 #: Pixels of a picture, and degrees that it shows from left to right.

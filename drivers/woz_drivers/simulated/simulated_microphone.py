@@ -9,9 +9,9 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from woz_drivers import room_threshold
 from woz_drivers.simulated.publishing import Publisher
 from woz_drivers.simulated.senses import SENSITIVITY, TICK, Sample
+from woz_drivers.sound import room_threshold
 from woz_tui.drivers.contract import DeviceLostError, DriverContext
 from woz_tui.drivers.sound_feeds import SoundOffer
 from woz_tui.protocol.messages import Json, SpeechEnded, SpeechStarted, SpeechText

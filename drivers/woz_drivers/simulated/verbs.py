@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from woz_drivers import room_threshold
 from woz_drivers.simulated.faults import MEANING
 from woz_drivers.simulated.senses import SENSORS
 from woz_drivers.simulated.settings import SimulatedSettings
+from woz_drivers.sound import room_threshold
 from woz_tui.drivers.contract import (
     FACE_CONSENT,
     LEARN_FACE,

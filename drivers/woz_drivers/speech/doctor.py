@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
-from woz_drivers import child_process, command_lines
+from woz_drivers.programs import child_process, command_lines
 from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings, SynthesisSettings
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav
 from woz_tui.drivers.contract import DriverError, Finding, Probe

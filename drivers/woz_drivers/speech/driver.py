@@ -10,9 +10,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from woz_drivers import child_process, command_lines, live_talk
-from woz_drivers.child_process import Child
-from woz_drivers.live_talk import LiveTalk, program_loudspeaker
+from woz_drivers.programs import child_process, command_lines
+from woz_drivers.programs.child_process import Child
+from woz_drivers.sound import live_talk
+from woz_drivers.sound.live_talk import LiveTalk, program_loudspeaker
+from woz_drivers.sound.wav import Wav
 from woz_drivers.speech import doctor
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings, voice_remarks
 from woz_drivers.speech.synthesis import (
@@ -23,7 +25,6 @@ from woz_drivers.speech.synthesis import (
     spoken_text,
 )
 from woz_drivers.speech.voice_list import voices
-from woz_drivers.wav import Wav
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,

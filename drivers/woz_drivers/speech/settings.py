@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
-from woz_drivers import command_lines
-from woz_drivers.command_lines import Command
-from woz_drivers.live_talk import TalkSettings
-from woz_drivers.resident_program import resident_words
+from woz_drivers.programs import command_lines
+from woz_drivers.programs.command_lines import Command
+from woz_drivers.programs.resident_program import resident_words
+from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.contract import Argument, DriverError, Finding, Written
 from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Section
 

@@ -18,12 +18,13 @@ from typing import Any
 
 import msgspec
 
-from woz_drivers import child_process, command_lines, wav
-from woz_drivers.child_process import Child
-from woz_drivers.resident_program import ResidentProgram
+from woz_drivers.programs import child_process, command_lines
+from woz_drivers.programs.child_process import Child
+from woz_drivers.programs.resident_program import ResidentProgram
+from woz_drivers.sound import wav
+from woz_drivers.sound.wav import NotWavError, Wav
 from woz_drivers.speech.settings import SynthesisSettings, VoiceChoice
 from woz_drivers.speech.text_parts import goes_on, spoken_parts
-from woz_drivers.wav import NotWavError, Wav
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.protocol import markup
 from woz_tui.system.files import open_regular

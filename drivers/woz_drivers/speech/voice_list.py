@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from woz_drivers import child_process
+from woz_drivers.programs import child_process
 from woz_tui.drivers.contract import DriverError, VoiceFound
 
 #: How long a program may take for its list, in seconds.

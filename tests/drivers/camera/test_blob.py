@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
-from woz_drivers.byte_stream import ChunkCutter
 from woz_drivers.camera.blob import Blob, BlobFinder, ColourRule
 from woz_drivers.camera.raw_pictures import HIGHEST, WIDEST, PictureLayout
 from woz_drivers.camera.settings import CameraSettings
+from woz_drivers.programs.byte_stream import ChunkCutter
 
 from tests.drivers.camera.pictures import GREEN, picture, planes, with_block
 

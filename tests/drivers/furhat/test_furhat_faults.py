@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from robot_simulators import furhat as simulator
 from robot_simulators.furhat import FurhatSimulator
-from woz_drivers import web_socket_line
 from woz_drivers.furhat import Furhat, FurhatSettings, furhat_light, furhat_link, furhat_speech
 from woz_drivers.furhat.furhat_head import direction_of
 from woz_drivers.furhat.realtime_events import Place
 from woz_drivers.furhat.settings import FurhatSensesSettings, FurhatVoiceSettings
+from woz_drivers.lines import web_socket_line
 
 from tests.drivers.furhat.furhat_rig import DEAF, QUIET, FurhatRig, connected_furhat
 from tests.fakes.manual_pace import ManualPace

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 from robot_simulators.furhat import FurhatSimulator
-from woz_drivers import answer_times
 from woz_drivers.furhat import Furhat, FurhatSettings
 from woz_drivers.furhat.settings import FurhatVoiceSettings, GestureFrame
+from woz_drivers.lines import answer_times
 
 from woz_tui.drivers.contract import Finding, Health, Probe
 from woz_tui.testing import PlainJob, RecordingContext, until

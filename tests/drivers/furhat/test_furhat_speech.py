@@ -15,9 +15,9 @@ import pytest
 from aiohttp import web
 from furhat_realtime_api import AsyncFurhatClient
 from robot_simulators.furhat import CHARACTERS_PER_S, VOICES
-from woz_drivers import live_talk
 from woz_drivers.furhat import Furhat, FurhatSettings, furhat_speech
 from woz_drivers.furhat.settings import FurhatTalkSettings, FurhatVoiceSettings
+from woz_drivers.sound import live_talk
 
 from tests.drivers.furhat.furhat_rig import FurhatRig, brisk, connected_furhat
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope

@@ -9,13 +9,13 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from woz_drivers import confirmed_stop
 from woz_drivers.furhat import furhat_face, furhat_light, furhat_speech
 from woz_drivers.furhat.settings import FurhatSensesSettings
 
 from tests.drivers.furhat.furhat_rig import SOMEBODY, FurhatRig, connected_furhat
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
+from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Scope, StopReport
 from woz_tui.protocol.messages import AnyMessage, Command, DriverConnected, Json, StopConfirmed
 from woz_tui.testing import until

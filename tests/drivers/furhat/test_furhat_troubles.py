@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.furhat import FurhatSimulator
-from woz_drivers import web_socket_line
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
+from woz_drivers.lines import web_socket_line
 
 from tests.drivers.furhat.furhat_rig import FurhatRig, connected_furhat
 from woz_tui.drivers.contract import DriverError, Health

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from woz_drivers.control_requests import RequestQueue
 from woz_drivers.midi import MidiPanel, doctor
 from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
 from woz_drivers.midi.settings import MidiSettings
+from woz_drivers.panels.control_requests import RequestQueue
 
 from tests.drivers.midi.panel_rig import PanelContext, connected_panel
 from tests.drivers.published_messages import until

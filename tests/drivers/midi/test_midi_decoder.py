@@ -7,13 +7,13 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.control_functions import control_place, control_value
 from woz_drivers.midi.wire import (
     MidiDecoder,
     MidiMessage,
     control_change,
     note_on,
 )
+from woz_drivers.panels.control_functions import control_place, control_value
 
 DATA = st.integers(0, 127)
 

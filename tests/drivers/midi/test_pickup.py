@@ -7,10 +7,10 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.control_requests import NEAR, SETTLED_US, PanelKnob, Pickup
 from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
 from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
+from woz_drivers.panels.control_requests import NEAR, SETTLED_US, PanelKnob, Pickup
 
 from woz_tui.drivers.contract import Ask
 from woz_tui.motion.body_feeds import BodyState

@@ -34,5 +34,5 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine takes its time; that a stop waits no longer is another test's. Motors are
     asked about more often, so that tests wait less.
     """
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", PATIENCE_S)
     monkeypatch.setattr("woz_drivers.nao.body_senses.WARMTH_EVERY", 5)

@@ -54,7 +54,7 @@ async def test_a_stop_ends_the_walk_on_its_feet(robot_rig: RobotRig, scope: Scop
 async def test_a_step_that_outlasts_the_stop_is_told_when_it_has_ended(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.05)
+    monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", 0.05)
     async with connected_robot(tmp_path, kind="nao", pace=0.5) as rig:  # a step of 0.6 s
         rig.begin("drive", x=5.0)
         await rig.robot.called("ALMotion.moveTo")

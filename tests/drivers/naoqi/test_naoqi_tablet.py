@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from naoqi_simulator.sounds import RobotDisk
 from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
-from woz_drivers.wav import Wav, parse
+from woz_drivers.sound.wav import Wav, parse
 
 from tests.drivers.naoqi.robot_callers import HandTime, RobotCallError, SimulatedRobotRig
 from tests.fakes.naoqi import PATIENCE_S

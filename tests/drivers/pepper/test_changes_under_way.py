@@ -14,12 +14,12 @@ from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.service_table import Service, ServiceMethod
 from naoqi_simulator.simulator_process import start
 from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
-from woz_drivers.live_talk import TalkSettings
 from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.naoqi_link import open_link
 from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.sound.live_talk import TalkSettings
 
 from tests.drivers.pepper.connection_rig import started_connection
 from tests.drivers.pepper.robot_rig import connected_robot

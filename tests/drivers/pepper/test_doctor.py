@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
-from woz_drivers import answer_times
+from woz_drivers.lines import answer_times
 from woz_drivers.pepper import doctor
 from woz_drivers.pepper.pepper_model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings, TabletSettings

@@ -11,11 +11,11 @@ from typing import cast
 import pytest
 from naoqi_simulator.leds import Leds
 from naoqi_simulator.service_table import offers
-from woz_drivers.argument_values import COLORS
 from woz_drivers.naoqi_robot import eyes as eyes_module
 
 from tests.drivers.pepper.robot_rig import RobotRig, connected_driver, connected_robot, settings_for
 from tests.fakes.naoqi import StandIn, stand_in_here
+from woz_tui.drivers.argument_values import COLORS
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.testing import until
 

@@ -128,7 +128,7 @@ async def test_a_simulated_robot_that_cannot_be_reached_is_started_anew(
     robot = simulated_naoqi(SIMULATED, tmp_path)
     first = await robot.address()
     assert await robot.address() == first, "it may come back by itself"
-    monkeypatch.setattr("woz_drivers.simulated_process._HOPELESS_S", 0.0)
+    monkeypatch.setattr("woz_drivers.programs.simulated_process._HOPELESS_S", 0.0)
     second = await robot.address()
     assert second != first
     await robot.close()
@@ -137,8 +137,8 @@ async def test_a_simulated_robot_that_cannot_be_reached_is_started_anew(
 async def test_attempts_of_different_losses_are_not_added_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.simulated_process._HOPELESS_S", 0.0)
-    monkeypatch.setattr("woz_drivers.simulated_process._APART_S", 0.0)
+    monkeypatch.setattr("woz_drivers.programs.simulated_process._HOPELESS_S", 0.0)
+    monkeypatch.setattr("woz_drivers.programs.simulated_process._APART_S", 0.0)
     robot = simulated_naoqi(SIMULATED, tmp_path)
     assert await robot.address() == await robot.address()
     await robot.close()

@@ -31,7 +31,7 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine takes its time; that a stop waits no longer is another test's. Steps belong
     together even so.
     """
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", PATIENCE_S)
     monkeypatch.setattr("woz_drivers.naoqi_robot.head.RECENT_US", PATIENCE_S * 1e6)
 
 

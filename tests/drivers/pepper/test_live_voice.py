@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from woz_drivers.live_talk import TalkSettings
 from woz_drivers.nao.settings import NaoSettings
 from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
 from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.sound.live_talk import TalkSettings
 
 from tests.drivers.pepper.part_rig import PartRig, connected_part
 from tests.drivers.pepper.robot_rig import connected_robot

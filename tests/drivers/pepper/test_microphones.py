@@ -19,7 +19,7 @@ from woz_drivers.naoqi_robot.microphones import (
     SoundBlock,
     block,
 )
-from woz_drivers.sound_file import SoundFile
+from woz_drivers.sound.sound_file import SoundFile
 
 from tests.drivers.pepper.part_rig import PartRig, connected_part
 from tests.drivers.published_messages import PATIENCE_S, until

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from woz_drivers.wav import Wav
+from woz_drivers.sound.wav import Wav
 
 from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
 from woz_tui.drivers.contract import DriverError, RejectedError

@@ -37,7 +37,7 @@ PACE = 1.0
 @pytest.fixture
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine takes its time; that a stop waits no longer is another test's."""
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", PATIENCE_S)
     monkeypatch.setattr("woz_tui.bus.bus.STOP_WAIT_S", PATIENCE_S)
 
 
@@ -91,7 +91,7 @@ async def test_everything_ends_at_once_and_each_part_confirms(tmp_path: Path) ->
 async def test_parts_are_asked_together_and_none_waits_for_the_answer_of_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 1.0)
+    monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", 1.0)
     async with connected_robot(tmp_path, pace=PACE) as rig:
         await busy(rig)
         await rig.robot.clear()

@@ -12,12 +12,13 @@ from typing import Any
 import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.reachy_mini import ReachyMiniSimulator
-from woz_drivers import answer_times, confirmed_stop
+from woz_drivers.lines import answer_times
 from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link, reachy_sounds
+from woz_drivers.sound.wav import Wav
 from woz_drivers.speech.settings import SynthesisSettings
-from woz_drivers.wav import Wav
 
 from tests.fakes.sound import RATE, square
+from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.contract import Health
 from woz_tui.protocol.messages import Json
 from woz_tui.testing import PlainJob, RecordingContext, until

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.reachy_mini import ReachyMiniSimulator
-from woz_drivers import web_socket_line
+from woz_drivers.lines import web_socket_line
 from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link
 
 from tests.drivers.reachy_mini.conftest import PACE, VOICE, ReachyRig, reachy

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from woz_drivers import answer_times, confirmed_stop
+from woz_drivers.lines import answer_times
 from woz_drivers.ros import rosbridge, velocity_drive
 from woz_drivers.ros.rosbridge import Rosbridge
+
+from woz_tui.drivers import confirmed_stop
 
 
 @pytest.fixture(autouse=True)

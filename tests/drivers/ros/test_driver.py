@@ -381,7 +381,7 @@ async def test_a_stop_of_driving_ends_an_action_that_drives() -> None:
 
 
 async def test_a_base_that_rolls_on_has_not_confirmed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.3)
+    monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", 0.3)
     async with connected_ros() as rig:
         rig.robot.interface = {**rig.robot.interface, "drive": ""}  # it hears of no velocity
         rig.robot._commanded = (math.inf, 0.3, 0.0)
@@ -400,7 +400,7 @@ async def test_a_stop_is_confirmed_by_odometry_with_a_number_that_json_has_not(n
 async def test_a_base_that_does_not_know_how_fast_it_is_has_not_confirmed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.3)
+    monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", 0.3)
     async with connected_ros() as rig:
         rig.robot.replaced = ('"x": 0.0', '"x": NaN')
         assert await rig.driver.stop(Scope.DRIVE) == StopReport(missing=("driving",))
@@ -493,7 +493,7 @@ async def test_a_voice_that_goes_on_has_not_confirmed(monkeypatch: pytest.Monkey
         task = rig.begin("say", text="x" * 500)
         await until(lambda: bool(rig.published_on("/tts")))
         rig.robot.interface["speech"].clear()  # it ignores the empty text
-        monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.5)
+        monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", 0.5)
         report = await rig.driver.stop(Scope.ALL)
         assert report is not None and "say" in report.missing
         task.cancel()
@@ -503,7 +503,7 @@ async def test_a_voice_that_goes_on_has_not_confirmed(monkeypatch: pytest.Monkey
 async def test_what_was_not_heard_to_begin_is_not_taken_for_ended(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("woz_drivers.confirmed_stop.STOP_S", 0.5)
+    monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", 0.5)
     async with connected_ros() as rig:
         rig.robot.interface["speech"].clear()  # it begins late
         task = rig.begin("say", text="Hello")
@@ -856,7 +856,7 @@ async def test_further_connections_do_not_start_the_simulated_robot_anew(
     driver = Ros("robot", settings(), context)
     await driver.open()
     await until(lambda: context.healths[-1][0] is Health.CONNECTED, 30)
-    monkeypatch.setattr("woz_drivers.simulated_process._HOPELESS_S", -1.0)
+    monkeypatch.setattr("woz_drivers.programs.simulated_process._HOPELESS_S", -1.0)
     calls = [driver.perform(PlainJob("volume", {"level": level / 10})) for level in range(4)]
     await asyncio.gather(*calls)
     assert Health.LOST not in [health for health, *_ in context.healths]

@@ -21,8 +21,8 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from woz_drivers import child_process, command_lines
-from woz_drivers.child_process import Child, RestartPauses
+from woz_drivers.programs import child_process, command_lines
+from woz_drivers.programs.child_process import Child, RestartPauses
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.messages import Json
 from woz_tui.system.foreign_json import decode_foreign

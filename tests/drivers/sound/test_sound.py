@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
-from woz_drivers import pcm_audio
-from woz_drivers.byte_stream import ChunkCutter
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechCriteria, SpeechDetector
-from woz_drivers.pcm_audio import FORMATS, Samples
-from woz_drivers.room_threshold import room_noise
-from woz_drivers.wav import NotWavError, Wav, parse
+from woz_drivers.programs.byte_stream import ChunkCutter
+from woz_drivers.sound import pcm_audio
+from woz_drivers.sound.pcm_audio import FORMATS, Samples
+from woz_drivers.sound.room_threshold import room_noise
+from woz_drivers.sound.wav import NotWavError, Wav, parse
 
 NAMES = st.sampled_from(sorted(FORMATS))
 SAMPLES = arrays.arrays(

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_drivers import child_process
-from woz_drivers.child_process import Child, RestartPauses
+from woz_drivers.programs import child_process
+from woz_drivers.programs.child_process import Child, RestartPauses
 from woz_tui.drivers.contract import DriverError
 from woz_tui.system.clock import Clock
 from woz_tui.system.tasks import end_tasks

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_drivers.control_functions import MOMENTARY, START, TOGGLE, MappedControl
+from woz_drivers.panels.control_functions import MOMENTARY, START, TOGGLE, MappedControl
 from woz_tui.drivers.contract import Ask
 from woz_tui.motion.body_feeds import BodyState
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import psutil
 import pytest
-from woz_drivers import child_process, command_lines
-from woz_drivers.command_lines import ProgramMissingError
+from woz_drivers.programs import child_process, command_lines
+from woz_drivers.programs.command_lines import ProgramMissingError
 
 from tests.drivers.published_messages import PATIENCE_S, until
 from tests.fakes.child_processes import offspring
@@ -88,7 +88,7 @@ async def test_waiting_ends_though_a_grandchild_keeps_the_pipes(tmp_path: Path) 
 async def test_nothing_outlives_a_killed_robot_process(tmp_path: Path, command: str) -> None:
     robot = (
         "import asyncio, pathlib, sys\n"
-        "from woz_drivers import child_process\n"
+        "from woz_drivers.programs import child_process\n"
         "async def main():\n"
         "    gone = await child_process.start(('true',), pathlib.Path())\n"
         "    await gone.end()\n"

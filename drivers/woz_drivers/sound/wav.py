@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from woz_drivers import pcm_audio
+from woz_drivers.sound import pcm_audio
 
 #: What is below this share of a sound's loudest sample is silence in it.
 _SILENT = 0.02

@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from woz_drivers.control_functions import MappedControl
-from woz_drivers.control_requests import PanelButton, PanelKnob
+from woz_drivers.panels.control_functions import MappedControl
+from woz_drivers.panels.control_requests import PanelButton, PanelKnob
 from woz_tui.drivers.contract import (
     Ask,
     DriverContext,

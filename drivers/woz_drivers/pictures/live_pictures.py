@@ -7,8 +7,8 @@ import math
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
-from woz_drivers import picture_files
-from woz_drivers.background import apart
+from woz_drivers.pictures import picture_files
+from woz_tui.drivers.background import apart
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import psutil
 import pytest
-from woz_drivers.child_process import guard
-from woz_drivers.live_talk import LiveTalk, VoiceTally
+from woz_drivers.programs.child_process import guard
+from woz_drivers.sound.live_talk import LiveTalk, VoiceTally
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from woz_drivers.answer_times import line_finding
+from woz_drivers.lines.answer_times import line_finding
 
 
 class BusyThread:

@@ -20,7 +20,7 @@ from typing import Any
 import aiohttp
 import msgspec
 
-from woz_drivers.background import forget_outcome
+from woz_tui.drivers.background import forget_outcome
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Health
 from woz_tui.system.foreign_json import decode_foreign
 from woz_tui.system.retry_pauses import RetryPauses

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 import serial
-from woz_drivers.serial_line import (
+from woz_drivers.lines.serial_line import (
     SerialLine,
     explain_port_error,
     holders,

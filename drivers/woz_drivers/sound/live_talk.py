@@ -16,13 +16,13 @@ from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from typing import Annotated, Protocol
 
-from woz_drivers import child_process, command_lines
-from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
-from woz_drivers.child_process import Child
-from woz_drivers.command_lines import Command
-from woz_drivers.picture_files import stamp
-from woz_drivers.resident_program import resident_words
-from woz_drivers.sound_file import SoundFile
+from woz_drivers.pictures.picture_files import stamp
+from woz_drivers.programs import child_process, command_lines
+from woz_drivers.programs.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
+from woz_drivers.programs.child_process import Child
+from woz_drivers.programs.command_lines import Command
+from woz_drivers.programs.resident_program import resident_words
+from woz_drivers.sound.sound_file import SoundFile
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,

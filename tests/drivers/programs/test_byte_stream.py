@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from woz_drivers.byte_stream import ByteStream, StreamCommand, StreamListener
+from woz_drivers.programs.byte_stream import ByteStream, StreamCommand, StreamListener
 
 from tests.drivers.published_messages import until
 from tests.fakes.piped_command import PipedCommand

@@ -7,7 +7,7 @@ import logging
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from woz_drivers.background import forget_outcome
+from woz_tui.drivers.background import forget_outcome
 from woz_tui.drivers.contract import StopReport
 from woz_tui.system.tasks import wait_at_most
 

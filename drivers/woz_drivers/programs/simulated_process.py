@@ -8,9 +8,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from woz_drivers import child_process
-from woz_drivers.child_process import Child
-from woz_drivers.network_address import host_and_port, joined
+from woz_drivers.lines.network_address import host_and_port, joined
+from woz_drivers.programs import child_process
+from woz_drivers.programs.child_process import Child
 from woz_tui.drivers.contract import DeviceLostError, DriverError
 
 #: Stands in a robot file where a robot's address stands otherwise.

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from aiohttp import web
 from robot_simulators.web_robot import WebRobot
-from woz_drivers import web_socket_line
-from woz_drivers.web_socket_line import AnswerError, WebPlace, WebSocketLine
+from woz_drivers.lines import web_socket_line
+from woz_drivers.lines.web_socket_line import AnswerError, WebPlace, WebSocketLine
 
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Health
 from woz_tui.testing import RecordingContext, until

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import serial
 
-from woz_drivers.device_line import POLL_S, DeviceLine
+from woz_drivers.lines.device_line import POLL_S, DeviceLine
 from woz_tui.drivers.contract import DeviceLostError
 
 #: Names that stay the same whichever socket and in whichever order devices are plugged in.

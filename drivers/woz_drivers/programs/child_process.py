@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import cast
 
-from woz_drivers import command_lines
+from woz_drivers.programs import command_lines
 from woz_tui.drivers.contract import DriverError
 from woz_tui.system.retry_pauses import RetryPauses
 

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
-from woz_drivers import picture_files
-from woz_drivers.picture_files import png, stamp
+from woz_drivers.pictures import picture_files
+from woz_drivers.pictures.picture_files import png, stamp
 
 from woz_tui.drivers.contract import DriverError
 

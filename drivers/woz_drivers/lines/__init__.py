@@ -1,0 +1,1 @@
+"""Lines to devices, kept open for several drivers: serial ports, WebSockets, addresses."""

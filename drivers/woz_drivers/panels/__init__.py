@@ -1,0 +1,1 @@
+"""Panels of controls, MIDI and hands: what a control does, and the request that it becomes."""

@@ -1,0 +1,1 @@
+"""Pictures of several cameras: live for who watches, and kept as files."""

@@ -1,0 +1,1 @@
+"""Programs that several devices start: their command lines, their ends, those that stay loaded."""

@@ -1,0 +1,1 @@
+"""Sound as several devices have it: samples and WAV files, a live voice, speech that is noticed."""

@@ -28,7 +28,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_drivers.naoqi_robot.robot_line import FRESH_S
+from woz_drivers.naoqi_robot.line import FRESH_S
 
 from benchmarks.figures import Spread, machine, table, verdict
 from tests.drivers.pepper.connection_rig import ConnectionRig, Outcome, started_connection

@@ -30,7 +30,7 @@ from typing import Any, TypeVar
 import aiohttp
 import pytest
 from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings
-from woz_drivers.reachy_mini.reachy_pose import HOME, goto_body, target_message
+from woz_drivers.reachy_mini.pose import HOME, goto_body, target_message
 
 from benchmarks.figures import Spread, machine, table
 from tests.fakes.dropping_proxy import dropping_proxy

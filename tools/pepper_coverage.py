@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import Counter
 
 from woz_drivers.naoqi_robot.robot_settings import RobotSetting
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.model import PEPPER
 
 from tools import marked_tests as marked
 from tools import replaced

@@ -171,7 +171,7 @@ class BehaviorManager(Service):
 # -- what is installed -----------------------------------------------------------------------------
 # How long each takes is a round figure of ours by its folder, not a measurement.
 #
-# Not shared with the driver's table (`woz_drivers.pepper.pepper_animations`), on purpose: this is
+# Not shared with the driver's table (`woz_drivers.pepper.animations`), on purpose: this is
 # the far end of the wire, which knows nothing of who calls. Two lists, typed apart, find each
 # other's mistakes.
 

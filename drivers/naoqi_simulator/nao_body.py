@@ -4,7 +4,7 @@ Ranges are those of the manufacturer's page "H25 - Joints" (family/nao_h25/joint
 V4 and later), in radians; speeds are about those that `ALMotion.getLimits` gives. Postures are
 round figures of ours: the real ones lie in the robot.
 
-Not shared with the driver's table (`woz_drivers.nao.nao_joints`), on purpose: this is the far end
+Not shared with the driver's table (`woz_drivers.nao.joints`), on purpose: this is the far end
 of the wire.
 """
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.simulated.simulated_camera import (
+from woz_drivers.simulated.camera import (
     HEIGHT,
     WIDTH,
     DrawnPerson,

@@ -12,14 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers.simulated import SimulatedSettings
 from woz_drivers.simulated import visitor as words
-from woz_drivers.simulated.senses import THRESHOLD, TICK
-from woz_drivers.simulated.simulated_microphone import (
+from woz_drivers.simulated.microphone import (
     HANG_OVER,
     PRE_ROLL,
     UNDERSTOOD_AFTER,
     SpeechInProgress,
     SpeechSegmenter,
 )
+from woz_drivers.simulated.senses import THRESHOLD, TICK
 from woz_drivers.simulated.verbs import offered, sensors
 from woz_drivers.simulated.visitor import PEOPLE, STRANGERS, SimulatedVisitor, VisitPhase
 

@@ -21,13 +21,8 @@ import pytest
 import pytest_asyncio
 from aiohttp import web
 from robot_simulators.reachy_mini import ReachyMiniSimulator
-from woz_drivers.reachy_mini import (
-    ReachyMini,
-    ReachyMiniSettings,
-    daemon_link,
-    reachy_sounds,
-)
-from woz_drivers.reachy_mini.reachy_pose import HOME
+from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link, sounds
+from woz_drivers.reachy_mini.pose import HOME
 from woz_drivers.speech.settings import SynthesisSettings
 
 from tests.peers.places import place
@@ -84,7 +79,7 @@ def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a stop must confirm is tested here; how soon it does is measured by the benchmarks."""
     monkeypatch.setattr(confirmed_stop, "STOP_S", 10.0)
     monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
-    monkeypatch.setattr(reachy_sounds, "QUICK_S", 10.0)
+    monkeypatch.setattr(sounds, "QUICK_S", 10.0)
 
 
 class DaemonRig:

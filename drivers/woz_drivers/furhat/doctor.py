@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import aiohttp
 
-from woz_drivers.furhat.furhat_link import NO_ACCESS, PATH
+from woz_drivers.furhat.link import NO_ACCESS, PATH
 from woz_drivers.furhat.realtime_events import (
     Access,
     FaceStatus,

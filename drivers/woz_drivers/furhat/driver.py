@@ -8,17 +8,17 @@ from collections.abc import Mapping
 from typing import Any
 
 from woz_drivers.furhat import doctor
-from woz_drivers.furhat.furhat_camera import FurhatCamera
-from woz_drivers.furhat.furhat_face import FurhatFace
-from woz_drivers.furhat.furhat_head import FurhatHead
-from woz_drivers.furhat.furhat_hearing import FurhatHearing
-from woz_drivers.furhat.furhat_light import FurhatLight
-from woz_drivers.furhat.furhat_link import FurhatLink
-from woz_drivers.furhat.furhat_moves import FACE_PARAMETERS, offered_moves
-from woz_drivers.furhat.furhat_parts import FurhatPart
-from woz_drivers.furhat.furhat_senses import FurhatSenses
-from woz_drivers.furhat.furhat_speech import FurhatSpeech
+from woz_drivers.furhat.camera import FurhatCamera
+from woz_drivers.furhat.face import FurhatFace
+from woz_drivers.furhat.head import FurhatHead
+from woz_drivers.furhat.hearing import FurhatHearing
+from woz_drivers.furhat.light import FurhatLight
+from woz_drivers.furhat.link import FurhatLink
+from woz_drivers.furhat.moves import FACE_PARAMETERS, offered_moves
+from woz_drivers.furhat.parts import FurhatPart
+from woz_drivers.furhat.senses import FurhatSenses
 from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.furhat.speech import FurhatSpeech
 from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.background import Background, BackgroundTasks
 from woz_tui.drivers.confirmed_stop import confirmed_within, succeeded

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_drivers.furhat.furhat_moves import FACE_PARAMETERS, FaceFrame
+from woz_drivers.furhat.moves import FACE_PARAMETERS, FaceFrame
 from woz_drivers.programs.simulated_process import SIMULATED, robot_place
 from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.argument_values import color, did_you_mean

@@ -10,9 +10,9 @@ from woz_drivers.nao import falls, hot_motors
 from woz_drivers.nao.falls import FallWatch
 from woz_drivers.nao.hot_motors import MotorWatch
 from woz_drivers.naoqi_robot import memory
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.senses import CALM_US, MemoryQuery
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext
 

@@ -7,7 +7,7 @@ from typing import Any
 from woz_drivers.nao.falls import UPRIGHT
 from woz_drivers.nao.hot_motors import REMEDY, STATES
 from woz_drivers.naoqi_robot import memory
-from woz_drivers.naoqi_robot.robot_checks import RobotCheck, examine_robots, word
+from woz_drivers.naoqi_robot.doctor import RobotCheck, examine_robots, word
 from woz_tui.drivers.contract import Finding, Probe
 
 

@@ -7,24 +7,24 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from woz_drivers.nao import doctor
+from woz_drivers.nao.body import NaoBodyPart, written_pose
 from woz_drivers.nao.body_senses import BodySensesPart
-from woz_drivers.nao.nao_body import NaoBodyPart, written_pose
-from woz_drivers.nao.nao_lights import LightsPart, NaoEyesPart
+from woz_drivers.nao.lights import LightsPart, NaoEyesPart
 from woz_drivers.nao.posture_animations import NaoAnimationsPart
 from woz_drivers.nao.settings import NaoSettings
 from woz_drivers.nao.two_cameras import TwoCamerasPart
 from woz_drivers.nao.walking import WalkingPart
 from woz_drivers.naoqi_robot import text_remarks
 from woz_drivers.naoqi_robot.autonomy import AutonomyPart
+from woz_drivers.naoqi_robot.driver import NaoqiRobot
 from woz_drivers.naoqi_robot.head import HeadPart
 from woz_drivers.naoqi_robot.microphones import MicrophonesPart
-from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
-from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.recognition import RecognitionPart
 from woz_drivers.naoqi_robot.senses import SensesPart
 from woz_drivers.naoqi_robot.service_call import ServiceCallPart
 from woz_drivers.naoqi_robot.sounds import SoundsPart
+from woz_drivers.naoqi_robot.talk import TalkPart
 from woz_drivers.naoqi_robot.voice import VoicePart
 from woz_tui.drivers.contract import DriverError, DriverFacts, Finding, Job, Probe
 from woz_tui.protocol.messages import Json

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from woz_drivers.nao.nao_joints import LEGS, UPPER
+from woz_drivers.nao.joints import LEGS, UPPER
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.joint_table import HANDS
 from woz_tui.drivers.contract import DriverContext

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
-from woz_drivers.nao.nao_model import CAMERAS, NAO
+from woz_drivers.nao.model import CAMERAS, NAO
 from woz_drivers.naoqi_robot.address import parse
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
-from woz_drivers.naoqi_robot.robot_model import RobotModel
+from woz_drivers.naoqi_robot.model import RobotModel
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.nao.nao_model import CAMERAS, NAO
+from woz_drivers.nao.model import CAMERAS, NAO
 from woz_drivers.nao.settings import NaoSettings
 from woz_drivers.naoqi_robot.camera import RGB, SINGLE, CameraPart
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import RobotCalls
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import word
 from woz_tui.drivers.contract import Argument, DriverContext, Job, Verb
 from woz_tui.protocol.messages import Json

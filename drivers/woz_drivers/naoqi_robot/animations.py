@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Mapping
 
 from woz_drivers.naoqi_robot.memory import flag
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LONG_S, NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import text
 from woz_tui.drivers.contract import (
     Argument,

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_drivers.naoqi_robot import memory
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, RobotCalls, read_back, write_setting
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, STATE_S, of_verb
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import number
 from woz_tui.drivers.contract import (
     DeviceLostError,

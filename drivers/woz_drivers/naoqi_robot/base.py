@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 
 from woz_drivers.naoqi_robot.memory import items
 from woz_drivers.naoqi_robot.memory import number as number_of
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, answers
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import number
 from woz_tui.drivers.contract import (
     DriverError,

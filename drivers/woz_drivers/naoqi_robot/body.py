@@ -8,9 +8,9 @@ from typing import Any
 
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.joint_table import JointTable, native
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LONG_S, Call, NaoqiPart, RobotCalls, read_back
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, of_section
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import positive, text
 from woz_tui.drivers.contract import (
     Argument,

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from woz_drivers.naoqi_robot.link import RobotRefusedError, binary
 from woz_drivers.naoqi_robot.memory import item, number, within
-from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, binary
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.pictures import picture_files
 from woz_drivers.pictures.live_pictures import LivePictures, kept_picture
 from woz_tui.drivers.background import Background

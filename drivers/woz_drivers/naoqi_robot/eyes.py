@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from woz_drivers.naoqi_robot import memory
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import color as color_of
 from woz_tui.drivers.argument_values import number, positive, word
 from woz_tui.drivers.background import forget_outcome

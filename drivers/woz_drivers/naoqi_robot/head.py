@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from woz_drivers.naoqi_robot.body import MOTION, hold
 from woz_drivers.naoqi_robot.joint_table import HEAD_PITCH, HEAD_YAW, JointTable
 from woz_drivers.naoqi_robot.memory import item, within
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import number
 from woz_tui.drivers.contract import (
     Argument,

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
+from woz_drivers.naoqi_robot.link import RobotRefusedError, Unsubscribe, binary
 from woz_drivers.naoqi_robot.memory import stamped, within
-from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, Unsubscribe, binary
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import WITHIN_S, NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.pictures.picture_files import stamp
 from woz_drivers.sound.sound_file import SoundFile
 from woz_tui.drivers.background import Background, BackgroundTasks

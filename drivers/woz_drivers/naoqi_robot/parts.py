@@ -11,9 +11,9 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from woz_drivers.naoqi_robot import memory
-from woz_drivers.naoqi_robot.naoqi_link import Methods, Unsubscribe
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.link import Methods, Unsubscribe
 from woz_drivers.naoqi_robot.robot_settings import RobotSetting
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import (
     DeviceLostError,

@@ -12,9 +12,9 @@ import contextlib
 from typing import Any
 
 from woz_drivers.naoqi_robot.memory import flag, item, within
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.senses import NAME, MemoryQuery
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.sound.noticed_speech import NoticedSpeech
 from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import (

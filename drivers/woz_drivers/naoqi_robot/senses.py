@@ -15,8 +15,8 @@ from typing import Any
 
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.memory import item, items, number, within
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls, together
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import text
 from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import (

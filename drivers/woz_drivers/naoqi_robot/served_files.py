@@ -25,7 +25,7 @@ from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import IO, Any, Protocol
 
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.background import apart
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 

@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import text
 from woz_tui.drivers.contract import Argument, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json

@@ -11,10 +11,10 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from woz_drivers.naoqi_robot.address import parse
+from woz_drivers.naoqi_robot.connection import RobotConnection
 from woz_drivers.naoqi_robot.eyes import EyeColor
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart
-from woz_drivers.naoqi_robot.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import color as color_of
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
 from woz_tui.protocol.messages import Json, SettingsShown

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers.naoqi_robot.memory import within
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import (
     LONG_S,
     NaoqiPart,
@@ -21,6 +20,7 @@ from woz_drivers.naoqi_robot.parts import (
     ServiceAbsentError,
 )
 from woz_drivers.naoqi_robot.served_files import is_address
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import number, sound_seconds, text
 from woz_tui.drivers.contract import (
     Argument,

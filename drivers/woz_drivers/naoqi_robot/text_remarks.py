@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_drivers.naoqi_robot import address, service_call, tags
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.served_files import is_address
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.naoqi_robot.sounds import local_file
 from woz_drivers.naoqi_robot.tags import paragraphs, read_text
 from woz_tui.drivers.argument_values import color

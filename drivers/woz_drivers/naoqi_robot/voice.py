@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from woz_drivers.naoqi_robot import tags
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import (
     LONG_S,
     NaoqiPart,
@@ -22,6 +21,7 @@ from woz_drivers.naoqi_robot.parts import (
     write_setting,
 )
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, TTS, of_section
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.naoqi_robot.tags import problems
 from woz_tui.drivers.argument_values import number, text
 from woz_tui.drivers.contract import (

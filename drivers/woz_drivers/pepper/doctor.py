@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.naoqi_robot.robot_checks import RobotCheck, examine_robots, word
+from woz_drivers.naoqi_robot.doctor import RobotCheck, examine_robots, word
 from woz_drivers.naoqi_robot.served_files import is_address
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import REMEDY, places

@@ -10,16 +10,16 @@ from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.base import BasePart
 from woz_drivers.naoqi_robot.body import BodyPart
 from woz_drivers.naoqi_robot.camera import CameraPart
+from woz_drivers.naoqi_robot.driver import NaoqiRobot
 from woz_drivers.naoqi_robot.eyes import EyesPart
 from woz_drivers.naoqi_robot.head import HeadPart
 from woz_drivers.naoqi_robot.microphones import MicrophonesPart
-from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
-from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.recognition import RecognitionPart
 from woz_drivers.naoqi_robot.senses import SensesPart
 from woz_drivers.naoqi_robot.service_call import ServiceCallPart
 from woz_drivers.naoqi_robot.sounds import SoundsPart
+from woz_drivers.naoqi_robot.talk import TalkPart
 from woz_drivers.naoqi_robot.voice import VoicePart
 from woz_drivers.pepper import doctor, screen_remarks
 from woz_drivers.pepper.hip import HipPart

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_drivers.naoqi_robot.head import STEP, JointPair, sent
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
-from woz_drivers.pepper.pepper_joints import HIP_PITCH, HIP_ROLL, hip
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
+from woz_drivers.pepper.joints import HIP_PITCH, HIP_ROLL, hip
 from woz_tui.drivers.argument_values import number
 from woz_tui.drivers.contract import Argument, DriverContext, Job, Scope, Verb
 from woz_tui.protocol.messages import Json

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
-from woz_drivers.naoqi_robot.robot_model import RobotModel
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.naoqi_robot.model import RobotModel
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
+from woz_drivers.pepper.model import PEPPER
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
 #: What a file may name as its client from the time when there were two.

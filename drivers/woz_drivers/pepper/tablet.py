@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from woz_drivers.naoqi_robot.link import Unsubscribe
 from woz_drivers.naoqi_robot.memory import number
-from woz_drivers.naoqi_robot.naoqi_link import Unsubscribe
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.served_files import is_address
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import PageKind, found, kind, page
 from woz_tui.drivers.background import Background

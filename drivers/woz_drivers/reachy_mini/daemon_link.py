@@ -17,8 +17,8 @@ import aiohttp
 
 from woz_drivers.lines.web_socket_line import AnswerError, WebPlace, WebSocketLine
 from woz_drivers.programs.simulated_process import SimulatedProcess
-from woz_drivers.reachy_mini.reachy_moves import LIBRARIES
-from woz_drivers.reachy_mini.reachy_pose import (
+from woz_drivers.reachy_mini.moves import LIBRARIES
+from woz_drivers.reachy_mini.pose import (
     LIMITS,
     Pose,
     body_from_joints,

@@ -9,20 +9,20 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from woz_drivers.lines.web_socket_line import AnswerError
-from woz_drivers.reachy_mini import doctor, reachy_pose
+from woz_drivers.reachy_mini import doctor
+from woz_drivers.reachy_mini.body import ReachyBody
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
-from woz_drivers.reachy_mini.reachy_body import ReachyBody
-from woz_drivers.reachy_mini.reachy_moves import (
+from woz_drivers.reachy_mini.moves import (
     EMOTIONS,
     LIBRARIES,
     MOVES,
     PoseFrame,
     data_set_and_name,
 )
-from woz_drivers.reachy_mini.reachy_pose import ASLEEP, HOME, Pose
-from woz_drivers.reachy_mini.reachy_senses import ReachySenses
-from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
+from woz_drivers.reachy_mini.pose import ASLEEP, HOME, Pose, aimed_at, joint_ranges, wanted_joints
+from woz_drivers.reachy_mini.senses import ReachySenses
 from woz_drivers.reachy_mini.settings import LOUDSPEAKER, ReachyMiniSettings
+from woz_drivers.reachy_mini.sounds import ReachySounds
 from woz_drivers.sound import live_talk
 from woz_drivers.sound.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, voice_remarks
@@ -298,7 +298,7 @@ class ReachyMini(Driver):
     @classmethod
     def joints(cls, settings: ReachyMiniSettings) -> Mapping[str, Range]:
         """Joints with their ranges in degrees, or millimetres."""
-        return reachy_pose.joint_ranges()
+        return joint_ranges()
 
     @classmethod
     def outline(cls, settings: ReachyMiniSettings) -> dict[str, Json]:
@@ -535,7 +535,7 @@ class ReachyMini(Driver):
         body = self._body
         match verb:
             case "pose":
-                wanted = reachy_pose.wanted_joints(args["joints"])
+                wanted = wanted_joints(args["joints"])
                 return Forecast(body.seconds_for(wanted, args["seconds"]), ())
             case "home":
                 return Forecast(body.seconds_for(HOME, args["seconds"]), ())
@@ -550,7 +550,7 @@ class ReachyMini(Driver):
     # -- moving ----------------------------------------------------------------------------------
 
     async def _pose(self, job: Job) -> Sent:
-        return await self._go(job, reachy_pose.wanted_joints(job.args["joints"]))
+        return await self._go(job, wanted_joints(job.args["joints"]))
 
     async def _home(self, job: Job) -> Sent:
         return await self._go(job, HOME)
@@ -638,7 +638,7 @@ class ReachyMini(Driver):
     async def _gaze(self, job: Job) -> Sent:
         args = {name: at for name, at in job.args.items() if at is not None}
         if {"x", "y", "z"} & set(args):
-            wanted = reachy_pose.aimed_at(*(args.get(axis, 0.0) for axis in ("x", "y", "z")))
+            wanted = aimed_at(*(args.get(axis, 0.0) for axis in ("x", "y", "z")))
         else:
             names = {"yaw": "pan", "pitch": "tilt"}
             wanted = {names[key]: at for key, at in args.items() if key in names}
@@ -759,6 +759,6 @@ def _able(on: bool) -> str:
 def _timed_poses(args: Mapping[str, Any]) -> list[tuple[Pose, float]]:
     """Each with its seconds."""
     return [
-        (reachy_pose.wanted_joints(pose["joints"]), max(float(pose.get("seconds", 0.5)), 0.0))
+        (wanted_joints(pose["joints"]), max(float(pose.get("seconds", 0.5)), 0.0))
         for pose in args["poses"]
     ]

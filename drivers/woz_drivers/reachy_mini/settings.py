@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers.programs.simulated_process import SIMULATED, robot_place
-from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, MOVES, data_set_and_name
+from woz_drivers.reachy_mini.moves import EMOTIONS, MOVES, data_set_and_name
 from woz_drivers.speech.settings import PlayedTalkSettings, SynthesisSettings
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, Range, Section, Sibling

@@ -11,10 +11,10 @@ from typing import Any
 from woz_drivers.simulated import doctor, looks, verbs
 from woz_drivers.simulated import settings as _settings
 from woz_drivers.simulated.body import SimulatedRobotBody
+from woz_drivers.simulated.camera import DrawnPerson, SimulatedCamera
 from woz_drivers.simulated.faults import SLOWNESS, ActiveFaults, Fault
+from woz_drivers.simulated.microphone import SimulatedMicrophone, SpeechMessages
 from woz_drivers.simulated.publishing import Publisher
-from woz_drivers.simulated.simulated_camera import DrawnPerson, SimulatedCamera
-from woz_drivers.simulated.simulated_microphone import SimulatedMicrophone, SpeechMessages
 from woz_drivers.simulated.speech import Utterance, utterance, word_times
 from woz_drivers.simulated.verbs import SimulatedMove
 from woz_drivers.simulated.visitor import SimulatedVisitor

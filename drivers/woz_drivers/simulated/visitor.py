@@ -15,6 +15,7 @@ import re
 from collections import Counter
 from random import Random
 
+from woz_drivers.simulated.microphone import SpeechInProgress, SpeechSegmenter
 from woz_drivers.simulated.senses import (
     DOOR,
     THRESHOLD,
@@ -23,7 +24,6 @@ from woz_drivers.simulated.senses import (
     SimulatedSensors,
     VisitorView,
 )
-from woz_drivers.simulated.simulated_microphone import SpeechInProgress, SpeechSegmenter
 from woz_tui.drivers.face_store import key_of
 
 # -- words ----------------------------------------------------------------------------------------

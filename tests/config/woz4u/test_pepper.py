@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings, VoiceSettings
+from woz_drivers.naoqi_robot.settings import AutonomySettings, VoiceSettings
 
 from tests.config.woz4u.reading import does, messages, panel, problems, read_experiment, settings
 

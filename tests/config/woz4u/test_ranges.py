@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.model import PEPPER
 
 from woz_tui.config.woz4u import pepper_robot
 

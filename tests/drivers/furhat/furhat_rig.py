@@ -16,7 +16,7 @@ import pytest
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.visitor import SimulatedPerson
 from robot_simulators.furhat import FurhatSimulator
-from woz_drivers.furhat import Furhat, FurhatSettings, driver, furhat_senses
+from woz_drivers.furhat import Furhat, FurhatSettings, driver, senses
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
 
 from tests.fakes.manual_pace import ManualPace
@@ -122,7 +122,7 @@ class FurhatRig:
 def looks_often(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have the driver look at short notice what has changed by itself."""
     monkeypatch.setattr(driver, "_LOOK_S", 0.02)
-    monkeypatch.setattr(furhat_senses, "_QUIET_S", 0.05)
+    monkeypatch.setattr(senses, "_QUIET_S", 0.05)
 
 
 @asynccontextmanager

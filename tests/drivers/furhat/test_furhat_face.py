@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 from robot_simulators import furhat as simulator
-from woz_drivers.furhat import furhat_face
-from woz_drivers.furhat.furhat_head import direction_of, place_of
-from woz_drivers.furhat.furhat_moves import COMMON_GESTURES, EMOTIONS, GESTURES
+from woz_drivers.furhat import face
+from woz_drivers.furhat.head import direction_of, place_of
+from woz_drivers.furhat.moves import COMMON_GESTURES, EMOTIONS, GESTURES
 from woz_drivers.furhat.realtime_events import Place
 from woz_drivers.furhat.settings import FurhatGazeSettings, FurhatSensesSettings, GestureFrame
 
@@ -49,7 +49,7 @@ async def test_the_robots_own_names_are_taken_too(rig: FurhatRig) -> None:
 async def test_a_gesture_that_its_software_does_not_have_is_told(
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(furhat_face, "_BEGINS_WITHIN_S", 0.1)
+    monkeypatch.setattr(face, "_BEGINS_WITHIN_S", 0.1)
     rig.robot.ignored.add("request.gesture.start")
     with pytest.raises(DriverError, match="Wink"):
         await rig.begin("play", move="wink")
@@ -94,14 +94,14 @@ async def test_moves_of_other_robots_are_done_with_the_head(rig: FurhatRig) -> N
 async def test_an_emotion_comes_gradually_and_replaces_the_one_before(
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(furhat_face, "_FADE_S", 0.1)
+    monkeypatch.setattr(face, "_FADE_S", 0.1)
     for emotion in ("amazed", "angry", "neutral", "happy"):
         await rig.do("emotion", emotion=emotion, intensity=0.5)
         await rig.arrived()
         shown = {name: share for name, share in rig.robot.face.items() if share}
         wanted = {name: share * 0.5 for name, share in EMOTIONS[emotion].items()}
         assert shown == pytest.approx(wanted, abs=1e-3)
-    monkeypatch.setattr(furhat_face, "_FADE_S", 600.0)
+    monkeypatch.setattr(face, "_FADE_S", 600.0)
     rig.begin("emotion", emotion="neutral")
     smile = rig.robot.face["MOUTH_SMILE_LEFT"]
     await until(lambda: 0.0 < rig.robot.face["MOUTH_SMILE_LEFT"] < smile)

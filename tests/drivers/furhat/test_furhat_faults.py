@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from robot_simulators import furhat as simulator
 from robot_simulators.furhat import FurhatSimulator
-from woz_drivers.furhat import Furhat, FurhatSettings, furhat_light, furhat_link, furhat_speech
-from woz_drivers.furhat.furhat_head import direction_of
+from woz_drivers.furhat import Furhat, FurhatSettings, light, link, speech
+from woz_drivers.furhat.head import direction_of
 from woz_drivers.furhat.realtime_events import Place
 from woz_drivers.furhat.settings import FurhatSensesSettings, FurhatVoiceSettings
 from woz_drivers.lines import web_socket_line
@@ -102,7 +102,7 @@ async def test_a_volume_that_nobody_asked_for_is_left_to_the_robot(tmp_path: Pat
 async def test_a_light_that_comes_and_goes_does_so_again_when_the_robot_is_back(
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(furhat_light, "_HALF_S", 0.02)
+    monkeypatch.setattr(light, "_HALF_S", 0.02)
     await rig.do("eyes", color="green", animation="intermittent")
     rig.robot.drop()
     await rig.is_lost()
@@ -210,7 +210,7 @@ async def test_an_answer_that_does_not_come_is_told(
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig.robot.ignored.add("request.camera.once")
-    monkeypatch.setattr(furhat_link.FurhatLink.ask, "__defaults__", (0.1,))
+    monkeypatch.setattr(link.FurhatLink.ask, "__defaults__", (0.1,))
     with pytest.raises(DriverError, match=r"camera\.once"):
         await rig.begin("picture")
     assert rig.healthy is Health.CONNECTED
@@ -230,7 +230,7 @@ async def test_a_robot_that_does_not_tell_its_volume_is_played_without_a_word(
 ) -> None:
     robot = FurhatSimulator(ManualPace(ManualClock()))
     if silent:
-        monkeypatch.setattr(furhat_speech, "_TELLS_WITHIN_S", 0.05)
+        monkeypatch.setattr(speech, "_TELLS_WITHIN_S", 0.05)
         robot.ignored.add("request.system.status")
     else:
         robot.faults.refused["request.system.status"] = "unknown event"

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from naoqi_simulator.visitor import SimulatedPerson
-from woz_drivers.furhat import furhat_hearing
+from woz_drivers.furhat import hearing
 from woz_drivers.furhat.settings import FurhatListeningSettings, FurhatSensesSettings
 
 from tests.drivers.furhat.furhat_rig import SOMEBODY, FurhatRig, connected_furhat, looks_often
@@ -155,9 +155,9 @@ async def test_nothing_is_asked_for_that_nobody_wants(tmp_path: Path) -> None:
 
 
 async def hears(furhat_rig: FurhatRig, text: str) -> None:
-    hearing = asyncio.create_task(furhat_rig.robot.hear(text))
+    speaking = asyncio.create_task(furhat_rig.robot.hear(text))
     async with asyncio.timeout(20):
-        while not hearing.done():
+        while not speaking.done():
             await furhat_rig.passes(0.1)
 
 
@@ -197,7 +197,7 @@ async def test_a_robot_that_ends_listening_again_and_again_is_asked_ever_more_ra
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     looks_often(monkeypatch)
-    monkeypatch.setattr(furhat_hearing, "_AGAIN_S", 0.01)
+    monkeypatch.setattr(hearing, "_AGAIN_S", 0.01)
     loop = asyncio.get_running_loop()
 
     async def ends() -> float:

@@ -15,7 +15,7 @@ import pytest
 from aiohttp import web
 from furhat_realtime_api import AsyncFurhatClient
 from robot_simulators.furhat import CHARACTERS_PER_S, VOICES
-from woz_drivers.furhat import Furhat, FurhatSettings, furhat_speech
+from woz_drivers.furhat import Furhat, FurhatSettings, speech
 from woz_drivers.furhat.settings import FurhatTalkSettings, FurhatVoiceSettings
 from woz_drivers.sound import live_talk
 
@@ -67,7 +67,7 @@ async def test_the_countdown_follows_the_words_of_a_slow_voice(
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("robot_simulators.furhat.CHARACTERS_PER_S", CHARACTERS_PER_S / 4)
-    monkeypatch.setattr(furhat_speech, "_WRONG_BY_S", 0.0)
+    monkeypatch.setattr(speech, "_WRONG_BY_S", 0.0)
     await rig.do("say", text=SENTENCE)
     announced = rig.jobs[-1].expected
     assert announced[0] == pytest.approx(len(SENTENCE) / 14, abs=0.1)
@@ -125,7 +125,7 @@ async def test_another_program_that_cuts_it_short_is_told(rig: FurhatRig) -> Non
 async def test_an_utterance_that_does_not_begin_is_given_up_and_does_not_begin_later(
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(furhat_speech, "_BEGINS_WITHIN_S", 0.1)
+    monkeypatch.setattr(speech, "_BEGINS_WITHIN_S", 0.1)
     rig.robot.ignored.add("request.speak.text")
     with pytest.raises(DriverError, match="did not begin"):
         await rig.begin("say", text=SENTENCE)

@@ -9,7 +9,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from woz_drivers.furhat import furhat_face, furhat_light, furhat_speech
+from woz_drivers.furhat import face, light, speech
 from woz_drivers.furhat.settings import FurhatSensesSettings
 
 from tests.drivers.furhat.furhat_rig import SOMEBODY, FurhatRig, connected_furhat
@@ -145,8 +145,8 @@ async def test_what_the_robot_refused_is_nothing_that_has_to_end(
 async def test_what_did_not_begin_in_time_is_ended_and_the_stop_waits_for_it_no_more(
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(furhat_speech, "_BEGINS_WITHIN_S", 0.1)
-    monkeypatch.setattr(furhat_face, "_BEGINS_WITHIN_S", 0.1)
+    monkeypatch.setattr(speech, "_BEGINS_WITHIN_S", 0.1)
+    monkeypatch.setattr(face, "_BEGINS_WITHIN_S", 0.1)
     rig.robot.ignored |= {"request.speak.text", "request.gesture.start"}
     with pytest.raises(DriverError, match="did not begin"):
         await rig.begin("say", text=LONG)
@@ -232,7 +232,7 @@ async def test_a_robot_that_followed_on_while_it_was_away_looks_straight_on(rig:
 async def test_a_light_that_was_stopped_while_the_robot_was_away_stays(
     rig: FurhatRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(furhat_light, "_HALF_S", 0.01)
+    monkeypatch.setattr(light, "_HALF_S", 0.01)
     await rig.do("eyes", color="red", animation="intermittent")
     await rig.robot.close()
     await rig.is_lost()

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 import pytest_asyncio
-from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
+from woz_drivers.naoqi_robot.settings import SensesSettings
 
 from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
 from tests.drivers.published_messages import PATIENCE_S

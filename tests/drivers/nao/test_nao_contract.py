@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import pytest
 from woz_drivers.nao.driver import Nao
 from woz_drivers.nao.settings import NaoSettings
-from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
+from woz_drivers.naoqi_robot.driver import NaoqiRobot
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 

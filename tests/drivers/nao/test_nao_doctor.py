@@ -6,7 +6,7 @@ from pathlib import Path
 
 from qimessaging import HostedMethod, QiServer
 from woz_drivers.nao import doctor
-from woz_drivers.nao.nao_model import NAO
+from woz_drivers.nao.model import NAO
 from woz_drivers.nao.settings import NaoSettings
 
 from tests.drivers.naoqi.robot_callers import own_caller

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from woz_drivers.nao.body import NaoBodyPart
 from woz_drivers.nao.body_senses import BodySensesPart
-from woz_drivers.nao.nao_body import NaoBodyPart
-from woz_drivers.nao.nao_joints import LEGS
+from woz_drivers.nao.joints import LEGS
 from woz_drivers.nao.posture_animations import NaoAnimationsPart
 from woz_drivers.nao.settings import NaoSettings
 from woz_drivers.nao.walking import WalkingPart

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.nao.driver import Nao
-from woz_drivers.nao.nao_model import NAO
+from woz_drivers.nao.model import NAO
 from woz_drivers.nao.settings import NaoSettings
 
 from woz_tui.drivers.contract import RejectedError, Written

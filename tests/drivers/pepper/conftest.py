@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import pytest_asyncio
-from woz_drivers.naoqi_robot import robot_line
+from woz_drivers.naoqi_robot import line
 
 from tests.drivers.pepper.connection_rig import patience
 from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
@@ -40,7 +40,7 @@ def patient() -> Iterator[None]:
 def unhurried_loss(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is no loss is none on a busy machine, either; who is silent for longer is lost."""
     for limit in ("SILENT_S", "ANSWER_S", "NOTICED_S"):
-        monkeypatch.setattr(robot_line, limit, 5 * getattr(robot_line, limit))
+        monkeypatch.setattr(line, limit, 5 * getattr(line, limit))
 
 
 @pytest.fixture

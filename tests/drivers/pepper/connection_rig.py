@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 from woz_drivers.nao.settings import NaoSettings
-from woz_drivers.naoqi_robot import autonomy, base, naoqi_link, parts, robot_connection, robot_line
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
-from woz_drivers.naoqi_robot.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot import autonomy, base, connection, line, link, parts
+from woz_drivers.naoqi_robot.connection import RobotConnection
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.published_messages import PublishedMessages
@@ -28,14 +28,11 @@ SETTINGS = PepperSettings(robots=())
 
 #: How long the driver waits for an answer, and how long it does so in `patience`.
 LIMITS = {
-    (robot_line, "SILENT_S"): (robot_line.SILENT_S, WITHIN_S),
-    (robot_line, "ANSWER_S"): (robot_line.ANSWER_S, WITHIN_S),
-    (naoqi_link, "_LISTENS_WITHIN_S"): (naoqi_link._LISTENS_WITHIN_S, WITHIN_S),
-    (robot_line, "NOTICED_S"): (robot_line.NOTICED_S, 2 * WITHIN_S),
-    **{
-        (module, "LOOK_S"): (parts.LOOK_S, WITHIN_S)
-        for module in (robot_connection, base, autonomy)
-    },
+    (line, "SILENT_S"): (line.SILENT_S, WITHIN_S),
+    (line, "ANSWER_S"): (line.ANSWER_S, WITHIN_S),
+    (link, "_LISTENS_WITHIN_S"): (link._LISTENS_WITHIN_S, WITHIN_S),
+    (line, "NOTICED_S"): (line.NOTICED_S, 2 * WITHIN_S),
+    **{(module, "LOOK_S"): (parts.LOOK_S, WITHIN_S) for module in (connection, base, autonomy)},
 }
 
 

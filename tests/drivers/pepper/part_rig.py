@@ -8,8 +8,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+from woz_drivers.naoqi_robot.connection import RobotConnection
 from woz_drivers.naoqi_robot.parts import NaoqiPart
-from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connection_rig import patience

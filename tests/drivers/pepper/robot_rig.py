@@ -11,8 +11,8 @@ from typing import Any
 
 from woz_drivers.nao.driver import Nao
 from woz_drivers.nao.settings import NaoSettings
-from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings, SensesSettings
+from woz_drivers.naoqi_robot.driver import NaoqiRobot
+from woz_drivers.naoqi_robot.settings import NaoqiSettings, SensesSettings
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 

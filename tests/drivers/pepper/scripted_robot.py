@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from qimessaging import HostedMethod, QiServer
-from woz_drivers.naoqi_robot.robot_connection import RobotConnection
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.naoqi_robot.connection import RobotConnection
+from woz_drivers.pepper.model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.robot_rig import settings_for

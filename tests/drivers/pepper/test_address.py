@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.naoqi_robot.address import Address, parse, without_password
-from woz_drivers.naoqi_robot.naoqi_link import Secret, password
+from woz_drivers.naoqi_robot.link import Secret, password
 from woz_drivers.pepper.settings import PepperSettings
 
 from woz_tui.drivers.contract import RejectedError

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
+from woz_drivers.naoqi_robot.settings import AutonomySettings
 
 from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
 from woz_tui.drivers.contract import DriverError, RejectedError

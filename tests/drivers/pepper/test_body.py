@@ -9,7 +9,7 @@ import pytest
 from naoqi_simulator.motion import MotionService
 from naoqi_simulator.service_table import offers
 from woz_drivers.naoqi_robot.body import BodyPart
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.model import PEPPER
 
 from tests.drivers.pepper.part_rig import connected_part
 from tests.drivers.pepper.robot_rig import QUIET, RobotRig, connected_robot

@@ -15,8 +15,8 @@ from naoqi_simulator.service_table import Service, ServiceMethod
 from naoqi_simulator.simulator_process import start
 from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
 from woz_drivers.naoqi_robot.address import parse
-from woz_drivers.naoqi_robot.naoqi_link import open_link
-from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
+from woz_drivers.naoqi_robot.link import open_link
+from woz_drivers.naoqi_robot.settings import AutonomySettings
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.sound.live_talk import TalkSettings
@@ -207,7 +207,7 @@ async def test_what_begins_behind_the_stop_that_overtook_it_is_ended_too(tmp_pat
 async def test_a_robot_without_a_player_confirms_its_stop(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line._COMES_WITHIN_S", 0.1)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.line._COMES_WITHIN_S", 0.1)
     pepper = Standing(SimulatedWorld(PacedTime(20.0), SimulatorOptions(visitors=False)))
     pepper.services = {
         name: one for name, one in pepper.services.items() if name != "ALAudioPlayer"

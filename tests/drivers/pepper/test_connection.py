@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 from qimessaging.server import QiServer
-from woz_drivers.naoqi_robot import robot_connection as module
-from woz_drivers.naoqi_robot.robot_connection import RobotConnection
-from woz_drivers.naoqi_robot.robot_line import ESSENTIAL
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.naoqi_robot import connection as module
+from woz_drivers.naoqi_robot.connection import RobotConnection
+from woz_drivers.naoqi_robot.line import ESSENTIAL
+from woz_drivers.pepper.model import PEPPER
 
 from tests.drivers.pepper.connection_rig import (
     SETTINGS,
@@ -208,7 +208,7 @@ async def test_a_robot_that_goes_while_it_starts_was_never_there(tmp_path: Path)
 async def test_a_robot_without_some_services_is_played_even_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line._COMES_WITHIN_S", 0.3)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.line._COMES_WITHIN_S", 0.3)
     server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     for name in sorted(ESSENTIAL):
@@ -216,7 +216,7 @@ async def test_a_robot_without_some_services_is_played_even_so(
     async with started_connection(tmp_path, str(endpoint)) as rig:
         await rig.is_so(Health.CONNECTED, "without", "ALTabletService")
         # The next time nobody waits for what was not there.
-        monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line._COMES_WITHIN_S", 3600.0)
+        monkeypatch.setattr("woz_drivers.naoqi_robot.line._COMES_WITHIN_S", 3600.0)
         await rig.connection.connect(str(endpoint))
         assert rig.came == 2
     await server.close()

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.naoqi_robot.naoqi_link import LinkClosedError, UnansweredError
-from woz_drivers.naoqi_robot.robot_line import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Heartbeat
+from woz_drivers.naoqi_robot.line import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Heartbeat
+from woz_drivers.naoqi_robot.link import LinkClosedError, UnansweredError
 
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.drivers.contract import DeviceLostError

@@ -10,7 +10,7 @@ from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
 from woz_drivers.lines import answer_times
 from woz_drivers.pepper import doctor
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings, TabletSettings
 
 from tests.fakes.naoqi import StandIn

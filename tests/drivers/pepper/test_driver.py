@@ -7,9 +7,9 @@ import contextlib
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings, VoiceSettings
+from woz_drivers.naoqi_robot.settings import AutonomySettings, VoiceSettings
 from woz_drivers.pepper import Pepper
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.robot_rig import QUIET, connected_driver, connected_robot

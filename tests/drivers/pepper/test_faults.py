@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi_robot.robot_line import FRESH_S
+from woz_drivers.naoqi_robot.line import FRESH_S
 
 from tests.drivers.pepper.connection_rig import (
     WITHIN_S,
@@ -217,8 +217,8 @@ async def test_a_silent_robot_is_asked_to_stop_even_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # It is silent, and does not count as gone before the test has looked.
-    monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line.ANSWER_S", WITHIN_S)
-    monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line.NOTICED_S", 2 * WITHIN_S)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.line.ANSWER_S", WITHIN_S)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.line.NOTICED_S", 2 * WITHIN_S)
     async with stand_in() as robot, started_connection(tmp_path, robot.address) as rig:
         await rig.is_so(Health.CONNECTED)
         robot.freeze()

@@ -11,9 +11,9 @@ import pytest
 from naoqi_simulator.faults import Entry
 from naoqi_simulator.world import SimulatorOptions
 from woz_drivers.naoqi_robot.address import parse
-from woz_drivers.naoqi_robot.naoqi_driver import NaoqiRobot
-from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
-from woz_drivers.naoqi_robot.robot_connection import simulated_naoqi
+from woz_drivers.naoqi_robot.connection import simulated_naoqi
+from woz_drivers.naoqi_robot.driver import NaoqiRobot
+from woz_drivers.naoqi_robot.settings import AutonomySettings
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 

@@ -14,7 +14,7 @@ import pytest
 from qimessaging.hosted_objects import HostedMethod, HostedSignal
 from qimessaging.server import QiServer
 from woz_drivers.naoqi_robot.address import Address, parse
-from woz_drivers.naoqi_robot.naoqi_link import (
+from woz_drivers.naoqi_robot.link import (
     UNCONFIRMED_MS,
     LinkClosedError,
     NaoqiLink,

@@ -11,8 +11,8 @@ import pytest
 from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
 from woz_drivers.naoqi_robot.address import parse
-from woz_drivers.naoqi_robot.naoqi_link import ConnectionRefusedByRobotError, NaoqiLink, open_link
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.naoqi_robot.link import ConnectionRefusedByRobotError, NaoqiLink, open_link
+from woz_drivers.pepper.model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connection_rig import started_connection

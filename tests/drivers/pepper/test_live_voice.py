@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.nao.settings import NaoSettings
-from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
+from woz_drivers.naoqi_robot.talk import TalkPart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.sound.live_talk import TalkSettings
 

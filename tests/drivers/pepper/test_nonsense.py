@@ -14,8 +14,8 @@ from woz_drivers.naoqi_robot.body import BodyPart
 from woz_drivers.naoqi_robot.camera import frame
 from woz_drivers.naoqi_robot.eyes import EyesPart
 from woz_drivers.naoqi_robot.head import HeadPart
+from woz_drivers.naoqi_robot.link import readable
 from woz_drivers.naoqi_robot.memory import flag, word
-from woz_drivers.naoqi_robot.naoqi_link import readable
 from woz_drivers.naoqi_robot.service_call import ServiceCallPart
 from woz_drivers.naoqi_robot.sounds import SoundsPart
 from woz_drivers.naoqi_robot.voice import VoicePart

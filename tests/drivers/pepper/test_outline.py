@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.naoqi_robot import tags
 from woz_drivers.naoqi_robot.eyes import EyeColor
-from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings, VoiceSettings
+from woz_drivers.naoqi_robot.settings import AutonomySettings, VoiceSettings
 from woz_drivers.naoqi_robot.settings_reading import DesiredSettings, conflicts
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
 from woz_tui.drivers.contract import RejectedError

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.naoqi_robot.naoqi_settings import RecognitionSettings as Settings
 from woz_drivers.naoqi_robot.recognition import DETECTED, RECOGNIZED, RecognitionPart, recognised
+from woz_drivers.naoqi_robot.settings import RecognitionSettings as Settings
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.part_rig import PartRig, connected_part

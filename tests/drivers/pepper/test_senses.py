@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 from woz_drivers.naoqi_robot.memory import BATTERY, SOUND
-from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
 from woz_drivers.naoqi_robot.senses import FACES, VISIBLE, SensesPart, distance_key, looking_key
-from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.naoqi_robot.settings import SensesSettings
+from woz_drivers.pepper.model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.part_rig import PartRig, connected_part

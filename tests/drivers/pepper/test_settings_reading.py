@@ -11,8 +11,8 @@ from typing import cast
 
 from hypothesis import given
 from hypothesis import strategies as st
+from woz_drivers.naoqi_robot.connection import SPACING_S, RobotConnection
 from woz_drivers.naoqi_robot.parts import NaoqiPart
-from woz_drivers.naoqi_robot.robot_connection import SPACING_S, RobotConnection
 from woz_drivers.naoqi_robot.settings_reading import EVERY_S, LULL_S, RECENT_S, SettingsReader
 from woz_drivers.pepper.settings import PepperSettings
 

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.naoqi_robot.naoqi_link import Methods, Unsubscribe
-from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
+from woz_drivers.naoqi_robot.link import Methods, Unsubscribe
 from woz_drivers.naoqi_robot.parts import Refusal
 from woz_drivers.naoqi_robot.served_files import ServedFiles
+from woz_drivers.naoqi_robot.settings import SensesSettings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import SENSORS, TabletPart, Touch, TouchScale, place
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi_robot.naoqi_settings import VoiceSettings
+from woz_drivers.naoqi_robot.settings import VoiceSettings
 
 from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
 from woz_tui.drivers.contract import DeviceLostError, RejectedError

@@ -13,7 +13,7 @@ import pytest
 from naoqi_simulator.robot_time import PacedTime
 from robot_simulators.reachy_mini import ReachyMiniSimulator
 from woz_drivers.lines import answer_times
-from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link, reachy_sounds
+from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link, sounds
 from woz_drivers.sound.wav import Wav
 from woz_drivers.speech.settings import SynthesisSettings
 
@@ -105,7 +105,7 @@ def busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(confirmed_stop, "STOP_S", 20.0)
     monkeypatch.setattr(answer_times, "_SLOW_MS", 10_000.0)
     monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
-    monkeypatch.setattr(reachy_sounds, "QUICK_S", 10.0)
+    monkeypatch.setattr(sounds, "QUICK_S", 10.0)
 
 
 @pytest.fixture

@@ -16,8 +16,8 @@ from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.visitor import SimulatedVisitors
 from robot_simulators.reachy_mini import ReachyMiniSimulator
 from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link
-from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, MOVES
-from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, reachable
+from woz_drivers.reachy_mini.moves import EMOTIONS, MOVES
+from woz_drivers.reachy_mini.pose import HOME, LIMITS, reachable
 from woz_drivers.speech.settings import SynthesisSettings
 
 from tests.drivers.reachy_mini.conftest import PACE, VOICE, ReachyRig, reachy

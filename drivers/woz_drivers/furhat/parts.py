@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from woz_drivers.furhat.furhat_link import FurhatLink
+from woz_drivers.furhat.link import FurhatLink
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_tui.drivers.contract import DriverContext, Forecast, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json

@@ -8,7 +8,7 @@ from operator import attrgetter
 from typing import Annotated, ClassVar, Protocol
 
 from woz_drivers.naoqi_robot.address import parse, without_password
-from woz_drivers.naoqi_robot.robot_model import RobotModel
+from woz_drivers.naoqi_robot.model import RobotModel
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, RobotSetting, of_section
 from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.argument_values import color

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from woz_drivers.naoqi_robot.animation_names import AnimationNames
-from woz_drivers.naoqi_robot.robot_line import COMMON_SERVICES
-from woz_drivers.naoqi_robot.robot_model import RobotModel
+from woz_drivers.naoqi_robot.line import COMMON_SERVICES
+from woz_drivers.naoqi_robot.model import RobotModel
 from woz_drivers.naoqi_robot.robot_settings import RobotSetting, played_and_recorded, with_own
-from woz_drivers.pepper.pepper_animations import MOVES
-from woz_drivers.pepper.pepper_joints import JOINTS
+from woz_drivers.pepper.animations import MOVES
+from woz_drivers.pepper.joints import JOINTS
 
 PEPPER = RobotModel(
     name="Pepper",

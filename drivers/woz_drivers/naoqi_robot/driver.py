@@ -14,11 +14,11 @@ from woz_drivers.naoqi_robot import address, tags, text_remarks
 from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.base import BasePart
 from woz_drivers.naoqi_robot.body import BodyPart
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
-from woz_drivers.naoqi_robot.naoqi_talk import TalkPart
+from woz_drivers.naoqi_robot.connection import RobotConnection
 from woz_drivers.naoqi_robot.parts import NaoqiPart
-from woz_drivers.naoqi_robot.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.naoqi_robot.settings_reading import SettingsReader
+from woz_drivers.naoqi_robot.talk import TalkPart
 from woz_drivers.programs.simulated_process import SIMULATED
 from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.argument_values import text

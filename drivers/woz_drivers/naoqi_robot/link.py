@@ -21,7 +21,7 @@ from qimessaging.client import NaoqiClient
 from qimessaging.hosted_objects import HostedMethod, HostedObject
 
 from woz_drivers.naoqi_robot.address import Address
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.background import apart
 from woz_tui.drivers.contract import DeviceLostError
 

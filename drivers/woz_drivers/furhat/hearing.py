@@ -9,8 +9,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 
-from woz_drivers.furhat.furhat_link import FurhatLink
-from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.link import FurhatLink
+from woz_drivers.furhat.parts import FurhatPart
 from woz_drivers.furhat.realtime_events import (
     HearEnded,
     HearPartial,

@@ -6,7 +6,7 @@ What is promised about calls, and what cannot be:
   A robot that was killed is known at once; one that is frozen or cut off after at most 2 s, and all
   calls under way end in that moment.
 - A call is sent only while the robot is known to be alive: it was heard within the last 0.02 s
-  (`robot_line.FRESH_S`), or it has just answered a question that was asked for this call. If
+  (`line.FRESH_S`), or it has just answered a question that was asked for this call. If
   it is silent, the call is refused and never sent. Only calls that end something (`HALTS`) are sent
   in any case, because late they do no harm.
 - What was sent into a cut cable is forgotten by this machine within 1.5 s and on closing: it does
@@ -30,7 +30,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from woz_drivers.naoqi_robot.address import Address, parse
-from woz_drivers.naoqi_robot.naoqi_link import (
+from woz_drivers.naoqi_robot.line import HALTS, RobotLine, silence, until_services
+from woz_drivers.naoqi_robot.link import (
     ConnectionRefusedByRobotError,
     LinkClosedError,
     Methods,
@@ -40,10 +41,9 @@ from woz_drivers.naoqi_robot.naoqi_link import (
     Unsubscribe,
     open_link,
 )
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, WITHIN_S, Refusal, ServiceAbsentError
-from woz_drivers.naoqi_robot.robot_line import HALTS, RobotLine, silence, until_services
 from woz_drivers.naoqi_robot.served_files import ServedFiles
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.programs.simulated_process import SimulatedProcess
 from woz_tui.drivers.background import BackgroundTasks, forget_outcome
 from woz_tui.drivers.contract import (

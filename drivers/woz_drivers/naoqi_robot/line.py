@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from woz_drivers.naoqi_robot.address import Address
-from woz_drivers.naoqi_robot.naoqi_link import (
+from woz_drivers.naoqi_robot.link import (
     LinkClosedError,
     NaoqiLink,
     RobotRefusedError,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_drivers.naoqi_robot.eyes import LEDS, LONGEST, MARGIN_S, EyeColor, EyesPart
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import color as color_of
 from woz_tui.drivers.argument_values import number, positive, word
 from woz_tui.drivers.contract import (

@@ -12,10 +12,10 @@ from typing import Any
 from woz_drivers.lines.answer_times import line_finding
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.address import Address, parse
-from woz_drivers.naoqi_robot.naoqi_link import LinkError, NaoqiLink, ServiceMissingError, open_link
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
-from woz_drivers.naoqi_robot.robot_connection import simulated_naoqi
-from woz_drivers.naoqi_robot.robot_line import ESSENTIAL
+from woz_drivers.naoqi_robot.connection import simulated_naoqi
+from woz_drivers.naoqi_robot.line import ESSENTIAL
+from woz_drivers.naoqi_robot.link import LinkError, NaoqiLink, ServiceMissingError, open_link
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.

@@ -11,9 +11,9 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from woz_drivers.furhat.furhat_head import FurhatHead, within
-from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
-from woz_drivers.furhat.furhat_moves import (
+from woz_drivers.furhat.head import FurhatHead, within
+from woz_drivers.furhat.link import Exchange, FurhatLink
+from woz_drivers.furhat.moves import (
     COMMON_GESTURES,
     EMOTIONS,
     FACE_PARAMETERS,
@@ -22,7 +22,7 @@ from woz_drivers.furhat.furhat_moves import (
     FaceFrame,
     offered_moves,
 )
-from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.parts import FurhatPart
 from woz_drivers.furhat.realtime_events import FaceStatus, GestureEnded, GestureStarted
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_tui.drivers.argument_values import (

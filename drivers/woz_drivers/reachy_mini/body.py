@@ -17,8 +17,8 @@ from typing import Any
 
 from woz_drivers.lines.web_socket_line import AnswerError, LateAnswerError
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
-from woz_drivers.reachy_mini.reachy_moves import PoseFrame
-from woz_drivers.reachy_mini.reachy_pose import HOME, LIMITS, Pose, reachable
+from woz_drivers.reachy_mini.moves import PoseFrame
+from woz_drivers.reachy_mini.pose import HOME, LIMITS, Pose, reachable
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError

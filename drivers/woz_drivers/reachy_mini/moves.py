@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_drivers.reachy_mini.reachy_pose import HOME, Pose
+from woz_drivers.reachy_mini.pose import HOME, Pose
 from woz_tui.drivers.contract import RejectedError
 
 #: The vendor's data sets, by the names that this driver gives them.

@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Iterator
 
 from woz_drivers.nao.falls import getting_up
-from woz_drivers.nao.nao_joints import LEGS
-from woz_drivers.nao.nao_model import HALT_UPPER
+from woz_drivers.nao.joints import LEGS
+from woz_drivers.nao.model import HALT_UPPER
 from woz_drivers.nao.walking import walks
 from woz_drivers.naoqi_robot.base import ASK_S
 from woz_drivers.naoqi_robot.body import MOTION, POSTURE, STIFF, BodyPart

@@ -13,8 +13,8 @@ from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
-from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.link import Exchange, FurhatLink
+from woz_drivers.furhat.parts import FurhatPart
 from woz_drivers.furhat.realtime_events import (
     SpeakBuffer,
     SpeakEnded,

@@ -6,8 +6,8 @@ import asyncio
 import contextlib
 from collections.abc import Mapping
 
-from woz_drivers.furhat.furhat_link import FurhatLink
-from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.link import FurhatLink
+from woz_drivers.furhat.parts import FurhatPart
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_tui.drivers.argument_values import color, word
 from woz_tui.drivers.background import Background

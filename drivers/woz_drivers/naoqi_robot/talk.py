@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 from collections.abc import AsyncIterator, Mapping
 
-from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.sound import live_talk
 from woz_drivers.sound.live_talk import LiveTalk, SentVoice, VoiceTally
 from woz_tui.drivers.contract import (

@@ -10,8 +10,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
-from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.link import Exchange, FurhatLink
+from woz_drivers.furhat.parts import FurhatPart
 from woz_drivers.furhat.realtime_events import AttendStatus, Place
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_tui.drivers.argument_values import number, text

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
-from woz_drivers.reachy_mini.reachy_pose import LIMITS, Pose
+from woz_drivers.reachy_mini.pose import LIMITS, Pose
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.sound.noticed_speech import NoticedSpeech
 from woz_tui.drivers.background import Background

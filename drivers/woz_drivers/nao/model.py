@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from woz_drivers.nao.nao_animations import MOVES
-from woz_drivers.nao.nao_joints import JOINTS, UPPER
+from woz_drivers.nao.animations import MOVES
+from woz_drivers.nao.joints import JOINTS, UPPER
 from woz_drivers.naoqi_robot.animation_names import AnimationNames
-from woz_drivers.naoqi_robot.robot_line import COMMON_SERVICES
-from woz_drivers.naoqi_robot.robot_model import RobotModel
+from woz_drivers.naoqi_robot.line import COMMON_SERVICES
+from woz_drivers.naoqi_robot.model import RobotModel
 from woz_drivers.naoqi_robot.robot_settings import RobotSetting, played_and_recorded, with_own
 
 #: What ends every movement but those of the legs: a walk that is killed ends in a fall, so it is

@@ -1,29 +1,31 @@
 """Serves files of this machine to the robot and its tablet by HTTP: those listed, and no others.
 
 The server stands on the network of the robot: random paths, nothing but GET and HEAD, bounded
-connections, and no client can hold it up.
+connections, and no client can hold it up. It has a thread and an event loop of its own, so that
+neither a film nor a slow disk delays the robot.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import errno
 import io
 import ipaddress
+import logging
 import os
 import re
 import secrets
-import selectors
 import socket
 import stat
 import threading
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import IO, Any, Protocol
+
+from aiohttp import ClientError, web
 
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.background import apart
@@ -33,13 +35,11 @@ from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 MOST = 16
 #: A request has to be whole, and an answer to be taken up piece by piece, within this, in seconds.
 PATIENCE_S = 10.0
-#: Connections that wait to be let in: those beyond are asked for again a second later.
-_BACKLOG = 128
 _ENDS_WITHIN_S = 1.0
-#: How often those that are too slow are looked for, in seconds, while there are any connections.
-_LOOK_S = 1.0
-#: How long nobody is let in when the system has no place for another connection, in seconds.
-_SHUT_S = 0.2
+
+#: What a client sends that is no request is nothing to log: the door is open to the whole network.
+_SILENT = logging.getLogger(f"{__name__}.requests")
+_SILENT.setLevel(logging.CRITICAL + 1)
 
 _BIND_TROUBLES = {
     errno.EADDRINUSE: "take another `{section}.port`, or 0 for any",
@@ -72,15 +72,13 @@ class FileServer:
         self._token = secrets.token_urlsafe(16)
         self._listed: dict[str, ListedFile] = {}
         self._known: dict[ListedFile, str] = {}
-        self._clients: dict[socket.socket, float] = {}
-        self._threads: set[threading.Thread] = set()
-        self._lock = threading.Lock()
-        self._over = self._told_shut = False
-        self._door = _listening(host, port, section)
+        self._told_full = False
+        self._door = _listening(host, port, section, patience)
         self.host = host
         self.port: int = self._door.getsockname()[1]
-        self._waker, self._wakes = socket.socketpair()
-        self._thread = threading.Thread(target=self._serve, name="robot files", daemon=True)
+        self._loop = asyncio.new_event_loop()
+        self._over = asyncio.Event()
+        self._thread = threading.Thread(target=self._run, name="robot files", daemon=True)
         self._thread.start()
 
     def list_file(self, path: Path) -> str:
@@ -107,19 +105,10 @@ class FileServer:
         return self._list(ListedFile(".html", content=html.encode()))
 
     def close(self) -> None:
-        """End it with all connections. Waits for its threads a second at most."""
-        self._over = True
-        with contextlib.suppress(OSError):
-            self._waker.send(b"!")
-        until = time.monotonic() + _ENDS_WITHIN_S
+        """End it with all connections. Waits for its thread a second at most."""
+        with contextlib.suppress(RuntimeError):  # it has ended
+            self._loop.call_soon_threadsafe(self._over.set)
         self._thread.join(_ENDS_WITHIN_S)
-        with self._lock:
-            clients, threads = list(self._clients), list(self._threads)
-        for client in clients:
-            _hang_up(client)
-        for thread in threads:
-            thread.join(max(0.0, until - time.monotonic()))
-        self._waker.close()
 
     def _list(self, listed: ListedFile) -> str:
         place = self._known.get(listed)
@@ -130,84 +119,67 @@ class FileServer:
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{host}:{self.port}{place}"
 
-    # -- in the server's threads ---------------------------------------------------------------
+    # -- in the server's thread ------------------------------------------------------------------
 
-    def _serve(self) -> None:
-        with self._door, self._wakes, selectors.DefaultSelector() as ready:
-            ready.register(self._door, selectors.EVENT_READ)
-            ready.register(self._wakes, selectors.EVENT_READ)
-            while not self._over:
-                came = ready.select(_LOOK_S if self._clients else None)
-                if any(key.fileobj is self._door for key, _ in came):
-                    self._let_in()
-                self._show_out()
+    def _run(self) -> None:
+        self._loop.set_exception_handler(self._failed)
+        with contextlib.closing(self._loop):
+            self._loop.run_until_complete(self._serve())
 
-    def _let_in(self) -> None:
-        try:
-            client, _ = self._door.accept()
-        except (BlockingIOError, ConnectionError):
-            return  # they went away again
-        except OSError as error:  # no more files: they go on knocking, and must not keep us busy
-            self._shut(error)
-            return
-        with self._lock:
-            full = len(self._clients) >= MOST
-            if not full:
-                self._clients[client] = time.monotonic()
-        if full:
-            client.close()
-            return
-        client.settimeout(self._patience)
-        thread = threading.Thread(
-            target=self._answer, args=(client,), name="robot files client", daemon=True
+    async def _serve(self) -> None:
+        server = _BoundedServer(
+            self._answer,
+            request_factory=_request,
+            keepalive_timeout=self._patience,
+            access_log=None,
+            logger=_SILENT,
         )
-        with self._lock:
-            self._threads.add(thread)
-        try:
-            thread.start()
-        except RuntimeError:  # the system gives no more threads: the tablet asks again
-            with self._lock:
-                self._threads.discard(thread)
-                self._clients.pop(client, None)
-            client.close()
+        async with await self._loop.create_server(server, sock=self._door):
+            await self._over.wait()
+            for connection in server.connections:
+                if connection.transport is not None:
+                    connection.transport.abort()
+        await server.shutdown(0.0)
 
-    def _shut(self, error: OSError) -> None:
-        """Accept nobody for a while; reported once."""
-        if not self._told_shut:
-            self._told_shut = True
+    def _failed(self, loop: asyncio.AbstractEventLoop, context: Mapping[str, Any]) -> None:
+        """What nobody waits for, such as no place for another connection: that is told once."""
+        if "transport" in context:
+            return  # a client went away, or was too slow
+        error = context.get("exception")
+        if not isinstance(error, OSError):
+            self._troubled(f"a request of the robot failed: {error or context['message']!r}")
+        elif not self._told_full:
+            self._told_full = True
             self._troubled(f"the robot cannot load files at the moment: {error.strerror or error}")
-        time.sleep(_SHUT_S)
 
-    def _show_out(self) -> None:
-        """Whoever has not asked yet after all that time never will."""
-        limit = time.monotonic() - self._patience
-        with self._lock:
-            slow = [client for client, since in self._clients.items() if since < limit]
-        for client in slow:
-            _hang_up(client)
-
-    def _asked(self, client: socket.socket) -> None:
-        """The request is whole: from here on the socket's own limit counts."""
-        with self._lock:
-            if client in self._clients:
-                self._clients[client] = float("inf")
-
-    def _answer(self, client: socket.socket) -> None:
+    async def _answer(self, request: web.BaseRequest) -> web.StreamResponse:
+        """One request; its connection ends with it."""
         try:
-            FileRequestHandler(client, self._listed, self._asked)
-        except (OSError, ValueError):
-            pass  # the client went away, was too slow, or its socket was closed under it
-        except Exception as error:  # noqa: BLE001 - nothing else would notice
+            answer = await self._answered(request)
+        except (OSError, ClientError):
+            raise  # the client went away, or was too slow
+        except Exception as error:
             self._troubled(f"a request of the robot failed: {error!r}")
-        finally:
-            with self._lock:
-                self._clients.pop(client, None)
-                self._threads.discard(threading.current_thread())
-            _hang_up(client)
-            client.close()
+            raise
+        answer.force_close()
+        return answer
+
+    async def _answered(self, request: web.BaseRequest) -> web.StreamResponse:
+        if request.method not in ("GET", "HEAD"):
+            return web.Response(status=HTTPStatus.NOT_IMPLEMENTED)
+        # As it was sent: a path with dots is not the one to which they would lead.
+        listed = self._listed.get(request.raw_path.partition("?")[0])
+        if listed is None:
+            return web.Response(status=HTTPStatus.NOT_FOUND)
+        try:
+            file, size = listed.open()
+        except OSError:
+            return web.Response(status=HTTPStatus.NOT_FOUND)
+        with file:
+            return await _send(request, listed, file, size)
 
 
-def _listening(host: str, port: int, section: str) -> socket.socket:
+def _listening(host: str, port: int, section: str, patience: float) -> socket.socket:
     """A socket that listens. Raises `DriverError`."""
     try:
         family = socket.AF_INET6 if ipaddress.ip_address(host).version == 6 else socket.AF_INET
@@ -219,9 +191,10 @@ def _listening(host: str, port: int, section: str) -> socket.socket:
     door = socket.socket(family, socket.SOCK_STREAM)
     try:
         door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # Of each connection: who takes up nothing for so long is gone.
+        door.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(patience * 1000))
         door.bind((host, port))
-        door.listen(_BACKLOG)
-        door.setblocking(False)
+        door.listen()
     except OSError as error:
         door.close()
         why = error.strerror or str(error)
@@ -234,12 +207,30 @@ def _listening(host: str, port: int, section: str) -> socket.socket:
     return door
 
 
-def _hang_up(client: socket.socket) -> None:
-    with contextlib.suppress(OSError):
-        client.shutdown(socket.SHUT_RDWR)
+class _BoundedServer(web.Server):
+    """Hangs up on whoever comes beyond `MOST`."""
+
+    def connection_made(self, handler: web.RequestHandler, transport: asyncio.Transport) -> None:
+        super().connection_made(handler, transport)
+        if len(self.connections) > MOST:
+            # When it has begun to wait for a request: before, its end would be an error.
+            asyncio.get_running_loop().call_soon(transport.abort)
 
 
-# -- one client: RFC 9110, as far as a robot needs it ----------------------------------------------
+def _request(
+    message: Any, payload: Any, protocol: Any, writer: Any, task: asyncio.Task[None]
+) -> web.BaseRequest:
+    return _Request(message, payload, protocol, writer, task, asyncio.get_running_loop())
+
+
+class _Request(web.BaseRequest):
+    """A request whose answer does not tell the versions of Python and of the server."""
+
+    async def _prepare_hook(self, response: web.StreamResponse) -> None:
+        response.headers.pop("Server", None)
+
+
+# -- one answer: RFC 9110, as far as a robot needs it ----------------------------------------------
 
 TYPES: Mapping[str, str] = {
     ".png": "image/png",
@@ -334,97 +325,36 @@ def byte_range(wish: str, size: int) -> ByteRange | None:
     return ByteRange(start, end, size) if start < size else None
 
 
-class FileRequestHandler(BaseHTTPRequestHandler):
-    """One connection with one request: it is answered when this is made."""
-
-    protocol_version = "HTTP/1.1"
-    #: The socket has its limit already.
-    timeout = None
-
-    def __init__(
-        self,
-        client: socket.socket,
-        listed: Mapping[str, ListedFile],
-        asked: Callable[[socket.socket], None],
-    ) -> None:
-        self._listed = listed
-        self._asked = asked
-        super().__init__(client, ("", 0), _NO_SERVER)
-
-    def handle(self) -> None:
-        """One request; its connection ends with it."""
-        self.close_connection = True
-        self.handle_one_request()
-
-    def do_GET(self) -> None:
-        """Headers and bytes."""
-        self._give(body=True)
-
-    def do_HEAD(self) -> None:
-        """Headers only."""
-        self._give(body=False)
-
-    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """A status without a page."""
-        # What cannot be parsed is answered in the oldest way, so that there are headers at all.
-        self.request_version = "HTTP/1.0"
-        self._head(HTTPStatus(code), {"Content-Length": "0"})
-
-    def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - http.server's name
-        """Nothing is printed: the wizard's screen is a terminal."""
-
-    def _give(self, *, body: bool) -> None:
-        self._asked(self.connection)
-        listed = self._listed.get(self.path.partition("?")[0])
-        if listed is None:
-            self.send_error(HTTPStatus.NOT_FOUND)
-            return
-        try:
-            file, size = listed.open()
-        except OSError:
-            self.send_error(HTTPStatus.NOT_FOUND)
-            return
-        with file:
-            self._send(listed, file, size, body=body)
-
-    def _send(self, listed: ListedFile, file: IO[bytes], size: int, *, body: bool) -> None:
-        # There are no validators here, so whoever makes a range depend on one gets the whole.
-        wish = "" if self.headers["If-Range"] else self.headers["Range"] or ""
-        wanted = byte_range(wish, size) if self.command == "GET" else ByteRange(0, size, size)
-        if wanted is None:
-            headers = {"Content-Range": f"bytes */{size}", "Content-Length": "0"}
-            self._head(HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE, headers)
-            return
-        headers = {
+async def _send(
+    request: web.BaseRequest, listed: ListedFile, file: IO[bytes], size: int
+) -> web.StreamResponse:
+    # There are no validators here, so whoever makes a range depend on one gets the whole.
+    wish = "" if "If-Range" in request.headers else request.headers.get("Range", "")
+    wanted = byte_range(wish, size) if request.method == "GET" else ByteRange(0, size, size)
+    if wanted is None:
+        status = HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE
+        return web.Response(status=status, headers={"Content-Range": f"bytes */{size}"})
+    answer = web.StreamResponse(
+        headers={
             "Content-Type": TYPES.get(listed.suffix, "application/octet-stream"),
             "Content-Length": str(wanted.end - wanted.start),
             "Accept-Ranges": "bytes",
             "Cache-Control": "no-cache",
             "X-Content-Type-Options": "nosniff",
         }
-        if not wanted.whole:
-            headers["Content-Range"] = f"bytes {wanted.start}-{wanted.end - 1}/{size}"
-        self._head(HTTPStatus.OK if wanted.whole else HTTPStatus.PARTIAL_CONTENT, headers)
-        if body:
-            self._pour(file, wanted)
-
-    def _pour(self, file: IO[bytes], wanted: ByteRange) -> None:
+    )
+    answer.force_close()
+    if not wanted.whole:
+        answer.set_status(HTTPStatus.PARTIAL_CONTENT)
+        answer.headers["Content-Range"] = f"bytes {wanted.start}-{wanted.end - 1}/{size}"
+    await answer.prepare(request)
+    if request.method == "GET":
         file.seek(wanted.start)
         left = wanted.end - wanted.start
         while left > 0 and (piece := file.read(min(_PIECE, left))):
-            self.connection.sendall(piece)
+            await answer.write(piece)
             left -= len(piece)
-
-    def _head(self, status: HTTPStatus, headers: Mapping[str, str]) -> None:
-        self.send_response_only(status)
-        for name, value in headers.items():
-            self.send_header(name, value)
-        self.send_header("Connection", "close")
-        self.end_headers()
-
-
-#: `BaseHTTPRequestHandler` keeps a server it never uses here.
-_NO_SERVER: Any = None
+    return answer
 
 
 def is_address(text: str) -> bool:

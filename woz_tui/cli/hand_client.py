@@ -55,7 +55,7 @@ class PluggedInDevice(Protocol):
     on_change: Callable[[], None]
     on_gone: Callable[[], None]
 
-    def show(self, faces: Mapping[str, Any]) -> None: ...  # noqa: D102
+    def show(self, faces: Mapping[str, Any]) -> None: ...
 
 
 class _Control(msgspec.Struct, frozen=True):

@@ -194,7 +194,7 @@ class RequestHandlers:
             case End(command=command):
                 self._ends[command] = message
 
-    def _carry_out(self, client: ClientConnection, request: AnyRequest) -> str:  # noqa: PLR0912, PLR0915
+    def _carry_out(self, client: ClientConnection, request: AnyRequest) -> str:
         """Carry `request` out; the id of the run or command that it has begun."""
         session, study = self._session, self._session.study
         run, stale, tells = "", self._stale(request), self._tells(client)

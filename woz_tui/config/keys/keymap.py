@@ -51,11 +51,11 @@ class KeyedAction(Protocol):
     """An action as the key map needs it; `experiment.Action` and `panels.ActionView` are."""
 
     @property
-    def name(self) -> str: ...  # noqa: D102
+    def name(self) -> str: ...
     @property
-    def label(self) -> str: ...  # noqa: D102
+    def label(self) -> str: ...
     @property
-    def key(self) -> str: ...  # noqa: D102
+    def key(self) -> str: ...
 
 
 _Keyed = TypeVar("_Keyed", bound=KeyedAction)
@@ -65,7 +65,7 @@ class KeyedPanel(Protocol):
     """A panel as the key map needs it."""
 
     @property
-    def actions(self) -> Sequence[KeyedAction]: ...  # noqa: D102
+    def actions(self) -> Sequence[KeyedAction]: ...
 
 
 @dataclass(frozen=True, slots=True)

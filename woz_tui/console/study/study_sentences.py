@@ -29,7 +29,7 @@ _JUDGED = {
 }
 
 
-def event_text(message: m.Message) -> EventText | None:  # noqa: PLR0912 - a table
+def event_text(message: m.Message) -> EventText | None:
     """The line for `message`, or None if it is not worth one."""
     match message:
         case m.ConditionsAssigned():

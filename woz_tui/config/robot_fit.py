@@ -18,7 +18,7 @@ from woz_tui.config.experiment import (
     Step,
 )
 from woz_tui.config.sensor_names import ENGAGEMENT, POSE, published_names
-from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.config.performers import PERFORMERS
 
 
 def fitted(experiment: Experiment) -> Experiment:

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections import Counter
 
-from woz_drivers.naoqi_robot.robot_settings import RobotSetting
 from woz_drivers.pepper.model import PEPPER
 
 from tools import marked_tests as marked
 from tools import replaced
+from woz_tui.drivers.robot_settings import RobotSetting
 
 
 def _of_settings() -> dict[str, str]:

@@ -7,7 +7,7 @@ from woz_drivers.nao.joints import JOINTS, UPPER
 from woz_drivers.naoqi_robot.animation_names import AnimationNames
 from woz_drivers.naoqi_robot.line import COMMON_SERVICES
 from woz_drivers.naoqi_robot.model import RobotModel
-from woz_drivers.naoqi_robot.robot_settings import RobotSetting, played_and_recorded, with_own
+from woz_drivers.naoqi_robot.robot_settings import NaoqiSetting, played_and_recorded, with_own
 
 #: What ends every movement but those of the legs: a walk that is killed ends in a fall, so it is
 #: stopped (naoqi/motion/control-walk of NAOqi 2.8).
@@ -22,7 +22,7 @@ NAO = RobotModel(
     animations=AnimationNames("NAO", MOVES),
     settings=with_own(
         *(("Stand", "StandInit", "StandZero", "Crouch", "Sit", "SitRelax", "LyingBack"),),
-        RobotSetting(
+        NaoqiSetting(
             *("Camera", "camera", "choice", "which one is looked through", "camera", "which"),
             file="camera",
             choices=CAMERAS,

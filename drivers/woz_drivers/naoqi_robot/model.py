@@ -8,7 +8,7 @@ from typing import Any
 
 from woz_drivers.naoqi_robot.animation_names import AnimationNames
 from woz_drivers.naoqi_robot.joint_table import JointTable
-from woz_drivers.naoqi_robot.robot_settings import RobotSetting
+from woz_drivers.naoqi_robot.robot_settings import NaoqiSetting
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class RobotModel:
     simulator: str
     joints: JointTable
     animations: AnimationNames
-    settings: Mapping[str, RobotSetting]
+    settings: Mapping[str, NaoqiSetting]
     services: frozenset[str]
     sonars: Mapping[str, str]
     silence: tuple[tuple[Any, ...], ...]

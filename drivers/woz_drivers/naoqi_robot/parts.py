@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.link import Methods, Unsubscribe
-from woz_drivers.naoqi_robot.robot_settings import RobotSetting
+from woz_drivers.naoqi_robot.robot_settings import NaoqiSetting
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import (
@@ -206,7 +206,7 @@ async def answers(calls: Mapping[str, Call]) -> dict[str, Any]:
     return answered
 
 
-async def read_back(robot: RobotCalls, settings: Iterable[RobotSetting]) -> dict[str, Json]:
+async def read_back(robot: RobotCalls, settings: Iterable[NaoqiSetting]) -> dict[str, Json]:
     """These settings as the robot has them, by name; what makes no sense is left out."""
     readable_settings = {setting.name: setting for setting in settings if setting.get}
     results = await answers(
@@ -218,7 +218,7 @@ async def read_back(robot: RobotCalls, settings: Iterable[RobotSetting]) -> dict
     return {name: value for name, value in understood.items() if value is not None}
 
 
-def write_setting(robot: RobotCalls, setting: RobotSetting, value: Json) -> Call:
+def write_setting(robot: RobotCalls, setting: NaoqiSetting, value: Json) -> Call:
     """Set it on the robot."""
     if setting.kind == "number":
         value = float(str(value))

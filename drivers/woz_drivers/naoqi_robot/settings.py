@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Protocol
 
 from woz_drivers.naoqi_robot.address import parse, without_password
 from woz_drivers.naoqi_robot.model import RobotModel
-from woz_drivers.naoqi_robot.robot_settings import SETTINGS, RobotSetting, of_section
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS, NaoqiSetting, of_section
 from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.argument_values import color
 from woz_tui.drivers.contract import RejectedError
@@ -173,7 +173,7 @@ class NaoqiSettings(Section):
                 found.append(("talk.rate", f"its loudspeaker plays {rates} Hz"))
         return found
 
-    def initial_values(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:
+    def initial_values(self, settings: Iterable[NaoqiSetting]) -> dict[str, Json]:
         """What the file asks for of these, by name; the rest is left as the robot has it."""
         found: dict[str, Json] = {}
         for setting in settings:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from woz_drivers.naoqi_robot.animation_names import AnimationNames
 from woz_drivers.naoqi_robot.line import COMMON_SERVICES
 from woz_drivers.naoqi_robot.model import RobotModel
-from woz_drivers.naoqi_robot.robot_settings import RobotSetting, played_and_recorded, with_own
+from woz_drivers.naoqi_robot.robot_settings import NaoqiSetting, played_and_recorded, with_own
 from woz_drivers.pepper.animations import MOVES
 from woz_drivers.pepper.joints import JOINTS
 
@@ -16,7 +16,7 @@ PEPPER = RobotModel(
     animations=AnimationNames("Pepper", MOVES),
     settings=with_own(
         ("Stand", "StandInit", "StandZero", "Crouch"),
-        RobotSetting(
+        NaoqiSetting(
             *("Tablet", "tablet", "text", "a file, an address, or off: the default again"),
             *("screen", "file"),
             label="shows",

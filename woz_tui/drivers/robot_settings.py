@@ -13,7 +13,7 @@ from woz_tui.protocol.robot_outline import Setting
 
 Kind = Literal["flag", "choice", "number", "color", "text"]
 
-_SHARE = Range(0.0, 1.0)
+_SHARE = Range(0, 1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,7 @@ import io
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.furhat.link import FurhatLink
-from woz_drivers.furhat.parts import FurhatPart
+from woz_drivers.furhat.link import FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import CameraData
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.pictures.live_pictures import LivePictures, kept_picture

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from woz_drivers.furhat.head import FurhatHead, within
-from woz_drivers.furhat.link import Exchange, FurhatLink
+from woz_drivers.furhat.link import Exchange, FurhatLink, FurhatPart
 from woz_drivers.furhat.moves import (
     COMMON_GESTURES,
     EMOTIONS,
@@ -22,9 +22,8 @@ from woz_drivers.furhat.moves import (
     FaceFrame,
     offered_moves,
 )
-from woz_drivers.furhat.parts import FurhatPart
 from woz_drivers.furhat.realtime_events import FaceStatus, GestureEnded, GestureStarted
-from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import (
     did_you_mean,
     known_joints,
@@ -63,6 +62,7 @@ class FurhatFace(FurhatPart):
     """`play`, `emotion`, `pose`, `poses`, `home`, `face`."""
 
     name = "gesture"
+    SETTINGS = (SETTINGS["face"],)
 
     def __init__(
         self,

@@ -10,10 +10,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.furhat.link import Exchange, FurhatLink
-from woz_drivers.furhat.parts import FurhatPart
+from woz_drivers.furhat.link import Exchange, FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import AttendStatus, Place
-from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import number, text
 from woz_tui.drivers.contract import Argument, DriverContext, Job, Verb
 from woz_tui.drivers.fields import Range
@@ -37,6 +36,7 @@ class FurhatHead(FurhatPart):
     """`gaze`, `nudge`, `follow`; the place that a gesture of ours looks at."""
 
     name = "gaze"
+    SETTINGS = (SETTINGS["attends"], SETTINGS["seen"])
 
     def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
         super().__init__(link, settings, context)

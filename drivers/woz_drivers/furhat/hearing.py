@@ -9,8 +9,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 
-from woz_drivers.furhat.link import FurhatLink
-from woz_drivers.furhat.parts import FurhatPart
+from woz_drivers.furhat.link import FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import (
     HearEnded,
     HearPartial,
@@ -18,9 +17,9 @@ from woz_drivers.furhat.realtime_events import (
     ListenEnded,
     ListenStarted,
 )
-from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_drivers.sound.noticed_speech import NoticedSpeech
-from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Argument, DriverContext, Job, Verb
+from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, DriverContext, Job, Verb
 from woz_tui.protocol.messages import Json
 
 #: It stops listening by itself for these reasons, and goes on after a while; else it is asked to.
@@ -32,6 +31,8 @@ _AGAIN_S, _DOUBLED, _OFTEN = 0.5, 6, 4
 
 class FurhatHearing(FurhatPart):
     """Segments of speech with their texts."""
+
+    SETTINGS = (SETTINGS["listening"],)
 
     def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
         super().__init__(link, settings, context)
@@ -56,7 +57,7 @@ class FurhatHearing(FurhatPart):
             Verb(
                 "listen",
                 "recognise what is said, or stop doing so",
-                (Argument("on", "flag", required=True),),
+                (SETTINGS["listening"].taken(required=True),),
                 lane="listen",
                 limit_s=5.0,
             ),

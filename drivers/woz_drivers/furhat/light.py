@@ -6,9 +6,8 @@ import asyncio
 import contextlib
 from collections.abc import Mapping
 
-from woz_drivers.furhat.link import FurhatLink
-from woz_drivers.furhat.parts import FurhatPart
-from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.furhat.link import FurhatLink, FurhatPart
+from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import color, word
 from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Verb
@@ -21,6 +20,8 @@ _OPEN_S, _HALF_S = 3.5, 0.6
 
 class FurhatLight(FurhatPart):
     """One colour for the whole ring."""
+
+    SETTINGS = (SETTINGS["eyes"],)
 
     def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
         super().__init__(link, settings, context)

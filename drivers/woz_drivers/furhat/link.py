@@ -14,6 +14,7 @@ from woz_drivers.lines.web_socket_line import WebPlace, WebSocketLine
 from woz_drivers.programs.simulated_process import SIMULATED, SimulatedProcess
 from woz_tui.drivers.background import forget_outcome
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
+from woz_tui.drivers.robot_parts import RobotPart
 
 PATH = "/v1/events"
 #: An ordinary request is answered within this, in seconds.
@@ -252,3 +253,7 @@ class FurhatLink:
         for exchange in exchanges.values():
             exchange.fail(DeviceLostError(error.what, error.remedy))
         self._on_lost()
+
+
+class FurhatPart(RobotPart[FurhatLink, FurhatSettings]):
+    """One part of a Furhat: its verbs, its settings, its share of the stop."""

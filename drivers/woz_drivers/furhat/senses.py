@@ -9,8 +9,7 @@ import contextlib
 import math
 
 from woz_drivers.furhat.head import FurhatHead, direction_of
-from woz_drivers.furhat.link import FurhatLink
-from woz_drivers.furhat.parts import FurhatPart
+from woz_drivers.furhat.link import FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import AudioData, DetectedUser, Place, UsersData
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.sound import pcm_audio

@@ -12,9 +12,47 @@ from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.argument_values import color, did_you_mean
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
+from woz_tui.drivers.robot_settings import RobotSetting
 
 #: Where the Realtime API listens.
 PORT = 9000
+#: What can be shown and changed, by name; `seen` is only shown.
+SETTINGS = {
+    row.name: row
+    for row in (
+        RobotSetting(
+            *("Voice", "voice", "text", "name of the voice, or a part of it", "voice", "name"),
+            file="voice.name",
+            label="Voice",
+        ),
+        RobotSetting(
+            *("Voice", "volume", "number", "how loud it is: 0 mute, 1 full", "volume", "level"),
+            file="voice.volume",
+            label="Volume",
+        ),
+        RobotSetting(
+            *("Voice", "listening", "flag"),
+            *("recognises what is said, but not while it speaks itself", "listen", "on"),
+            label="Listens",
+        ),
+        RobotSetting(
+            *("Face", "face", "text", "mask and character, such as adult - Isabel"),
+            *("face", "face"),
+            file="face",
+            label="Face",
+        ),
+        RobotSetting(
+            *("Face", "eyes", "color", "a name or #rrggbb; off", "eyes", "color"),
+            file="led",
+            label="LED ring",
+        ),
+        RobotSetting(
+            *("Face", "attends", "text", "closest, nobody, or a user's id", "follow", "user"),
+            label="Looks at",
+        ),
+        RobotSetting("Face", "seen", "text", "who is there, by id", label="Sees"),
+    )
+}
 SPEEDS = ("xslow", "slow", "medium", "fast", "xfast")
 _NO_VARIABLE = (
     "must be the name of an environment variable, in capitals, such as WOZ_FURHAT_KEY; the key"
@@ -27,12 +65,12 @@ _EXAMPLES = "write the address of the robot, such as 192.168.1.20, or simulated"
 class FurhatVoiceSettings:
     """How it speaks. What is not named is left as the robot has it."""
 
-    name: Annotated[str, Doc("name of the voice, or a part of it")] = ""
+    name: Annotated[str, SETTINGS["voice"].doc] = ""
     language: Annotated[str, Doc("language of the voice: en-US")] = ""
     gender: Annotated[str, Doc("male, female or neutral, as the robot's list of voices has it")] = (
         ""
     )
-    volume: Annotated[float | None, Range(0, 1), Doc("how loud it is")] = None
+    volume: Annotated[float | None, SETTINGS["volume"].range, SETTINGS["volume"].doc] = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,7 @@ from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.furhat.link import Exchange, FurhatLink
-from woz_drivers.furhat.parts import FurhatPart
+from woz_drivers.furhat.link import Exchange, FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import (
     SpeakBuffer,
     SpeakEnded,
@@ -23,7 +22,7 @@ from woz_drivers.furhat.realtime_events import (
     SystemStatus,
     VoiceStatus,
 )
-from woz_drivers.furhat.settings import FurhatSettings, FurhatTalkSettings
+from woz_drivers.furhat.settings import SETTINGS, FurhatSettings, FurhatTalkSettings
 from woz_drivers.sound import live_talk, pcm_audio, wav
 from woz_drivers.sound.live_talk import LiveTalk, SentVoice, VoiceTally
 from woz_drivers.speech.synthesis import read_wav
@@ -73,6 +72,7 @@ class FurhatSpeech(FurhatPart):
     """Utterances, sounds, voice and volume."""
 
     name = "speech"
+    SETTINGS = (SETTINGS["voice"], SETTINGS["volume"])
 
     def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
         super().__init__(link, settings, context)
@@ -120,7 +120,12 @@ class FurhatSpeech(FurhatPart):
                 lane="voice-settings",
                 limit_s=10.0,
             ),
-            common_verb("volume", "", lane="voice-settings", limit_s=5.0, brief=True),
+            common_verb(
+                *("volume", "", SETTINGS["volume"].taken(required=True)),
+                lane="voice-settings",
+                limit_s=5.0,
+                brief=True,
+            ),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

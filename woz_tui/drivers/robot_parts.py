@@ -1,0 +1,264 @@
+"""A robot that is made of parts: each has its verbs, its sensors, its settings, its share of the
+stop. The driver hands each verb to its part, stops all of them at once, and tells them when the
+robot is there and when it is gone.
+
+    class Lamp(RobotPart[LampLink, LampSettings]):
+        name = "light"
+        SETTINGS = (RobotSetting("Light", "light", "color", "a name or #rrggbb", "eyes", "color"),)
+        ...
+
+    class LampRobot(RobotOfParts[LampLink, LampSettings]):
+        PARTS = (Lamp,)
+        called = "a lamp"
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
+
+from woz_tui.drivers import confirmed_stop
+from woz_tui.drivers.background import BackgroundTasks
+from woz_tui.drivers.confirmed_stop import confirmed_within, succeeded
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    Driver,
+    DriverContext,
+    DriverError,
+    Forecast,
+    Job,
+    RejectedError,
+    Scope,
+    StopReport,
+    Verb,
+)
+from woz_tui.drivers.robot_settings import RobotSetting
+from woz_tui.protocol.messages import Json, SettingsShown
+from woz_tui.protocol.robot_outline import RobotOutline
+from woz_tui.system.tasks import wait_at_most
+
+
+class RobotLink(Protocol):
+    """The connection to a robot, as its driver sees it."""
+
+    @property
+    def ready(self) -> bool:
+        """Whether the robot is there and took what was asked for."""
+
+    def need(self) -> None:
+        """Raise `DeviceLostError` with the present reason unless it is `ready`."""
+
+    def start(self) -> None:
+        """Begin to look for the robot; return at once."""
+
+    async def close(self) -> None:
+        """Let go of the robot."""
+
+
+#: How parts reach the robot, and the settings of its section in the robot file.
+L = TypeVar("L")
+S = TypeVar("S")
+LinkT = TypeVar("LinkT", bound=RobotLink)
+
+
+class RobotPart(Generic[L, S]):
+    """One part. Made once a session, survives reconnections; by itself it offers nothing."""
+
+    #: What the stop calls it; empty: it has nothing to stop.
+    name: ClassVar[str] = ""
+    #: Settings of the robot that it shows and changes.
+    SETTINGS: ClassVar[tuple[RobotSetting, ...]] = ()
+
+    def __init__(self, link: L, settings: S, context: DriverContext) -> None:
+        self._link = link
+        self._settings = settings
+        self._context = context
+
+    @classmethod
+    def verbs(cls, settings: S) -> tuple[Verb, ...]:
+        """The verbs that it offers."""
+        return ()
+
+    @classmethod
+    def sensors(cls, settings: S) -> tuple[str, ...]:
+        """The sensors that it publishes."""
+        return ()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """How one of its verbs would go; by itself nothing is known."""
+        return Forecast()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out one of its verbs."""
+        raise RejectedError(f"{self.name or 'this part'} cannot {job.verb}")
+
+    def hold(self) -> None:
+        """The stop, here: begin and send nothing more of what went on, also when it is back."""
+
+    async def halt(self) -> Sequence[asyncio.Future[Any]]:
+        """The stop, there: send what ends it; returns what has to come before it has ended."""
+        return ()
+
+    def resume(self) -> None:
+        """The stop was released."""
+
+    async def connected(self) -> None:
+        """The robot is there, for the first time or again: apply what was asked for.
+
+        Raises `DriverError` for what it did not take.
+        """
+
+    def lost(self) -> None:
+        """The robot is gone."""
+
+    def shown(self) -> Mapping[str, Json]:
+        """Its settings by name, as far as they are known."""
+        return {}
+
+    async def close(self) -> None:
+        """End what goes on. Never raises."""
+
+
+class RobotOfParts(Driver, Generic[LinkT, S]):
+    """The driver; a robot's own says of what parts it is made, and makes them with its link."""
+
+    PARTS: ClassVar[tuple[type[RobotPart[Any, Any]], ...]]
+    #: In a sentence: a Furhat.
+    called: ClassVar[str]
+    settings: S
+
+    def __init__(
+        self,
+        name: str,
+        settings: S,
+        context: DriverContext,
+        link: LinkT,
+        parts: Sequence[RobotPart[LinkT, S]],
+    ) -> None:
+        super().__init__(name, settings, context)
+        self._link = link
+        self._parts = parts
+        self._by_verb = {verb.name: part for part in parts for verb in part.verbs(settings)}
+        self._stops = BackgroundTasks("a stop")
+        self._shown: dict[str, Json] = {}
+        self._closed = False
+
+    @classmethod
+    def verbs(cls, settings: S) -> tuple[Verb, ...]:
+        """Those of its parts."""
+        return tuple(verb for part in cls.PARTS for verb in part.verbs(settings))
+
+    @classmethod
+    def sensors(cls, settings: S) -> tuple[str, ...]:
+        """Those of its parts."""
+        return tuple(sensor for part in cls.PARTS for sensor in part.sensors(settings))
+
+    @classmethod
+    def outline(cls, settings: S) -> dict[str, Json]:
+        """Settings that can be shown and changed, what `play` takes, whether it has a camera."""
+        verbs = {verb.name: verb for verb in cls.verbs(settings)}
+        rows = (row for part in cls.PARTS for row in part.SETTINGS)
+        return RobotOutline(
+            settings=[row.line() for row in rows if not row.verb or row.verb in verbs],
+            moves=list(verbs["play"].arguments[0].choices) if "play" in verbs else [],
+            camera="picture" in verbs,
+        ).as_json()
+
+    async def open(self) -> None:
+        """Begin to look for the robot."""
+        self._link.start()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """As its part says."""
+        part = self._by_verb.get(verb)
+        return Forecast() if part is None else await part.predict(verb, args)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out a verb by its part. Raises `DeviceLostError` while no robot is connected."""
+        part = self._by_verb.get(job.verb)
+        if part is None:
+            raise RejectedError(f"{self.called} cannot {job.verb!r}")
+        if self._closed:
+            raise DeviceLostError("the robot's driver is closed", "start the session again")
+        self._link.need()
+        try:
+            return await part.perform(job)
+        finally:
+            self._show()
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Stop every part at once; each confirms when what it waits for has come.
+
+        Nothing of it moves through the room. What is late goes on until the release.
+        """
+        if scope is not Scope.ALL:
+            return None
+        for part in self._parts:
+            part.hold()
+        if not self._link.ready:
+            return None
+        self._stops.cancel()
+        loop = asyncio.get_running_loop()
+        until = loop.time() + confirmed_stop.STOP_S
+        halts = [self._stops.start(part.halt()) for part in self._parts]
+        await wait_at_most(halts, until - loop.time(), confirmed_stop.AGAIN_S)
+        taken = self._taken()
+        unknown = loop.create_future()  # what would end a part that has not said it yet
+        ends = {
+            part.name: [*taken, halt, *(halt.result() if succeeded(halt) else (unknown,))]
+            for part, halt in zip(self._parts, halts, strict=True)
+            if part.name
+        }
+        return await confirmed_within(until - loop.time(), ends)
+
+    def _taken(self) -> Sequence[asyncio.Future[Any]]:
+        """Ends when the robot has taken what was sent so far, where that is asked for."""
+        return ()
+
+    async def resume(self) -> None:
+        """The stop was released: what is asked for from now on must not end by it."""
+        self._stops.cancel()
+        for part in self._parts:
+            part.resume()
+
+    async def close(self) -> None:
+        """End everything of this driver; the robot stays as it is."""
+        if self._closed:
+            return
+        self._closed = True
+        await self._stops.close(0.0)
+        for part in self._parts:
+            await part.close()
+        await self._farewell()
+        await self._link.close()
+
+    async def _farewell(self) -> None:
+        """What the robot is still told at the end."""
+
+    async def _connected(self) -> None:
+        """Have every part apply what was asked for; what the robot did not take is told."""
+        for part in self._parts:
+            try:
+                await part.connected()
+            except DeviceLostError:
+                raise
+            except DriverError as error:
+                self.context.notice("warning", error.what, error.remedy)
+        self._show()
+
+    def _lost(self) -> None:
+        if not self._closed:
+            for part in self._parts:
+                part.lost()
+
+    def _show(self) -> None:
+        """The settings as the robot has them, if they have changed."""
+        if self._closed:
+            return
+        shown: dict[str, Json] = {}
+        for part in self._parts:
+            shown |= part.shown()
+        if shown != self._shown:
+            self._shown = shown
+            self.context.show(SettingsShown(values=shown))

@@ -90,6 +90,9 @@ class ReachyBody:
         self._moves = 0
         self._locked = False
         self._random = random.Random(1)
+        self._ending = BackgroundTasks("a stop")
+        #: The end of every move that the last stop has begun.
+        self.ended: asyncio.Future[None] | None = None
 
     @property
     def pose(self) -> dict[str, float]:
@@ -401,6 +404,12 @@ class ReachyBody:
         """Nothing begins to move, and no body is followed, until `resume`."""
         self._stopped = True
 
+    def begin_end(self) -> asyncio.Future[None]:
+        """End every move, whoever began it, in the background: until none runs, or `resume`."""
+        self._ending.cancel()
+        self.ended = self._ending.start(self.end_moves())
+        return self.ended
+
     async def end_moves(self) -> None:
         """End every move, whoever began it; returns when none runs any more."""
         self.hold()
@@ -419,7 +428,8 @@ class ReachyBody:
             await asyncio.sleep(_LOOK_S)
 
     def resume(self) -> None:
-        """The stop was released."""
+        """The stop was released: what is asked for from now on must not end by it."""
+        self._ending.cancel()
         self._stopped = False
 
     def forget(self) -> None:
@@ -432,6 +442,7 @@ class ReachyBody:
 
     async def close(self) -> None:
         """End what goes on; the robot stays as it is."""
+        self._ending.cancel()
         await self._end_stream()
         await self._tidying.close()
 

@@ -28,6 +28,7 @@ from woz_drivers.reachy_mini.pose import (
 )
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
+from woz_tui.drivers.robot_parts import RobotPart
 
 WEB_SOCKET = "/ws/sdk"
 #: Answers come after some milliseconds; a stop must have all of its own within its half second.
@@ -364,6 +365,10 @@ class DaemonLink:
             if isinstance(moves, list):
                 found[library] = sorted(str(move) for move in moves)
         return found
+
+
+class ReachyPart(RobotPart[DaemonLink, ReachyMiniSettings]):
+    """One part of a Reachy Mini: its verbs, its settings, its share of the stop."""
 
 
 def _hung_up(error: DriverError) -> bool:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Callable
 
-from woz_drivers.reachy_mini.daemon_link import DaemonLink
-from woz_drivers.reachy_mini.pose import LIMITS, Pose
+from woz_drivers.reachy_mini.body import ReachyBody
+from woz_drivers.reachy_mini.daemon_link import DaemonLink, ReachyPart
+from woz_drivers.reachy_mini.pose import LIMITS
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.reachy_mini.sounds import ReachySounds
 from woz_drivers.sound.noticed_speech import NoticedSpeech
 from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
@@ -28,24 +29,20 @@ _ABSENT = {
 }
 
 
-class ReachySenses:
-    """Asks the daemon `settings.rate` times a second while it is there. `own_sound()` says whether
-    the robot itself is to be heard, which is nobody's speech.
-    """
+class ReachySenses(ReachyPart):
+    """Asks the daemon `settings.rate` times a second while it is there."""
 
     def __init__(
         self,
         link: DaemonLink,
         settings: ReachyMiniSettings,
         context: DriverContext,
-        own_sound: Callable[[], bool],
-        setpoints: Callable[[], Pose],
+        body: ReachyBody,
+        sounds: ReachySounds,
     ) -> None:
-        self._link = link
-        self._settings = settings
-        self._context = context
-        self._own_sound = own_sound
-        self._setpoints = setpoints
+        super().__init__(link, settings, context)
+        self._body = body
+        self._sounds = sounds
         self._seen = context.feed(SEEN)
         self._frame = 0
         #: Whether the head follows faces; None: the daemon does not look for any.
@@ -60,15 +57,15 @@ class ReachySenses:
         self._heard_us = 0
         self._states: dict[str, str] = {}
 
-    @staticmethod
-    def sensors(settings: ReachyMiniSettings) -> tuple[str, ...]:
+    @classmethod
+    def sensors(cls, settings: ReachyMiniSettings) -> tuple[str, ...]:
         """Names of the readings."""
         joints = tuple(f"{kind}.{name}" for name in LIMITS for kind in _kinds(settings))
         face = FACE if settings.looks else ()
         direction = DIRECTION if settings.direction else ()
         return (*joints, *face, *direction, *((SPEECH,) if settings.hears_speech else ()))
 
-    def begin(self) -> None:
+    async def connected(self) -> None:
         """Look and listen, again and again."""
         self._states.clear()
         self._polling.start(self._poll())
@@ -139,7 +136,7 @@ class ReachySenses:
     def _tell_joints(self) -> None:
         if not self._link.tells_poses:
             return
-        poses = {"joint": self._link.pose, "setpoint": self._setpoints()}
+        poses = {"joint": self._link.pose, "setpoint": self._body.setpoint}
         for kind in _kinds(self._settings):
             for name, at in poses[kind].items():
                 unit = "mm" if LIMITS[name].high <= 30 else "deg"
@@ -155,7 +152,7 @@ class ReachySenses:
                 # On the wire 0 is left, a quarter turn ahead and half a turn right.
                 degrees = 90.0 - math.degrees(angle)
                 self._state(DIRECTION[0], "ok")
-                speaks = speech and not self._own_sound()
+                speaks = speech and not self._sounds.heard
                 if speaks:
                     self._context.reading(DIRECTION[0], round(degrees, 1), unit="deg", raw=angle)
                 if self._settings.hears_speech:

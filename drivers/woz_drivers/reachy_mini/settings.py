@@ -11,11 +11,41 @@ from woz_drivers.reachy_mini.moves import EMOTIONS, MOVES, data_set_and_name
 from woz_drivers.speech.settings import PlayedTalkSettings, SynthesisSettings
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, Range, Section, Sibling
+from woz_tui.drivers.robot_settings import RobotSetting
 
 #: Where the vendor's daemon listens unless it is told otherwise.
 PORT = 8000
 #: ALSA's name for its loudspeaker on the computer inside the wireless one; programs share it.
 LOUDSPEAKER = "plug:reachymini_audio_sink"
+MODES = ("normal", "tracking", "demo")
+#: What can be shown and changed, by name.
+SETTINGS = {
+    row.name: row
+    for row in (
+        RobotSetting(
+            *("Motors", "awake", "flag", "on: it holds its pose; off: it is limp"),
+            *("torque", "on"),
+            label="Motors",
+        ),
+        RobotSetting(
+            *("Motors", "mode", "choice"),
+            *("tracking: the head follows faces; demo: it shows its moves", "mode", "mode"),
+            label="Mode",
+            choices=MODES,
+        ),
+        RobotSetting(
+            *("Voice", "volume", "number", "of the robot's loudspeaker; empty: it has none"),
+            *("volume", "level"),
+            label="Volume",
+        ),
+        RobotSetting(
+            *("Voice", "wobble", "flag", "the head moves along with speech and sounds"),
+            *("wobble", "on"),
+            file="wobble",
+            label="Wobbling",
+        ),
+    )
+}
 ADDRESS_EXAMPLES = f"write reachy-mini.local, 127.0.0.1:{PORT} or {SIMULATED}"
 
 
@@ -37,7 +67,7 @@ class ReachyMiniSettings(Section):
     voice: Annotated[
         SynthesisSettings, Doc("how its speech is made; the robot itself has no voice")
     ] = field(default_factory=SynthesisSettings)
-    wobble: Annotated[bool, Doc("the head moves along with speech and sounds")] = True
+    wobble: Annotated[bool, SETTINGS["wobble"].doc] = True
     face: Annotated[bool, Doc("have the daemon look for a face: presence, face.x, face.y")] = True
     direction: Annotated[bool, Doc("read the direction of sound, and whether it is speech")] = True
     release_media: Annotated[

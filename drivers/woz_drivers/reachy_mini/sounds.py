@@ -8,20 +8,33 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import aiohttp
 
-from woz_drivers.reachy_mini.daemon_link import QUICK_S, UPLOAD_S, DaemonLink
-from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.reachy_mini.body import ReachyBody
+from woz_drivers.reachy_mini.daemon_link import QUICK_S, UPLOAD_S, DaemonLink, ReachyPart
+from woz_drivers.reachy_mini.settings import LOUDSPEAKER, SETTINGS, ReachyMiniSettings
+from woz_drivers.sound import live_talk
+from woz_drivers.sound.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.sound.wav import Wav
-from woz_drivers.speech.settings import VoiceChoice
+from woz_drivers.speech.settings import VOICE_ARGUMENTS, VoiceChoice
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav, spoken_text
 from woz_tui.drivers.background import BackgroundTasks
-from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Forecast,
+    Job,
+    RejectedError,
+    Verb,
+)
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
@@ -33,45 +46,132 @@ _NO_SOUND = DriverError(
 )
 
 
-class ReachySounds:
+_VOICE = "voice"
+
+
+class ReachySounds(ReachyPart):
     """The loudspeaker; one sound at a time."""
 
+    name = "sound"
+    SETTINGS = (SETTINGS["volume"],)
+
     def __init__(
-        self, link: DaemonLink, settings: ReachyMiniSettings, context: DriverContext
+        self,
+        link: DaemonLink,
+        settings: ReachyMiniSettings,
+        context: DriverContext,
+        body: ReachyBody,
     ) -> None:
-        self._link = link
-        self._context = context
+        super().__init__(link, settings, context)
+        self._body = body
         self._voice = settings.voice
         self._synthesis = SpeechSynthesis(settings.voice, context.folder, self._voice_moved)
         #: Names of files that the robot has; it forgets them when it is switched off.
         self._sent: set[str] = set()
         self._tidying = BackgroundTasks("a sound that was cut short")
-        #: Whether something of ours is to be heard now.
-        self.audible = False
+        self._audible = False
+        #: Of the robot's loudspeaker, 0 to 1; None: it does not say.
+        self._level: float | None = None
+        self._talk: LiveTalk | None = None
+        if (talk := settings.talk) is not None:
+            words = functools.partial(talk.play_words, LOUDSPEAKER)
+            self._talk = LiveTalk(talk, context, program_loudspeaker(words, context))
+
+    @classmethod
+    def verbs(cls, settings: ReachyMiniSettings) -> tuple[Verb, ...]:
+        """`say`, `sound`, `volume`; `talk` and `end_talk` where the file says so."""
+        return (
+            common_verb(
+                "say",
+                "speak a sentence with a voice made on this machine",
+                *VOICE_ARGUMENTS,
+                markup=("pause",),
+            ),
+            common_verb("sound", "play a WAV file on the robot", lane=_VOICE),
+            common_verb("volume"),
+            *(() if settings.talk is None else live_talk.VERBS),
+        )
+
+    @classmethod
+    def sensors(cls, settings: ReachyMiniSettings) -> tuple[str, ...]:
+        """How old a live voice is."""
+        return () if settings.talk is None else (live_talk.TALK,)
+
+    @property
+    def heard(self) -> bool:
+        """Whether something of ours is to be heard now, which is nobody's speech."""
+        return self._audible or (self._talk is not None and self._talk.on)
 
     def start(self) -> None:
         """Load the program that makes the voice, if there is one that stays loaded."""
         self._synthesis.start()
+        if self._talk is not None:
+            self._talk.start()
+
+    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
+        """How long speech and sounds are; speech is made ready for that."""
+        if verb in ("say", "sound"):
+            return Forecast(await self._seconds(verb, args))
+        return Forecast()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Ends when it has been heard."""
+        if self._talk is not None and job.verb in live_talk.NAMES:
+            return await self._talk.perform(job)
+        match job.verb:
+            case "say":
+                return await self._say(job)
+            case "sound":
+                return await self._sound(job)
+            case "volume":
+                self._level = await self._set_volume(job.args["level"])
+                return {"level": self._level}
+        return await super().perform(job)
+
+    async def end_talk(self) -> None:
+        """Nobody talks through it any more."""
+        if self._talk is not None:
+            await self._talk.stop()
+
+    async def halt(self) -> Sequence[asyncio.Future[Any]]:
+        """Now, and when no move is left that begins a sound of its own, as waking up does."""
+        await self.stop()
+        if self._body.ended is not None:
+            await asyncio.shield(self._body.ended)
+        await self.stop()
+        return ()
+
+    async def connected(self) -> None:
+        """Ask how loud it is."""
+        self._level = await self._volume()
+
+    def fail(self, error: DeviceLostError) -> None:
+        """The robot is gone: who talks is not heard any more."""
+        if self._talk is not None:
+            self._talk.fail(error)
+
+    def shown(self) -> Mapping[str, Json]:
+        """How loud it is."""
+        return {"volume": self._level}
 
     def _voice_moved(self, state: str, why: str, remedy: str) -> None:
         if state == "lost":
             self._context.notice("warning", why, remedy)
 
-    async def say(self, job: Job) -> Mapping[str, Json]:
+    async def _say(self, job: Job) -> Mapping[str, Json]:
         """Speak; ends when the sound has ended."""
         text = spoken_text(str(job.args["text"]))
         utterance = await self._synthesis.utterance(text, self._choice(job.args))
         heard = await self._play(job, utterance.sound)
         return {"text": markup.sentence(text), "source": utterance.source} | heard
 
-    async def sound(self, job: Job) -> Mapping[str, Json]:
+    async def _sound(self, job: Job) -> Mapping[str, Json]:
         """Play a file of this machine."""
         file = str(job.args["file"])
         wav = await asyncio.to_thread(read_wav, self._context.folder / Path(file))
         return {"file": file} | await self._play(job, wav)
 
-    async def seconds(self, verb: str, args: Mapping[str, Any]) -> float:
-        """How long an utterance or a file of this machine is; speech is made ready for that."""
+    async def _seconds(self, verb: str, args: Mapping[str, Any]) -> float:
         if verb == "say":
             text = spoken_text(str(args["text"]))
             return (await self._synthesis.utterance(text, self._choice(args))).sound.seconds
@@ -95,7 +195,7 @@ class ReachySounds:
             text = f"speech not prepared: {error.what}"
             self._context.notice("warning", text, error.remedy, tells=("request",))
 
-    async def volume(self) -> float | None:
+    async def _volume(self) -> float | None:
         """Of its loudspeaker, 0 to 1; None: it does not say. Raises `DeviceLostError`."""
         try:
             answer = await self._link.ask("GET", "volume/current")
@@ -106,11 +206,11 @@ class ReachySounds:
         percent = finite_number(answer.get("volume")) if isinstance(answer, dict) else None
         return None if percent is None else percent / 100
 
-    async def set_volume(self, level: float) -> float:
+    async def _set_volume(self, level: float) -> float:
         """Set the loudspeaker's volume, for all of its sounds; 0 to 1, as the robot has it then."""
         percent = round(level * 100)
         await self._link.send_volume(percent)
-        found = await self.volume()
+        found = await self._volume()
         if found is None:
             raise DriverError("the robot has no volume to set", "look at its sound")
         if abs(found - percent / 100) > 0.015:
@@ -132,6 +232,8 @@ class ReachySounds:
         """End the program of the voice, and wait until a sound that was broken off has ended."""
         await self._synthesis.close()
         await self._tidying.close()
+        if self._talk is not None:
+            await self._talk.close()
 
     async def _play(self, job: Job, wav: Wav) -> dict[str, Json]:
         status = self._link.status
@@ -140,7 +242,7 @@ class ReachySounds:
         await self._tidying.settled()
         name = "" if status.silent else await self._deliver(wav)
         job.expects(wav.seconds)
-        self.audible = True
+        self._audible = True
         beginning = asyncio.ensure_future(self._begin(name))
         try:
             await asyncio.shield(beginning)
@@ -149,7 +251,7 @@ class ReachySounds:
             self._tidying.start(self._silence(beginning))
             raise
         finally:
-            self.audible = False
+            self._audible = False
         return {"seconds": round(wav.seconds, 3), "heard": bool(name)}
 
     async def _deliver(self, wav: Wav) -> str:

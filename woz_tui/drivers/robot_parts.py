@@ -46,7 +46,7 @@ class RobotLink(Protocol):
     def ready(self) -> bool:
         """Whether the robot is there and took what was asked for."""
 
-    def need(self) -> None:
+    def need(self) -> object:
         """Raise `DeviceLostError` with the present reason unless it is `ready`."""
 
     def start(self) -> None:
@@ -116,6 +116,9 @@ class RobotPart(Generic[L, S]):
         """Its settings by name, as far as they are known."""
         return {}
 
+    async def rest(self) -> None:
+        """Take the pose in which the robot may be left alone."""
+
     async def close(self) -> None:
         """End what goes on. Never raises."""
 
@@ -134,12 +137,14 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
         settings: S,
         context: DriverContext,
         link: LinkT,
-        parts: Sequence[RobotPart[LinkT, S]],
+        parts: Sequence[RobotPart[Any, S]],
     ) -> None:
         super().__init__(name, settings, context)
         self._link = link
         self._parts = parts
-        self._by_verb = {verb.name: part for part in parts for verb in part.verbs(settings)}
+        self._by_verb: Mapping[str, RobotPart[Any, S]] = {
+            verb.name: part for part in parts for verb in part.verbs(settings)
+        }
         self._stops = BackgroundTasks("a stop")
         self._shown: dict[str, Json] = {}
         self._closed = False
@@ -221,6 +226,12 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
         self._stops.cancel()
         for part in self._parts:
             part.resume()
+
+    async def rest(self) -> None:
+        """Have every part take the pose in which the robot may be left alone."""
+        if self._link.ready:
+            for part in self._parts:
+                await part.rest()
 
     async def close(self) -> None:
         """End everything of this driver; the robot stays as it is."""

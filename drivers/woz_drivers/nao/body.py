@@ -21,11 +21,11 @@ class NaoBodyPart(BodyPart):
 
     async def take_posture(self, posture: str, speed: float) -> dict[str, Json]:
         """Go to a posture, from the floor too. Raises `DriverError` if it did not get there."""
-        if self._robot.refused(f"{POSTURE}.goToPosture") is None:
+        if self._link.refused(f"{POSTURE}.goToPosture") is None:
             return await super().take_posture(posture, speed)
         with getting_up():
             # The fall manager has switched all motors off.
-            await self._robot.call(MOTION, "setStiffnesses", "Body", STIFF)
+            await self._link.call(MOTION, "setStiffnesses", "Body", STIFF)
             return await super().take_posture(posture, speed)
 
     async def rest(self) -> None:
@@ -33,19 +33,19 @@ class NaoBodyPart(BodyPart):
         try:
             await super().rest()
         except RejectedError:
-            if self._robot.refused(f"{MOTION}.rest") is None:
+            if self._link.refused(f"{MOTION}.rest") is None:
                 raise
 
     async def _halt(self) -> None:
         """End every movement: at once above the legs, and of the legs when it does not walk."""
-        await asyncio.gather(self._robot.call(*HALT_UPPER), self._end_posture())
-        while await walks(self._robot):  # noqa: ASYNC110
+        await asyncio.gather(self._link.call(*HALT_UPPER), self._end_posture())
+        while await walks(self._link):  # noqa: ASYNC110
             await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
-        await self._robot.call(MOTION, "killTasksUsingResources", list(LEGS))
+        await self._link.call(MOTION, "killTasksUsingResources", list(LEGS))
 
     async def _end_posture(self) -> None:
         try:
-            await self._robot.call(POSTURE, "stopMove")
+            await self._link.call(POSTURE, "stopMove")
         except DeviceLostError:
             raise
         except DriverError:

@@ -63,7 +63,7 @@ class Nao(NaoqiRobot):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """See `NaoqiRobot.perform`; what moves is refused at once while the robot lies."""
-        refusal = self._connection.refused("ALMotion.wakeUp") if job.verb in MOVING else None
+        refusal = self._link.refused("ALMotion.wakeUp") if job.verb in MOVING else None
         if refusal is not None:
             raise refusal
         return await super().perform(job)

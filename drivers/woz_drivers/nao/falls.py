@@ -61,7 +61,7 @@ class FallWatch:
     """Follows what the robot says, and guards it."""
 
     def __init__(self, robot: RobotCalls, context: DriverContext) -> None:
-        self._robot = robot
+        self._link = robot
         self._context = context
         self.fallen = False
         #: Since when its posture is upright again, while the keys still say that it fell.
@@ -102,7 +102,7 @@ class FallWatch:
 
     async def _is_up(self, *, first: bool) -> bool:
         try:
-            family = memory.word(await self._robot.call("ALRobotPosture", "getPostureFamily"))
+            family = memory.word(await self._link.call("ALRobotPosture", "getPostureFamily"))
         except DeviceLostError:
             raise
         except DriverError:
@@ -118,7 +118,7 @@ class FallWatch:
     async def _take_back(self) -> None:
         for key in KEYS:
             try:
-                await self._robot.call("ALMemory", "insertData", key, False)
+                await self._link.call("ALMemory", "insertData", key, False)
             except DeviceLostError:
                 raise
             except DriverError:
@@ -129,10 +129,10 @@ class FallWatch:
         if fallen != self.fallen:
             self.fallen = fallen
             if fallen:
-                self._robot.unwell("it has fallen, no motion is sent to it", REMEDY)
+                self._link.unwell("it has fallen, no motion is sent to it", REMEDY)
                 self._context.notice("error", "NAO has fallen: no motion is sent to it", REMEDY)
             else:
-                self._robot.unwell("")
+                self._link.unwell("")
                 self._context.notice("info", "NAO is up again")
         elif self._told_us is not None and now_us - self._told_us < CALM_US:
             return

@@ -137,4 +137,4 @@ class LightsPart(NaoqiPart):
     async def _fade(self, group: str, color: EyeColor, seconds: float) -> None:
         name, colored = GROUPS[group]
         words = ("fadeRGB", name, *color.parts) if colored else ("fade", name, color.brightness)
-        await self._robot.call(LEDS, *words, float(seconds), within=seconds + MARGIN_S)
+        await self._link.call(LEDS, *words, float(seconds), within=seconds + MARGIN_S)

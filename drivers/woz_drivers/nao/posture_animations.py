@@ -17,7 +17,7 @@ class NaoAnimationsPart(AnimationsPart):
     async def _path(self, move: str) -> str:
         names = self._settings.model.animations
         names.path_of(move)  # what nobody knows need not wait for an answer
-        family = memory.word(await self._robot.call("ALRobotPosture", "getPostureFamily"))
+        family = memory.word(await self._link.call("ALRobotPosture", "getPostureFamily"))
         if family is None:
             raise DriverError("the robot does not report its posture", "restart it")
         path = names.path_of(move, FOLDERS.get(family, ""))

@@ -33,20 +33,20 @@ class WalkingPart(BasePart):
 
     async def _ready(self) -> None:
         await super()._ready()
-        family = memory.word(await self._robot.call("ALRobotPosture", "getPostureFamily"))
+        family = memory.word(await self._link.call("ALRobotPosture", "getPostureFamily"))
         if family not in ON_ITS_FEET:
             is_now = f": its posture is {family}" if family else ""
             raise DriverError(f"the robot does not stand{is_now}", "first: `posture: Stand`")
 
     async def _stands(self) -> bool:
         active, velocity = await asyncio.gather(
-            walks(self._robot), self._robot.call(MOTION, "getRobotVelocity")
+            walks(self._link), self._link.call(MOTION, "getRobotVelocity")
         )
         return not active and still(velocity)
 
     async def _why(self) -> tuple[str, str]:
         try:
-            fell = memory.flag(await self._robot.call("ALMemory", "getData", FALLEN))
+            fell = memory.flag(await self._link.call("ALMemory", "getData", FALLEN))
         except DeviceLostError:
             raise
         except DriverError:

@@ -47,7 +47,7 @@ class AnimationNames:
     """What a robot of this kind has; any other path can be played, too."""
 
     def __init__(self, robot: str, moves: tuple[str, ...]) -> None:
-        self._robot = robot
+        self._link = robot
         self.moves = moves
         #: By posture, then by every ending; "" is for all postures.
         self._endings: dict[str, dict[str, str]] = {"": {}}
@@ -75,7 +75,7 @@ class AnimationNames:
         near = difflib.get_close_matches(requested, short, 1, 0.5)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise RejectedError(
-            f"there is no animation {name!r} among those that every {self._robot} has",
+            f"there is no animation {name!r} among those that every {self._link} has",
             f"{hint}write the whole path of one that only your robot has, such as"
             f" my_app/{requested}",
         )

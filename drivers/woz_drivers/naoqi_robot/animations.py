@@ -54,7 +54,7 @@ class AnimationsPart(NaoqiPart):
         await self._cleaned_up()
         self._playing = path
         try:
-            await self._robot.call("ALAnimationPlayer", "run", path, within=LONG_S)
+            await self._link.call("ALAnimationPlayer", "run", path, within=LONG_S)
         except asyncio.CancelledError:
             # Until then it may go on, and a stop must reach it.
             self._clean_up.start(self._end(path))
@@ -90,7 +90,7 @@ class AnimationsPart(NaoqiPart):
     async def _end(self, path: str) -> None:
         """The job's cancelled call ends it where the robot listens to that; this ends it anyway."""
         try:
-            await self._robot.call(BEHAVIORS, "stopBehavior", path)
+            await self._link.call(BEHAVIORS, "stopBehavior", path)
         except DeviceLostError:
             raise
         except DriverError:
@@ -102,7 +102,7 @@ class AnimationsPart(NaoqiPart):
 
     async def _runs(self, path: str) -> bool:
         """Raises `DriverError` if the robot does not say it: then nobody knows."""
-        runs = flag(await self._robot.call(BEHAVIORS, "isBehaviorRunning", path))
+        runs = flag(await self._link.call(BEHAVIORS, "isBehaviorRunning", path))
         if runs is None:
             raise DriverError(
                 f"the robot does not report whether {path} has ended", "check the robot"

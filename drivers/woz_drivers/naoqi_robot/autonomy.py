@@ -92,12 +92,12 @@ class AutonomyPart(NaoqiPart):
 
     async def read(self) -> Mapping[str, Json]:
         """All of it as the robot has it now."""
-        return await read_back(self._robot, of_verb("autonomy", "collision").values())
+        return await read_back(self._link, of_verb("autonomy", "collision").values())
 
     async def _state(self) -> Json:
         """Of autonomous life; None: it does not say. Raises `DeviceLostError`."""
         try:
-            return memory.word(await self._robot.call(*SETTINGS["state"].get, within=LOOK_S))
+            return memory.word(await self._link.call(*SETTINGS["state"].get, within=LOOK_S))
         except DeviceLostError:
             raise
         except DriverError:
@@ -111,7 +111,7 @@ class AutonomyPart(NaoqiPart):
         refused: dict[str, DriverError] = {}
         for name in filter(changes.__contains__, SETTINGS):
             try:
-                await write_setting(self._robot, SETTINGS[name], changes[name])
+                await write_setting(self._link, SETTINGS[name], changes[name])
             except DeviceLostError:
                 raise
             except DriverError as error:

@@ -57,7 +57,7 @@ class BasePart(NaoqiPart):
         x, y, turn = _way(job.args)
         await self._cleaned_up()
         # A robot that was silent for a while must not set off when it wakes from that.
-        await self._robot.probe()
+        await self._link.probe()
         await self._ready()
         seconds = self._seconds(x, y, turn)
         job.expects(seconds)
@@ -68,31 +68,31 @@ class BasePart(NaoqiPart):
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Brake; returns when the robot says that it stands."""
-        await self._robot.call(MOTION, "stopMove")
+        await self._link.call(MOTION, "stopMove")
         while not await self._stands():  # noqa: ASYNC110
             await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
         return (self.name,)
 
     async def _ready(self) -> None:
         """Return if it can go now. Raises `DriverError`."""
-        if not await self._robot.call(MOTION, "robotIsWakeUp"):
+        if not await self._link.call(MOTION, "robotIsWakeUp"):
             raise DriverError("the robot is at rest and cannot drive", "wake it: `torque: true`")
 
     async def _stands(self) -> bool:
         """Whether it stands still. Raises `DriverError` if the robot does not say it."""
-        return still(await self._robot.call(MOTION, "getRobotVelocity"))
+        return still(await self._link.call(MOTION, "getRobotVelocity"))
 
     async def _drive(self, x: float, y: float, turn: float, within: float) -> object:
         try:
-            return await self._robot.call(MOTION, "moveTo", x, y, turn, within=within)
+            return await self._link.call(MOTION, "moveTo", x, y, turn, within=within)
         except (asyncio.CancelledError, DriverError):
             # Cut short, or no answer in time: it must not drive on by itself.
-            self._clean_up.start(self._robot.call(MOTION, "stopMove"))
+            self._clean_up.start(self._link.call(MOTION, "stopMove"))
             raise
 
     async def _why(self) -> tuple[str, str]:
         """A sentence and a remedy for a drive that ended before its goal."""
-        call = self._robot.call
+        call = self._link.call
         kept = await answers(
             {
                 "ahead": call(MOTION, "getOrthogonalSecurityDistance", within=LOOK_S),

@@ -90,8 +90,8 @@ class BodyPart(NaoqiPart):
         if not posture.strip():
             raise RejectedError("no posture was named", ", ".join(self._settings.model.postures))
         reached = await self._moving(
-            self._robot.call(POSTURE, "goToPosture", posture, speed, within=LONG_S),
-            lambda: self._robot.call(POSTURE, "stopMove"),
+            self._link.call(POSTURE, "goToPosture", posture, speed, within=LONG_S),
+            lambda: self._link.call(POSTURE, "stopMove"),
         )
         if reached is False:
             raise DriverError(
@@ -112,7 +112,7 @@ class BodyPart(NaoqiPart):
         if self._settings.posture:
             await self.take_posture(self._settings.posture, DEFAULT_SPEED)
         else:
-            await self._robot.call(MOTION, "rest", within=LONG_S)
+            await self._link.call(MOTION, "rest", within=LONG_S)
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """End every movement of every joint and of the wheels, whoever began it."""
@@ -123,18 +123,18 @@ class BodyPart(NaoqiPart):
 
     async def read(self) -> Mapping[str, Json]:
         """Whether the motors are on, and in which posture it is."""
-        return await read_back(self._robot, of_section("Robot", self._settings.model.settings))
+        return await read_back(self._link, of_section("Robot", self._settings.model.settings))
 
     async def _pose(self, job: Job) -> dict[str, Json]:
         joints = self._settings.model.joints
         pose = joints.checked(job.args.get("joints"))
         seconds = _seconds(job.args)
         names = list(pose)
-        await hold(self._robot, joints, names)
+        await hold(self._link, joints, names)
         job.expects(seconds)
         angles = [native(name, angle) for name, angle in pose.items()]
         await self._moving(
-            self._robot.call(
+            self._link.call(
                 *(MOTION, "angleInterpolation", names, angles, [seconds] * len(names), True),
                 within=seconds + LONG_S,
             ),
@@ -147,7 +147,7 @@ class BodyPart(NaoqiPart):
         if not isinstance(on, bool):
             raise RejectedError(f"the motors are switched on or off, not {on!r}")
         done = await self._moving(
-            self._robot.call(MOTION, "wakeUp" if on else "rest", within=LONG_S),
+            self._link.call(MOTION, "wakeUp" if on else "rest", within=LONG_S),
             self._halt,
         )
         if done is False:  # where NAOqi answers at all; older ones return nothing
@@ -168,7 +168,7 @@ class BodyPart(NaoqiPart):
     async def _let_go(self, joints: list[str]) -> None:
         """End what moves these joints; all motion where the robot cannot end it for some alone."""
         try:
-            await self._robot.call(MOTION, "killTasksUsingResources", joints)
+            await self._link.call(MOTION, "killTasksUsingResources", joints)
         except DeviceLostError:
             raise
         except DriverError:
@@ -176,7 +176,7 @@ class BodyPart(NaoqiPart):
 
     async def _halt(self) -> None:
         """End every movement, whoever began it."""
-        await self._robot.call(MOTION, "killAll")
+        await self._link.call(MOTION, "killAll")
 
 
 def _seconds(args: Mapping[str, Any]) -> float:

@@ -92,7 +92,7 @@ class CameraPart(NaoqiPart):
         self._subscribed = None
         for left in (VIEW, SINGLE):
             with contextlib.suppress(DriverError):  # none was left, or it has no such method
-                await self._robot.call("ALVideoDevice", "unsubscribeAllInstances", left)
+                await self._link.call("ALVideoDevice", "unsubscribeAllInstances", left)
         self._watching.start(self._live.serve(self._show, self._unsubscribe))
 
     def lost(self) -> None:
@@ -116,7 +116,7 @@ class CameraPart(NaoqiPart):
             self._subscribed = (await self._subscribe(VIEW, size, rate), (size, rate))
             self._last_picture_s = loop.time()
         received = frame(
-            await self._robot.call("ALVideoDevice", "getImageRemote", self._subscribed[0])
+            await self._link.call("ALVideoDevice", "getImageRemote", self._subscribed[0])
         )
         if isinstance(received, CameraFrame):
             self._live.offer(received.width, received.height, received.rgb)
@@ -129,7 +129,7 @@ class CameraPart(NaoqiPart):
         return "subscribe", name, size, RGB, rate
 
     async def _subscribe(self, name: str, size: int, rate: int) -> str:
-        answer = await self._robot.call("ALVideoDevice", *self._words(name, size, rate))
+        answer = await self._link.call("ALVideoDevice", *self._words(name, size, rate))
         if not isinstance(answer, str) or not answer:
             raise DriverError(
                 "the camera has too many subscribers",
@@ -139,9 +139,9 @@ class CameraPart(NaoqiPart):
 
     async def _unsubscribe(self) -> None:
         subscription, self._subscribed = self._subscribed, None
-        if subscription is not None and self._robot.available:
+        if subscription is not None and self._link.ready:
             with contextlib.suppress(DriverError):  # removed at the next connection
-                await self._robot.call(
+                await self._link.call(
                     "ALVideoDevice", "unsubscribe", subscription[0], within=_FAREWELL_S
                 )
 
@@ -159,15 +159,13 @@ class CameraPart(NaoqiPart):
                 if subscription
                 else ("unsubscribeAllInstances", SINGLE)
             )
-            self._clean_up.start(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
+            self._clean_up.start(self._link.call("ALVideoDevice", *words, within=_FAREWELL_S))
 
     async def _first(self, subscription: str) -> CameraFrame:
         loop = asyncio.get_running_loop()
         until = loop.time() + _PATIENCE_S
         while True:
-            received = frame(
-                await self._robot.call("ALVideoDevice", "getImageRemote", subscription)
-            )
+            received = frame(await self._link.call("ALVideoDevice", "getImageRemote", subscription))
             if isinstance(received, CameraFrame):
                 return received
             if loop.time() >= until:

@@ -162,7 +162,7 @@ class RobotConnection:
     # -- for the parts: `RobotCalls` -----------------------------------------------------------
 
     @property
-    def available(self) -> bool:
+    def ready(self) -> bool:
         """Whether it is connected and answers."""
         return self._line is not None and not self._line.pulse.silent
 
@@ -178,7 +178,7 @@ class RobotConnection:
 
     async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
         """Call a method; raises `DeviceLostError`, or `DriverError` with the robot's own words."""
-        line = self._need()
+        line = self.need()
         what = f"{service}.{method}"
         if (refusal := self.refused(what, *args)) is not None:
             raise refusal
@@ -214,13 +214,13 @@ class RobotConnection:
 
     async def probe(self) -> None:
         """Return when the robot has answered a question asked now. Raises `DeviceLostError`."""
-        line = self._need()
+        line = self.need()
         with self._in_words(line, "a question"):
             await line.pulse.ask()
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
         """Hear a signal until the connection is lost. Raises as `call`."""
-        line = self._need()
+        line = self.need()
 
         def come(*values: Any) -> None:
             line.pulse.sign_of_life()
@@ -232,12 +232,13 @@ class RobotConnection:
 
     async def serve(self, name: str, methods: Methods) -> Unsubscribe:
         """Offer the robot a service of ours until the connection is lost. Raises as `call`."""
-        line = self._need()
+        line = self.need()
         with self._in_words(line, f"the service {name} of ours"):
             await line.pulse.fresh()
             return await line.link.serve(name, methods)
 
-    def _need(self) -> RobotLine:
+    def need(self) -> RobotLine:
+        """What is connected. Raises `DeviceLostError`."""
         if self._line is None:
             raise DeviceLostError(self._why.what, self._why.remedy)
         return self._line

@@ -8,7 +8,7 @@ import asyncio
 import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from woz_drivers.naoqi_robot import address, tags, text_remarks
 from woz_drivers.naoqi_robot.autonomy import AutonomyPart
@@ -27,11 +27,9 @@ from woz_tui.drivers.confirmed_stop import confirmed_within
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
-    Driver,
     DriverContext,
     DriverError,
     Finding,
-    Forecast,
     Job,
     RejectedError,
     Scope,
@@ -40,6 +38,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_parts import RobotOfParts
 from woz_tui.drivers.robot_verbs import known_by
 from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json
@@ -77,25 +76,21 @@ LINE = (
 log = logging.getLogger(__name__)
 
 
-class NaoqiRobot(Driver):
+class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
     """What a kind of robot is made of, says its own class."""
 
     #: What a stop reaches first stands first.
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]]
+    _parts: Sequence[NaoqiPart]
+    _by_verb: Mapping[str, NaoqiPart]
     #: What can be said of commands that are only written.
     CHECKS: ClassVar[dict[str, Mapping[str, text_remarks.Check]]] = text_remarks.CHECKS
-    settings: NaoqiSettings
 
     def __init__(self, name: str, settings: NaoqiSettings, context: DriverContext) -> None:
-        super().__init__(name, settings, context)
-        self._connection = RobotConnection(
-            settings, context, on_connected=self._connected, on_lost=self._lost
-        )
-        self._parts: tuple[NaoqiPart, ...] = tuple(
-            kind(self._connection, settings, context) for kind in self.PARTS
-        )
-        self._by_verb = {verb.name: part for part in self._parts for verb in part.verbs(settings)}
-        self._reading = SettingsReader(self._connection, self._parts, settings, context)
+        link = RobotConnection(settings, context, on_connected=self._connected, on_lost=self._lost)
+        parts = tuple(kind(link, settings, context) for kind in self.PARTS)
+        super().__init__(name, settings, context, link, parts)
+        self._reading = SettingsReader(link, parts, settings, context)
         #: Whether it was there and went without being asked to: nobody knows what it does now.
         self._lost_unasked = False
         self._present = False
@@ -107,27 +102,19 @@ class NaoqiRobot(Driver):
         self._stopped = self._waits = False
         self._living: asyncio.Task[None] | None = None
         self._later = Background("applying the settings", context)
-        self._closed = False
-        self._stops = BackgroundTasks("a stop")
 
     @classmethod
     def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """Those of its parts, and of the line; NAOqi answers each when it is over, but for what
         moves in small steps: that is only told.
         """
-        parts = (verb for part in cls.PARTS for verb in part.verbs(settings))
-        known = known_by("reported", (*parts, *LINE))
+        known = known_by("reported", (*super().verbs(settings), *LINE))
         return tuple(known_by("timed", known, "gaze", "nudge", "hip"))
 
     @classmethod
     def lacks(cls, settings: NaoqiSettings) -> Mapping[str, str]:
         """A live voice, unless the file says so."""
         return {} if settings.talk is not None else TALK_UNWRITTEN
-
-    @classmethod
-    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
-        """What its parts publish, as the file wants them."""
-        return tuple(sensor for part in cls.PARTS for sensor in part.sensors(settings))
 
     @classmethod
     def joints(cls, settings: NaoqiSettings) -> Mapping[str, Range]:
@@ -153,15 +140,6 @@ class NaoqiRobot(Driver):
         """What is odd about a command of an experiment file."""
         return text_remarks.remarks(settings, written, cls.CHECKS)
 
-    async def open(self) -> None:
-        """Begin to look for the robot."""
-        self._connection.start()
-
-    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
-        """As its part says; speech and driving about so long."""
-        part = self._by_verb.get(verb)
-        return Forecast() if part is None else await part.predict(verb, args)
-
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb by its part; what was asked for is compared with the robot from now on.
 
@@ -178,7 +156,7 @@ class NaoqiRobot(Driver):
         if part is None:
             raise RejectedError(f"{self.settings.model.name} cannot {job.verb!r}")
         await self._settling.settled()
-        self._connection.alert()
+        self._link.alert()
         try:
             with self._reading.using(job.verb):
                 sent = await part.perform(job)
@@ -255,12 +233,6 @@ class NaoqiRobot(Driver):
                 what = f"what it does by itself could not be set: {error.what}"
                 self.context.notice("warning", what, "set it on the robot's screen")
 
-    async def rest(self) -> None:
-        """Take the posture of the robot file, otherwise rest; autonomous life stays as it is."""
-        if self._present:
-            for part in self._parts:
-                await part.rest()
-
     async def close(self) -> None:
         """End everything of this driver; the robot itself is left as it is."""
         self._closed = True
@@ -277,31 +249,31 @@ class NaoqiRobot(Driver):
             if part.done() and not part.cancelled() and part.exception() is not None:
                 log.error("a part did not close", exc_info=part.exception())
         self._present = self._lost_unasked = False
-        await self._connection.close()
+        await self._link.close()
 
     # -- the line --------------------------------------------------------------------------------
 
     async def _connect(self, robot: str) -> dict[str, Json]:
-        self._connection.named(robot)  # what is no address must not cost the robot that is there
+        self._link.named(robot)  # what is no address must not cost the robot that is there
         await self._let_go()
-        await self._connection.connect(robot)
-        return {"robot": self._connection.robot}
+        await self._link.connect(robot)
+        return {"robot": self._link.robot}
 
     async def _disconnect(self, by: str) -> dict[str, Json]:
-        robot = self._connection.robot
+        robot = self._link.robot
         await self._let_go()
-        await self._connection.disconnect(by)
+        await self._link.disconnect(by)
         return {"robot": robot}
 
     async def _let_go(self) -> None:
         """The robot of before goes because the wizard wants it; it must not be left driving."""
         if self._present:
-            robot = self._connection.robot
-            self._connection.leaving(True)
+            robot = self._link.robot
+            self._link.leaving(True)
             try:
                 report = await self._halt(Scope.ALL)
             except BaseException:
-                self._connection.leaving(False)
+                self._link.leaving(False)
                 raise
             if report is not None and report.missing:
                 missing = ", ".join(report.missing)
@@ -340,6 +312,5 @@ class NaoqiRobot(Driver):
         if not self._present:
             return
         self._present, self._lost_unasked = False, True
-        for part in self._parts:
-            part.lost()
+        super()._lost()
         self._reading.end()

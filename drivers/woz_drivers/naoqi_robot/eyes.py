@@ -150,7 +150,7 @@ class EyesPart(NaoqiPart):
         """
         if self._shown is not None and (self._loop or self._animated):
             return {"eyes": self._shown.text, "eyes_brightness": round(self._level, 3)}
-        visible = EyeColor.read_back(await self._robot.ask(LEDS, "getIntensity", FIRST_LIGHT))
+        visible = EyeColor.read_back(await self._link.ask(LEDS, "getIntensity", FIRST_LIGHT))
         if visible is None:
             return {}
         if self._shown is not None and visible.close_to(self._shown.dimmed(self._level)):
@@ -218,7 +218,7 @@ class EyesPart(NaoqiPart):
         shown = await self._before()
         self._level = level
         if shown.grey:
-            await self._robot.call(LEDS, "setIntensity", GROUP, level * shown.brightness)
+            await self._link.call(LEDS, "setIntensity", GROUP, level * shown.brightness)
         elif not self._loop:
             await self._fade(shown, 0.0)
         self._shown = shown
@@ -229,11 +229,11 @@ class EyesPart(NaoqiPart):
         """A piece of an animation. Cut short, the colour of before comes back behind it."""
         match kind:
             case "rasta":
-                call = self._robot.call(LEDS, "rasta", seconds, within=seconds + MARGIN_S)
+                call = self._link.call(LEDS, "rasta", seconds, within=seconds + MARGIN_S)
             case "random":
-                call = self._robot.call(LEDS, "randomEyes", seconds, within=seconds + MARGIN_S)
+                call = self._link.call(LEDS, "randomEyes", seconds, within=seconds + MARGIN_S)
             case _:
-                call = self._robot.call(
+                call = self._link.call(
                     *(LEDS, "rotateEyes", light.number, TURN_S, seconds), within=seconds + MARGIN_S
                 )
         playing = asyncio.get_running_loop().create_task(call, name="robot eyes")
@@ -263,7 +263,7 @@ class EyesPart(NaoqiPart):
 
     async def _fade(self, shown: EyeColor, seconds: float) -> None:
         red, green, blue = shown.dimmed(self._level).parts
-        await self._robot.call(
+        await self._link.call(
             *(LEDS, "fadeRGB", GROUP, red, green, blue, float(seconds)), within=seconds + MARGIN_S
         )
 
@@ -271,7 +271,7 @@ class EyesPart(NaoqiPart):
         """The colour asked for last, otherwise what is seen now."""
         if self._shown is not None:
             return self._shown
-        visible = EyeColor.read_back(await self._robot.call(LEDS, "getIntensity", FIRST_LIGHT))
+        visible = EyeColor.read_back(await self._link.call(LEDS, "getIntensity", FIRST_LIGHT))
         return WHITE if visible is None else visible
 
     async def _repeat(self, animation: str) -> None:

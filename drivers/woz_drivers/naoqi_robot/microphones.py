@@ -125,7 +125,7 @@ class MicrophonesPart(NaoqiPart):
             if not self._offer.wanted:
                 await self._end_live()
             elif self._live is None:
-                self._live = SoundSubscription(self._robot, LIVE_HZ, self._take_live)
+                self._live = SoundSubscription(self._link, LIVE_HZ, self._take_live)
                 try:
                     await self._live.begin()
                     trouble = ""
@@ -159,7 +159,7 @@ class MicrophonesPart(NaoqiPart):
         path = str(PurePosixPath(self._folder) / name)
         t_us = self._context.clock.now_us()
         try:
-            await self._robot.call(
+            await self._link.call(
                 "ALAudioRecorder", "startMicrophonesRecording", path, "wav", _RECORDED_HZ, _ALL
             )
         except RejectedError:
@@ -172,7 +172,7 @@ class MicrophonesPart(NaoqiPart):
 
     async def _end_record(self, within: float = 2.0) -> Mapping[str, Json]:
         """Also without one of ours: an earlier program may have left one."""
-        await self._robot.call("ALAudioRecorder", "stopMicrophonesRecording", within=within)
+        await self._link.call("ALAudioRecorder", "stopMicrophonesRecording", within=within)
         recording, self._recording = self._recording, None
         if recording is None:
             return {"file": ""}
@@ -191,7 +191,7 @@ class MicrophonesPart(NaoqiPart):
             raise RejectedError(
                 f"it is listening already, to {self._listening.file}", "end it first"
             )
-        listening = SoundRecording(self._robot, self._context)
+        listening = SoundRecording(self._link, self._context)
         self._listening = listening
         try:
             return await listening.begin()
@@ -238,7 +238,7 @@ class SoundSubscription:
     """
 
     def __init__(self, robot: RobotCalls, rate: int, take: Callable[..., None]) -> None:
-        self._robot = robot
+        self._link = robot
         self._rate = rate
         self._take = take
         self._service = f"{SERVICE}_{secrets.token_hex(4)}"
@@ -246,21 +246,19 @@ class SoundSubscription:
 
     async def begin(self) -> None:
         """Have the robot send it. Raises `DriverError`; `end` is called then, too."""
-        self._withdraw = await self._robot.serve(
+        self._withdraw = await self._link.serve(
             self._service, {"processRemote": ("(iimr)", self._take)}
         )
-        await self._robot.call(
+        await self._link.call(
             *("ALAudioDevice", "setClientPreferences"),
             *(self._service, self._rate, _FRONT, _NOT_DEINTERLEAVED),
         )
-        await self._robot.call("ALAudioDevice", "subscribe", self._service)
+        await self._link.call("ALAudioDevice", "subscribe", self._service)
 
     async def end(self) -> None:
         """Have it send nothing more; never raises."""
         with contextlib.suppress(DriverError):  # it is not there, and sends nothing then
-            await self._robot.call(
-                "ALAudioDevice", "unsubscribe", self._service, within=_FAREWELL_S
-            )
+            await self._link.call("ALAudioDevice", "unsubscribe", self._service, within=_FAREWELL_S)
         withdraw, self._withdraw = self._withdraw, None
         if withdraw is not None:
             await withdraw()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Coroutine, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.link import Methods, Unsubscribe
@@ -19,12 +19,10 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
-    Forecast,
     Job,
-    RejectedError,
     Scope,
-    Verb,
 )
+from woz_tui.drivers.robot_parts import RobotPart
 from woz_tui.protocol.messages import Json
 
 #: Seconds that an ordinary call may take; what takes its time (speech, a move) says so itself.
@@ -84,7 +82,7 @@ class RobotCalls(Protocol):
         ...
 
     @property
-    def available(self) -> bool:
+    def ready(self) -> bool:
         """Whether it is connected and answers."""
         ...
 
@@ -99,18 +97,13 @@ class RobotCalls(Protocol):
         ...
 
 
-class NaoqiPart:
-    """One part. Made once a session; survives reconnections. The defaults offer nothing, and
-    have nothing to stop, to set, to forget, to read back, to let go of.
+class NaoqiPart(RobotPart[RobotCalls, NaoqiSettings]):
+    """One part of a robot with NAOqi. Where a verb is cancelled by the stop it ends on the robot,
+    too, but `perform` does not wait for that: `stop` does.
     """
 
-    #: What the stop calls it: speech, motion, animations, tablet ...
-    name: ClassVar[str]
-
     def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
-        self._robot = robot
-        self._settings = settings
-        self._context = context
+        super().__init__(robot, settings, context)
         #: What must still be said to the robot after a job was cut short, without the job waiting.
         #: The next job of the same kind waits for it: an ending that came late would end that one.
         self._clean_up = BackgroundTasks(f"{self.name}: ending it on the robot")
@@ -118,26 +111,6 @@ class NaoqiPart:
     async def _cleaned_up(self) -> None:
         """Return when nothing of that is on its way, or the robot does not answer."""
         await self._clean_up.settled(WITHIN_S)
-
-    @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
-        """The verbs that it offers."""
-        return ()
-
-    @classmethod
-    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
-        """The sensors that it publishes."""
-        return ()
-
-    async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
-        """How one of its verbs would go. What the robot itself decides is not known."""
-        return Forecast()
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Carry out one of its verbs; cancelled by the stop: then end it on the robot, too, but do
-        not wait for that (the part's `stop` does).
-        """
-        raise RejectedError(f"{self.name} cannot {job.verb}")
 
     def implied(self, job: Job) -> Mapping[str, Json]:
         """Settings that the wizard wants since this verb, by name, besides those that it names."""
@@ -149,12 +122,6 @@ class NaoqiPart:
         """
         return ()
 
-    async def connected(self) -> None:
-        """The robot is there, for the first time or again: apply what the settings say."""
-
-    def lost(self) -> None:
-        """The robot is gone: forget ids and subscriptions, sensors are stale."""
-
     async def read(self) -> Mapping[str, Json]:
         """Settings as the robot has them now, by name; called once a second or more."""
         return {}
@@ -162,9 +129,6 @@ class NaoqiPart:
     def conflicts(self) -> Iterable[str]:
         """What keeps the robot from obeying, the gravest first: a short clause, a colon, why."""
         return ()
-
-    async def rest(self) -> None:
-        """Take the pose in which the robot may be left alone."""
 
     async def close(self) -> None:
         """Let go: end tasks, close files, unsubscribe. Never raises."""

@@ -87,13 +87,13 @@ class RecognitionPart(NaoqiPart):
         """The robot need not listen for us any more."""
         await self._polling.close()
         self._speech.end("the session ended")
-        if self._settings.recognition.phrases and self._robot.available:
+        if self._settings.recognition.phrases and self._link.ready:
             with contextlib.suppress(DriverError):
-                await self._robot.call(SERVICE, "unsubscribe", NAME, within=_FAREWELL_S)
+                await self._link.call(SERVICE, "unsubscribe", NAME, within=_FAREWELL_S)
 
     async def _begin(self) -> None:
         """NAOqi takes other phrases only while nobody listens, or all pause."""
-        call, settings = self._robot.call, self._settings.recognition
+        call, settings = self._link.call, self._settings.recognition
         with contextlib.suppress(DriverError):  # an earlier session may have left it
             await call(SERVICE, "unsubscribe", NAME)
         await call(SERVICE, "pause", True)
@@ -108,7 +108,7 @@ class RecognitionPart(NaoqiPart):
 
     async def _forget(self) -> None:
         """What was read shall not be read again."""
-        await self._robot.call("ALMemory", "insertData", RECOGNIZED, [])
+        await self._link.call("ALMemory", "insertData", RECOGNIZED, [])
 
     def _ready(self) -> None:
         self._context.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")

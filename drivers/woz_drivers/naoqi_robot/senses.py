@@ -86,7 +86,7 @@ class SensorModules:
     def __init__(
         self, robot: RobotCalls, modules: Sequence[SensorModule], silent: Callable[[str, str], None]
     ) -> None:
-        self._robot = robot
+        self._link = robot
         self._modules = modules
         self._silent = silent
         self._missing: dict[SensorModule, str] = dict.fromkeys(modules, "")
@@ -109,7 +109,7 @@ class SensorModules:
         """Begin what does not run; what the robot does not have is reported, the others go on."""
         missing = list(self._missing)
         answers = await asyncio.gather(
-            *(self._robot.call(one.service, *one.begin) for one in missing), return_exceptions=True
+            *(self._link.call(one.service, *one.begin) for one in missing), return_exceptions=True
         )
         for module, answer in zip(missing, answers, strict=True):
             if isinstance(answer, DriverError):
@@ -126,12 +126,12 @@ class SensorModules:
         """They need not run for us any more."""
         running = [one for one in self._modules if one not in self._missing]
         self.forget()
-        if self._robot.available:
+        if self._link.ready:
             await asyncio.gather(*(self._end(module) for module in running))
 
     async def _end(self, module: SensorModule) -> None:
         with contextlib.suppress(DriverError):  # it goes on measuring, which disturbs nobody
-            await self._robot.call(module.service, *module.end, within=_FAREWELL_S)
+            await self._link.call(module.service, *module.end, within=_FAREWELL_S)
 
 
 # -- many values at once ---------------------------------------------------------------------------
@@ -141,7 +141,7 @@ class MemoryQuery:
     """All keys by one question; key by key at a robot that refuses all of it for one of them."""
 
     def __init__(self, robot: RobotCalls) -> None:
-        self._robot = robot
+        self._link = robot
         self._key_by_key = False
 
     def forget(self) -> None:
@@ -163,7 +163,7 @@ class MemoryQuery:
     async def _refusable(self, method: str, words: str | list[str]) -> Any:
         """What the robot says; None if it says no. Raises `DeviceLostError`."""
         try:
-            return await self._robot.call("ALMemory", method, words)
+            return await self._link.call("ALMemory", method, words)
         except DeviceLostError:
             raise
         except DriverError:
@@ -224,7 +224,7 @@ class SensesPart(NaoqiPart):
             raise RejectedError("a face needs a name", "give a code, such as V7")
         if job.verb == FACE_CONSENT:
             return await self._consent(name, given=bool(job.args["given"]))
-        if await self._robot.call("ALFaceDetection", "learnFace", name, within=LEARN_S) is False:
+        if await self._link.call("ALFaceDetection", "learnFace", name, within=LEARN_S) is False:
             raise DriverError(
                 f"the robot has not learnt the face of {name}",
                 "let one person look at it from one metre in good light, then try again",
@@ -235,11 +235,11 @@ class SensesPart(NaoqiPart):
         if given:
             return {"name": name, "given": True}
         # The robot takes letter case as it is, and has a face under the name as it was learnt.
-        learnt = await self._robot.call("ALFaceDetection", "getLearnedFacesList")
+        learnt = await self._link.call("ALFaceDetection", "getLearnedFacesList")
         names = [str(one) for one in learnt] if isinstance(learnt, list | tuple) else [name]
         kept = [one for one in names if key_of(one) == key_of(name)]
         for one in kept:
-            if await self._robot.call("ALFaceDetection", "forgetPerson", one) is False:
+            if await self._link.call("ALFaceDetection", "forgetPerson", one) is False:
                 raise DriverError(f"the robot has not forgotten the face of {one}", "try again")
         return {"name": name, "given": False, "deleted": bool(kept)}
 
@@ -324,7 +324,7 @@ class SensesPart(NaoqiPart):
         if not self._modules.runs("loudness"):
             return None
         try:
-            return await self._robot.call("ALAudioDevice", "getFrontMicEnergy")
+            return await self._link.call("ALAudioDevice", "getFrontMicEnergy")
         except DeviceLostError:
             raise
         except DriverError as error:

@@ -48,7 +48,7 @@ class ServiceCallPart(NaoqiPart):
         """Call it; what the robot returns is in the result."""
         service, method = parse_call(text(job.args, "call"))
         args = parse_arguments(text(job.args, "args") or "[]")
-        result = await self._robot.call(service, method, *args, within=LIMIT_S)
+        result = await self._link.call(service, method, *args, within=LIMIT_S)
         return {"call": f"{service}.{method}", "args": args, "result": _short(_plain(result))}
 
 

@@ -96,7 +96,7 @@ class SoundsPart(NaoqiPart):
         if scope is not Scope.ALL:
             return ()
         try:
-            await self._robot.call(PLAYER, "stopAll")
+            await self._link.call(PLAYER, "stopAll")
         except ServiceAbsentError:
             if self._playing:
                 raise
@@ -113,7 +113,7 @@ class SoundsPart(NaoqiPart):
 
     async def read(self) -> Mapping[str, Json]:
         """The file being played, empty if none. What the robot has unloaded is loaded anew."""
-        loaded = await self._robot.ask(PLAYER, "getLoadedFilesIds")
+        loaded = await self._link.ask(PLAYER, "getLoadedFilesIds")
         if isinstance(loaded, list | tuple):
             # `loadFile` gives a number, this gives the same numbers as text.
             loaded_ids = {str(sound_id) for sound_id in loaded}
@@ -125,28 +125,26 @@ class SoundsPart(NaoqiPart):
     async def close(self) -> None:
         """Free the robot's memory of the files."""
         await super().close()
-        if self._ids and self._robot.available:
+        if self._ids and self._link.ready:
             self._ids.clear()
             with contextlib.suppress(DriverError):
-                await self._robot.call(PLAYER, "unloadAllFiles")
+                await self._link.call(PLAYER, "unloadAllFiles")
 
     async def _play(self, job: Job, path: str, volume: float) -> None:
         """A file on the robot."""
         sound = await self._loaded(path)
         with contextlib.suppress(DriverError):  # how long it is is only for the countdown
-            seconds = within(
-                await self._robot.call(PLAYER, "getFileLength", sound), 0.0, _LONGEST_S
-            )
+            seconds = within(await self._link.call(PLAYER, "getFileLength", sound), 0.0, _LONGEST_S)
             if seconds is not None:
                 job.expects(seconds)
-        await self._robot.call(PLAYER, "setVolume", sound, volume)
+        await self._link.call(PLAYER, "setVolume", sound, volume)
         await self._until_over(path, "play", sound)
 
     async def _stream(self, job: Job, path: str, local: Path | None, volume: float) -> None:
         """A file of this machine, or an address: the robot fetches it."""
         address = path
         if local is not None:
-            address = await self._robot.files.address(local)
+            address = await self._link.files.address(local)
             if (seconds := sound_seconds(str(local))) is not None:
                 job.expects(seconds)
         try:
@@ -165,9 +163,9 @@ class SoundsPart(NaoqiPart):
         """Play it to its end; cut short, it ends on the robot, too."""
         self._playing = path
         try:
-            await self._robot.call(PLAYER, method, *words, within=LONG_S)
+            await self._link.call(PLAYER, method, *words, within=LONG_S)
         except asyncio.CancelledError:
-            self._clean_up.start(self._robot.call(PLAYER, "stopAll"))
+            self._clean_up.start(self._link.call(PLAYER, "stopAll"))
             raise
         finally:
             self._playing = ""
@@ -177,7 +175,7 @@ class SoundsPart(NaoqiPart):
             raise RejectedError("no sound file was named", _FILE)
         if path not in self._ids:
             try:
-                sound = await self._robot.call(PLAYER, "loadFile", path, within=LOAD_S)
+                sound = await self._link.call(PLAYER, "loadFile", path, within=LOAD_S)
             except DeviceLostError:
                 raise
             except DriverError as error:

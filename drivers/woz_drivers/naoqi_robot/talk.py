@@ -85,7 +85,7 @@ class TalkPart(NaoqiPart):
 
     @contextlib.asynccontextmanager
     async def _open(self, tally: VoiceTally) -> AsyncIterator[SentVoice]:
-        await self._robot.call(_DEVICE, "setParameter", "outputSampleRate", tally.rate)
+        await self._link.call(_DEVICE, "setParameter", "outputSampleRate", tally.rate)
         voice = SentVoice(tally, self._send)
         try:
             yield voice
@@ -103,12 +103,9 @@ class TalkPart(NaoqiPart):
         both[0::4] = both[2::4] = pcm[0::2]
         both[1::4] = both[3::4] = pcm[1::2]
         frames = len(pcm) // WIDTH
-        if (
-            await self._robot.call(_DEVICE, "sendRemoteBufferToOutput", frames, bytes(both))
-            is False
-        ):
+        if await self._link.call(_DEVICE, "sendRemoteBufferToOutput", frames, bytes(both)) is False:
             raise DriverError("the robot does not play the voice", "is its sound muted or in use?")
         return True
 
     async def _flush(self) -> None:
-        await self._robot.call(_DEVICE, "flushAudioOutputs")
+        await self._link.call(_DEVICE, "flushAudioOutputs")

@@ -99,7 +99,7 @@ class VoicePart(NaoqiPart):
         """Fall silent."""
         if scope is not Scope.ALL:
             return ()
-        await self._robot.call(TTS, "stopAll")
+        await self._link.call(TTS, "stopAll")
         return (self.name,)
 
     async def connected(self) -> None:
@@ -107,7 +107,7 @@ class VoicePart(NaoqiPart):
         await apply(
             self._context,
             {
-                name.replace("_", " "): write_setting(self._robot, SETTINGS[name], to)
+                name.replace("_", " "): write_setting(self._link, SETTINGS[name], to)
                 for name, to in self._desired.items()
             },
         )
@@ -115,7 +115,7 @@ class VoicePart(NaoqiPart):
     async def read(self) -> Mapping[str, Json]:
         """Volume (0 to 1), speed (per cent) and pitch as the robot has them."""
         before = self._speed
-        read = await read_back(self._robot, SOUNDS)
+        read = await read_back(self._link, SOUNDS)
         speed, allowed = read.get("speech_speed"), SETTINGS["speech_speed"].range
         if self._speed == before and isinstance(speed, float) and allowed.contains(speed):
             self._speed = speed  # else it was set while the robot was asked
@@ -164,12 +164,12 @@ class VoicePart(NaoqiPart):
 
     async def _utter(self, spoken: str, plain: bool) -> None:
         # Who must not move speaks without gestures.
-        still = plain or self._robot.refused("ALAnimatedSpeech.say") is not None
+        still = plain or self._link.refused("ALAnimatedSpeech.say") is not None
         service = TTS if still else "ALAnimatedSpeech"
         try:
-            await self._robot.call(service, "say", spoken, within=LONG_S)
+            await self._link.call(service, "say", spoken, within=LONG_S)
         except asyncio.CancelledError:
-            self._clean_up.start(self._robot.call(TTS, "stopAll"))
+            self._clean_up.start(self._link.call(TTS, "stopAll"))
             raise
 
     def _warn(self, spoken: str) -> None:
@@ -185,7 +185,7 @@ class VoicePart(NaoqiPart):
         value = number(job.args, setting.argument)
         if not setting.allows(value):
             raise RejectedError(f"{job.verb} takes {setting.numbers}, not {value:g}", setting.what)
-        await write_setting(self._robot, setting, value)
+        await write_setting(self._link, setting, value)
         self._desired[setting.name] = value
         if setting.name == "speech_speed":
             self._speed = value

@@ -107,7 +107,7 @@ class Touch:
     """Publishes where the tablet is touched: down, move, up."""
 
     def __init__(self, robot: RobotCalls, context: DriverContext) -> None:
-        self._robot = robot
+        self._link = robot
         self._context = context
         self._scale = TouchScale()
         self._down: tuple[float, Place] | None = None
@@ -142,12 +142,12 @@ class Touch:
         """Listen no more."""
         self._forget()
         signals, self._subscriptions = self._subscriptions, []
-        if self._robot.available:
+        if self._link.ready:
             await asyncio.gather(*(end() for end in signals))
 
     async def _listen(self, signal: str, listener: Any) -> bool:
         try:
-            end = await self._robot.listen("ALTabletService", signal, listener)
+            end = await self._link.listen("ALTabletService", signal, listener)
         except DeviceLostError:
             raise
         except DriverError:
@@ -353,7 +353,7 @@ class TabletPart(NaoqiPart):
             ("onLoadPageError", self._not_loaded),
         ):
             try:
-                self._signals.append(await self._robot.listen(_SERVICE, signal, listener))
+                self._signals.append(await self._link.listen(_SERVICE, signal, listener))
             except DeviceLostError:
                 raise
             except DriverError:  # an older tablet: the video's end is asked for as well
@@ -386,10 +386,10 @@ class TabletPart(NaoqiPart):
         await self._quiet()
         if self._touch is not None:
             await self._touch.close()
-        if self._robot.available:
+        if self._link.ready:
             with contextlib.suppress(DriverError):  # the session ends in any case
                 if self._video is not None:
-                    await self._robot.call(_SERVICE, "stopVideo", within=_FAREWELL_S)
+                    await self._link.call(_SERVICE, "stopVideo", within=_FAREWELL_S)
             await asyncio.gather(*(end() for end in self._signals))
         self._video, self._signals = None, []
 
@@ -402,9 +402,9 @@ class TabletPart(NaoqiPart):
     async def _show(self, text: str) -> None:
         """Show a file or an address. Raises `DriverError`."""
         what = kind(text)
-        address = text if is_address(text) else await self._robot.files.address(self._file(text))
+        address = text if is_address(text) else await self._link.files.address(self._file(text))
         if what is PageKind.PICTURE:
-            address = await self._robot.files.page(page(address))
+            address = await self._link.files.page(page(address))
         await self._end_video()
         await self._network()
         self._shows = ""
@@ -466,13 +466,13 @@ class TabletPart(NaoqiPart):
         try:
             await self._call("enableWifi", sure=False)
         except DriverError:
-            if not self._robot.available:
+            if not self._link.ready:
                 raise
         self._on_air = True
 
     async def _call(self, method: str, *words: Any, sure: bool = True) -> None:
         """Have the tablet do it. Raises `DriverError`; if `sure`, also when it says no."""
-        answer = await self._robot.call(_SERVICE, method, *words)
+        answer = await self._link.call(_SERVICE, method, *words)
         if sure and answer is False:
             raise DriverError(
                 f"the tablet refused {method}",
@@ -483,7 +483,7 @@ class TabletPart(NaoqiPart):
 
     async def _watch(self, video: _Video) -> None:
         try:
-            if not await played(self._robot):
+            if not await played(self._link):
                 text = f"the tablet has not begun to play {video.text}"
                 remedy = "check its format, and that the tablet is on the network"
                 self._context.notice("warning", text, remedy, tells=("request",))

@@ -146,11 +146,6 @@ class ReachyMini(RobotOfParts[DaemonLink, ReachyMiniSettings]):
         await self._sounds.end_talk()
         return await super().stop(scope)
 
-    async def rest(self) -> None:
-        """Lie down slowly and without a sound; then the motors go off."""
-        if self.settings.sleeps and self._link.ready:
-            await self._motion.rest()
-
     async def _farewell(self) -> None:
         """It does nothing by itself."""
         if not self._link.ready:

@@ -242,7 +242,9 @@ class ReachyMotion(ReachyPart):
         await self._body.close()
 
     async def rest(self) -> None:
-        """Lie down slowly and without a sound; then the motors go off."""
+        """Lie down slowly and without a sound, unless the file says no; then the motors go off."""
+        if not self._settings.sleeps:
+            return
         await self._end_demo()
         motors = self._link.status.motors
         if motors == "disabled":

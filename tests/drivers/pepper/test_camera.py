@@ -126,7 +126,7 @@ async def test_after_a_loss_the_view_comes_back(tmp_path: Path, port: int) -> No
         _watch(rig)
         await until(lambda: _came(rig) >= 1)
         robot.kill()
-        await until(lambda: not rig.connection.available)
+        await until(lambda: not rig.connection.ready)
         had = _came(rig)
         async with stand_in(port=port):
             await rig.wait_connected(2)

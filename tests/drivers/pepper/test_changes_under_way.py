@@ -231,7 +231,7 @@ async def test_a_stop_that_is_answered_too_late_leaves_nothing_unread(tmp_path: 
         rig.robot.freeze()
         report = await rig.stop()
         assert {"driving", "motion", "sounds", "speech"} <= set(report.missing)
-        await rig.published.until(lambda: not rig.driver._connection.available)
+        await rig.published.until(lambda: not rig.driver._link.ready)
         await rig.published.until(lambda: not rig.driver._stops)
         gc.collect()
         assert unread == []

@@ -43,7 +43,7 @@ async def bare() -> AsyncIterator[str]:
 async def test_it_begins_with_the_first_robot(robot: StandIn, tmp_path: Path) -> None:
     async with started_connection(tmp_path, robot.address, "127.0.0.1:1") as rig:
         await rig.is_so(Health.CONNECTED, f"127.0.0.1:{robot.port}")
-        assert rig.connection.available
+        assert rig.connection.ready
         assert rig.connection.robot == f"127.0.0.1:{robot.port}"
         assert rig.connection.local_host == "127.0.0.1"
         assert rig.came == 1
@@ -88,7 +88,7 @@ async def test_it_waits_for_the_wizard_where_the_file_says_so(bare: str, tmp_pat
             await rig.connection.call("ALSystem", "robotName")
         await rig.connection.connect()
         await rig.is_so(Health.CONNECTED)
-        assert rig.connection.available
+        assert rig.connection.ready
 
 
 async def test_another_robot_is_taken(robot: StandIn, tmp_path: Path) -> None:
@@ -161,7 +161,7 @@ async def test_what_is_no_address_changes_nothing(bare: str, tmp_path: Path) -> 
         await rig.is_so(Health.CONNECTED)
         with pytest.raises(RejectedError):
             await rig.connection.connect("http://pepper")
-        assert rig.connection.available
+        assert rig.connection.ready
 
 
 async def test_a_file_with_a_wrong_address_is_told_of(tmp_path: Path) -> None:
@@ -265,7 +265,7 @@ async def test_parts_that_fail_to_apply_are_told_of(
     notice = await published.first(Notice)
     assert notice.level == "warning"
     assert notice.remedy
-    assert connection.available
+    assert connection.ready
     await connection.close()
 
 

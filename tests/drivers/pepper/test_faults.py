@@ -206,7 +206,7 @@ async def test_a_robot_that_does_not_answer_one_call_is_not_lost(tmp_path: Path)
         ) as lost:
             await rig.connection.call("ALSystem", "robotName", within=0.1)
         assert lost.value.remedy
-        assert rig.connection.available
+        assert rig.connection.ready
         await robot.fault("none")
         assert await rig.connection.call("ALSystem", "robotName") == "Pepper"
         assert rig.went == 0
@@ -222,7 +222,7 @@ async def test_a_silent_robot_is_asked_to_stop_even_so(
     async with stand_in() as robot, started_connection(tmp_path, robot.address) as rig:
         await rig.is_so(Health.CONNECTED)
         robot.freeze()
-        await rig.until(lambda: not rig.connection.available)
+        await rig.until(lambda: not rig.connection.ready)
         stopping = rig.begin("ALMotion", "stopMove")
         ending = [rig.begin(*what.split(".")) for what in ENDS]
         moving = rig.begin("ALMotion", "moveTo", 1.0, 0.0, 0.0)

@@ -69,7 +69,7 @@ class FaultyConnection:
                     await asyncio.sleep(self.dice.uniform(0.01, 0.15))
                     self.network.heal()
                 case "long cut":
-                    await self.connection.until(lambda: self.connection.connection.available)
+                    await self.connection.until(lambda: self.connection.connection.ready)
                     went = self.connection.went
                     self.network.cut()
                     await self.connection.until(lambda went=went: self.connection.went > went)  # type: ignore[misc]
@@ -119,7 +119,7 @@ async def trouble(robot: StandIn, folder: Path, faults: int) -> int:
             troubled.append(FaultyConnection(number, rig, network, seed=faults * 10 + number))
         await asyncio.gather(*(one.meets(faults) for one in troubled))
         for one in troubled:
-            await one.connection.until(lambda one=one: one.connection.connection.available)  # type: ignore[misc]
+            await one.connection.until(lambda one=one: one.connection.connection.ready)  # type: ignore[misc]
         lost = await judged(robot, troubled)
     async with asyncio.timeout(WITHIN_S):
         while len(asyncio.all_tasks()) > tasks:  # noqa: ASYNC110

@@ -315,7 +315,7 @@ async def test_after_a_loss_the_default_is_shown_again(folder: Path, port: int) 
     ):
         await part_rig.do("screen", file="shown/map.png")
         robot.kill()
-        await until(lambda: not part_rig.connection.available)
+        await until(lambda: not part_rig.connection.ready)
         with pytest.raises(DeviceLostError):
             await part_rig.do("screen", file="logo.JPG")
         async with stand_in(port=port) as back:

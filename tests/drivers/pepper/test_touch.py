@@ -71,7 +71,7 @@ async def test_touches_that_nobody_wants_are_not_listened_to(
 class TouchedRobot:
     """A robot with a tablet that tells what it is told to; `missing` signals it does not have."""
 
-    available = True
+    ready = True
     local_host = "127.0.0.1"
     files: ServedFiles
 

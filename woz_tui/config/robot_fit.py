@@ -17,8 +17,8 @@ from woz_tui.config.experiment import (
     ParallelCalls,
     Step,
 )
-from woz_tui.config.sensor_names import ENGAGEMENT, POSE, published_names
 from woz_tui.config.performers import PERFORMERS
+from woz_tui.config.sensor_names import ENGAGEMENT, POSE, published_names
 
 
 def fitted(experiment: Experiment) -> Experiment:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from woz_drivers.wav import Wav
+from woz_drivers.sound.wav import Wav
 
 from tests.e2e.lab import Lab, end_session, recording, until
 from tests.fakes.sound import RATE, square

@@ -302,21 +302,35 @@ async def test_the_dialog_shows_the_order_and_a_time_that_goes_on() -> None:
         assert "trial 3 of 4, 02:43" in pilot.drawn()
 
 
-async def test_leaving_offers_what_is_asked_at_the_end_first() -> None:
-    async with piloted_console(study_scene.welcome()) as pilot:
-        await pilot.press("ctrl+q", "down", "down", "enter")
-        await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
+async def test_leaving_lists_what_is_open_in_one_dialog() -> None:
+    told = study_scene.study_description(
+        questionnaires=[study_scene.ROBOT, {**study_scene.QUICK, "when": "end"}]
+    )
+    first = study_scene.welcome(study_scene.trial(3), study=told)
+    async with piloted_console(first, size=(100, 36)) as pilot:
+        await pilot.press("ctrl+q")
         await pilot.settle()
-        assert "You and the robot" in pilot.drawn()
-        assert pilot.feed.last(r.AskEnd) is None
-        await pilot.press("down", "enter")
-        assert pilot.feed.last(r.AskEnd) is not None
+        for line in (
+            "Trial 3 is still running; ending the session marks it as aborted.",
+            "You and the robot has not been answered: ask it first",
+            "This visit has not been answered: ask it first",
+            "enter: do it, or the next answer",
+        ):
+            assert line in pilot.drawn()
+        await pilot.press("down", "down", "down", "enter", "down", "enter", "down", "enter")
+        for line in ("marks it as done.", "robot has not been answered: skip", "visit has not"):
+            assert line in pilot.drawn()
+        await pilot.press("up", "up", "up", "enter")
+        asked = [each for each in pilot.feed.asked if isinstance(each, r.AskTrial | r.AskEnd)]
+        assert [type(each) for each in asked] == [r.AskTrial, r.AskEnd]
+        assert isinstance(asked[0], r.AskTrial)
+        assert asked[0].what == "done"
+        assert pilot.feed.last(r.AskQuestionnaire) is None
 
 
 async def test_behind_a_questionnaire_that_leaving_brought_the_wizard_is_asked_again() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
-        await pilot.press("ctrl+q", "down", "down", "enter")
-        await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
+        await pilot.press("ctrl+q", "down", "down")
         await pilot.tell(study_scene.questionnaire_started())
         await pilot.press("enter")
         await pilot.until(lambda: isinstance(pilot.console.dialog, QuestionnaireDialog))
@@ -324,21 +338,6 @@ async def test_behind_a_questionnaire_that_leaving_brought_the_wizard_is_asked_a
         await pilot.press("ctrl+q")
         await pilot.until(lambda: isinstance(pilot.console.dialog, LeaveDialog))
         assert pilot.feed.last(r.AskEnd) is None
-
-
-async def test_leaving_without_one_questionnaire_offers_the_next_one() -> None:
-    told = study_scene.study_description(
-        questionnaires=[study_scene.ROBOT, {**study_scene.QUICK, "when": "end"}]
-    )
-    async with piloted_console(study_scene.welcome(study=told)) as pilot:
-        await pilot.press("ctrl+q", "down", "down", "enter")
-        for title in ("You and the robot", "This visit"):
-            await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
-            await pilot.settle()
-            assert title in pilot.drawn()
-            assert pilot.feed.last(r.AskEnd) is None
-            await pilot.press("down", "enter")
-        assert pilot.feed.last(r.AskEnd) is not None
 
 
 @pytest.mark.parametrize(("role", "may"), [("wizard", True), ("watcher", False)])
@@ -381,9 +380,9 @@ async def test_leaving_between_trials_names_what_is_due_and_the_trials_left() ->
         assert "You and the robot has not been answered" in drawn
         assert "1 of 4 trials is still to do" in drawn
         await pilot.press("down", "down", "enter")
-        await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
-        await pilot.settle()
-        assert "This visit" in pilot.drawn()
+        asked = pilot.feed.last(r.AskQuestionnaire)
+        assert isinstance(asked, r.AskQuestionnaire)
+        assert asked.questionnaire == "quick"
 
 
 async def test_leaving_behind_the_last_trial_and_its_questionnaires_warns_of_nothing() -> None:

@@ -41,13 +41,6 @@ def writes(pilot: ConsolePilot) -> list[bool]:
     return [not each.dry_run for each in pilot.feed.asked if isinstance(each, r.AskKeepTyped)]
 
 
-async def ending(pilot: ConsolePilot, dialog: str = "KeepTypedDialog") -> None:
-    await open_dialog(pilot, "LeaveDialog")
-    await pilot.press("down", "down", "enter")
-    await pilot.until(lambda: type(pilot.console.dialog).__name__ == dialog)
-    await pilot.settle()
-
-
 async def test_the_buttons_stay_where_they_are_when_a_sentence_is_typed() -> None:
     """At every size, however many sentences there are; theirs are on this page or on a further."""
     few = [PanelView(title=each.title, actions=each.actions[:4]) for each in scenes.panels()[:3]]
@@ -70,49 +63,29 @@ async def test_the_buttons_stay_where_they_are_when_a_sentence_is_typed() -> Non
                     assert max(page for page, *_ in places) == after.pages - 1
 
 
-async def test_the_end_shows_what_comes_in_writes_it_and_ends() -> None:
+async def test_the_end_writes_no_copy_unless_it_was_chosen() -> None:
     for size in SIZES:
         async with piloted_console(welcome_with_typed(), size=size) as pilot:
             answers(pilot)
-            await ending(pilot)
-            drawn = pilot.drawn()
-            for shown in ("/study/talk-typed.yaml", DIFF[-1], "n ends without"):
-                assert shown in drawn, (size, shown)
-            assert (writes(pilot), pilot.feed.last(r.AskEnd)) == ([False], None)
-            await pilot.press("enter")
+            await open_dialog(pilot, "LeaveDialog")
+            assert "1 typed sentence: in the log only" in pilot.drawn(), size
+            await pilot.press("down", "down", "enter")
             await pilot.until(lambda: pilot.feed.last(r.AskEnd) is not None)
-            assert writes(pilot) == [False, True]
+            assert writes(pilot) == []
 
 
-async def test_the_end_without_a_copy_and_no_end_at_all() -> None:
+async def test_the_end_writes_the_copy_that_was_chosen_and_ends() -> None:
     async with piloted_console(welcome_with_typed()) as pilot:
         answers(pilot)
-        await ending(pilot)
-        await pilot.press("ctrl+q")
-        assert pilot.console.dialog is None
-        assert pilot.feed.last(r.AskEnd) is None
-        await ending(pilot)
-        await pilot.press("n")
-        await pilot.until(lambda: pilot.feed.last(r.AskEnd) is not None)
-        assert writes(pilot) == [False, False]
-
-
-async def test_an_answer_that_does_not_come_holds_up_no_end() -> None:
-    async with piloted_console(welcome_with_typed()) as pilot:
-        # A reply to something else: this one is never answered.
-        pilot.feed.answers[r.AskKeepTyped] = lambda _, ref: r.Reply(ref=ref + 9999, ok=True)
-        await ending(pilot)
-        assert "reading" in pilot.drawn()
-        await pilot.press("enter", "n")
-        assert pilot.feed.last(r.AskEnd) is not None
-
-
-async def test_what_is_kept_already_is_not_offered_at_the_end() -> None:
-    async with piloted_console(welcome_with_typed()) as pilot:
-        answers(pilot, sentences=0)
         await open_dialog(pilot, "LeaveDialog")
+        await pilot.press("down", "down", "down", "enter")
+        assert "1 typed sentence: also into a copy of your file" in pilot.drawn()
+        await pilot.press("ctrl+q")
+        await open_dialog(pilot, "LeaveDialog")
+        assert "also into a copy" in pilot.drawn(), "what was chosen is kept"
         await pilot.press("down", "down", "enter")
         await pilot.until(lambda: pilot.feed.last(r.AskEnd) is not None)
+        assert writes(pilot) == [True]
 
 
 async def test_nothing_typed_is_no_question() -> None:
@@ -125,16 +98,17 @@ async def test_nothing_typed_is_no_question() -> None:
         assert writes(pilot) == []
 
 
-async def test_a_copy_that_cannot_be_written_says_why_and_where_the_sentences_are() -> None:
-    async with piloted_console(welcome_with_typed()) as pilot:
+async def test_a_copy_that_cannot_be_written_says_why_and_ends_nothing() -> None:
+    async with piloted_console(welcome_with_typed(), size=(160, 50)) as pilot:
         answers(pilot, wrong="no copy could be written to /study: Read-only file system")
-        await ending(pilot)
-        await pilot.press("enter")
+        await open_dialog(pilot, "LeaveDialog")
+        await pilot.press("down", "down", "down", "enter", "up", "enter")
         await pilot.until(lambda: "Read-only file system" in pilot.drawn())
-        assert "in the log" in pilot.drawn()
-        assert pilot.console.state.log in pilot.drawn()
+        assert "the sentences are in the log" in pilot.drawn()
         assert pilot.feed.last(r.AskEnd) is None
-        await pilot.press("n")
+        await open_dialog(pilot, "LeaveDialog")
+        assert "1 typed sentence: in the log only" in pilot.drawn()
+        await pilot.press("down", "down", "enter")
         await pilot.until(lambda: pilot.feed.last(r.AskEnd) is not None)
 
 
@@ -144,7 +118,10 @@ async def test_the_finder_offers_it_any_time() -> None:
         await open_dialog(pilot, "FindDialog")
         await pilot.type("typed sentences")
         await pilot.press("enter")
-        await pilot.until(lambda: DIFF[-1] in pilot.drawn())
+        await pilot.until(lambda: "/study/talk-typed.yaml" in pilot.drawn())
+        assert "Keep the sentence you typed?" in pilot.drawn()
+        assert "One moment" in pilot.drawn()
+        assert "@@" not in pilot.drawn(), "no wizard reads a diff"
         await pilot.press("enter")
         await pilot.until(lambda: "/study/talk-typed.yaml" in pilot.text("StopBar"))
         assert writes(pilot) == [False, True]

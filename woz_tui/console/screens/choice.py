@@ -18,10 +18,13 @@ T = TypeVar("T")
 
 
 class ListChoice(NamedTuple):
-    """One line of a list, and what it does; None: it only closes the dialog."""
+    """One line of a list, and what it does; None: it only closes the dialog. `stays`: the dialog
+    stays open.
+    """
 
     text: Content
     do: Callable[[], object] | None = None
+    stays: bool = False
 
 
 class ChoiceDialog(Dialog):
@@ -52,13 +55,15 @@ class ChoiceDialog(Dialog):
                 choices.highlighted = self.first
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Close, then carry out, once."""
+        """Close, unless the choice stays, then carry out, once."""
         event.stop()
         if not self.is_on_top:
             return
-        self.leave()
-        if (do := self._offers[event.option_index].do) is not None:
-            do()
+        chosen = self._offers[event.option_index]
+        if not chosen.stays:
+            self.leave()
+        if chosen.do is not None:
+            chosen.do()
 
 
 class ConfirmDialog(ChoiceDialog):

@@ -3,24 +3,55 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 from textual.content import Content
+from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
-from woz_tui.console.screens.trial import OfferDialog, progress, questionnaire_title
-from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
+from woz_tui.console.screens.dialog import plain, refusal_text
+from woz_tui.console.screens.trial import ask_questionnaire, progress, questionnaire_title
+from woz_tui.console.screens.typed import typed_sentences
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.log.file_names import gets_participant
+from woz_tui.protocol.requests import AskKeepTyped, AskTrial, Reply
 from woz_tui.system.text_cleaning import lasting
+
+#: Names of what is open: the trial, a questionnaire (with its name), the typed sentences.
+_TRIAL, _ASK, _TYPED = "trial", "questionnaire ", "typed"
+#: The answer that asks no questionnaire.
+_SKIP = 1
+#: Under which name the answers are kept while the dialog is closed.
+_DRAFT = "LeaveDialog "
+
+
+@dataclass(slots=True)
+class OpenQuestion:
+    """Something that is open at the end: a sentence for each answer, the usual one first. What was
+    answered before stands under `key` among the drafts.
+    """
+
+    key: str
+    sentences: Sequence[str]
+    answer: int = 0
 
 
 class LeaveDialog(ChoiceDialog):
-    """Stay is the first choice, so that enter after a slip does no harm."""
+    """Stay is the first choice, so that enter after a slip does no harm. Below the end stands what
+    is open, with what becomes of it: enter there takes the next answer.
+    """
 
     heading = "Leave"
+
     hint = "arrows choose · enter · ctrl+q stays"
+
+    def on_mount(self) -> None:
+        """Say how an answer is changed, if anything is open."""
+        super().on_mount()
+        if self._questions:
+            self.show_hint("arrows choose · enter: do it, or the next answer · ctrl+q stays")
 
     def lines(self) -> list[Row]:
         """Where the log is, and what would be cut off."""
@@ -37,17 +68,24 @@ class LeaveDialog(ChoiceDialog):
         return [*rows, *cut]
 
     def choices(self) -> Sequence[ListChoice]:
-        """Stay, leave it running, end it."""
+        """Stay, leave it running, end it; then what is open."""
+        stay = ListChoice(Content("Stay"))
+        leave = ListChoice(
+            Content(f"Leave the session running (woz attach brings you back){self._ends()}"),
+            lambda: self.console_app.exit("detached"),
+        )
+        self._questions = self._open_questions()
+        if self.state.role == "watcher":
+            return [stay, leave]
         end = ListChoice(
-            Content("End the session: the robot rests, the log is finished"), self._ask_due
+            Content("End the session: the robot rests, the log is finished"), self._end
         )
         return [
-            ListChoice(Content("Stay")),
-            ListChoice(
-                Content(f"Leave the session running (woz attach brings you back){self._ends()}"),
-                lambda: self.console_app.exit("detached"),
+            *(stay, leave, end),
+            *(
+                ListChoice(self._asked(each), partial(self._answer, each), stays=True)
+                for each in self._questions
             ),
-            *([end] if self.state.role != "watcher" else []),
         ]
 
     def _ends(self) -> str:
@@ -57,40 +95,77 @@ class LeaveDialog(ChoiceDialog):
             return ""
         return f"\n  it ends by itself after {lasting(after)} without a console (abandon_after)"
 
-    def _ask_due(self, *without: str) -> None:
-        """End it; what is to be asked at the end is offered first, one after the other, unless
-        something is being asked: then the dialog has told of it.
-        """
-        study = self.state.study
-        unasked = study.unasked() if study.open_questionnaire is None else []
-        due = next((name for name in unasked if name not in without), None)
-        if due is not None:
-            then = partial(self._ask_due, *without, due)
-            self.console_app.open_dialog(OfferDialog(due, then))
-        else:
-            self._end()
+    # -- what is open ---------------------------------------------------------------------------
+
+    def _open_questions(self) -> list[OpenQuestion]:
+        """With the answers that were given before."""
+        if self.state.role == "watcher":
+            return []
+        study, found = self.state.study, []
+        if study.trial is not None:
+            trial = f"Trial {study.trial.number} is still running; ending the session marks it as"
+            found.append(OpenQuestion(_TRIAL, (f"{trial} aborted.", f"{trial} done.")))
+        for name in study.unasked() if study.open_questionnaire is None else ():
+            title = f"{clean(questionnaire_title(study, name))} has not been answered"
+            there = [f"{title}: ask at the participant's terminal"] if study.participants else []
+            answers = (f"{title}: ask it first", f"{title}: skip it", *there)
+            found.append(OpenQuestion(f"{_ASK}{name}", answers))
+        if count := len(typed_sentences(self.state)):
+            typed = f"{count} typed sentence{'' if count == 1 else 's'}"
+            answers = (f"{typed}: in the log only", f"{typed}: also into a copy of your file")
+            found.append(OpenQuestion(_TYPED, answers))
+        for each in found:
+            before = int(self.requests.drafts.get(f"{_DRAFT}{each.key}", 0))
+            each.answer = before % len(each.sentences)
+        return found
+
+    def _asked(self, question: OpenQuestion) -> Content:
+        return plain(f"  {self.glyphs.middle} {question.sentences[question.answer]}")
+
+    def _answer(self, question: OpenQuestion) -> None:
+        """What is open takes its next answer."""
+        question.answer = (question.answer + 1) % len(question.sentences)
+        self.requests.drafts[f"{_DRAFT}{question.key}"] = str(question.answer)
+        for choices in self.query("#choices").results(OptionList):
+            if (here := choices.highlighted) is not None:
+                choices.replace_option_prompt_at_index(here, self._asked(question))
+
+    # -- the end ----------------------------------------------------------------------------------
 
     def _end(self) -> None:
-        """With what was typed offered for the file."""
-        if has_typed(self.state):
-            self.console_app.open_dialog(KeepTypedDialog(self.requests.end_session))
+        """Do what was answered, then end. Behind a questionnaire this dialog comes again."""
+        answers = {each.key: each.answer for each in self._questions}
+        for key, answer in answers.items():
+            if key.startswith(_ASK) and answer != _SKIP:
+                here, name = answer == 0, key.removeprefix(_ASK)
+                ask_questionnaire(self.console_app, name, here=here, leaving=True)
+                return
+        if answers.get(_TRIAL):
+            self.requests.ask(AskTrial(what="done"))
+        if answers.get(_TYPED):
+            self.requests.ask(AskKeepTyped(), self._kept)
         else:
             self.requests.end_session()
 
+    def _kept(self, reply: Reply) -> None:
+        """The copy is written, or not: then the session goes on, and says why."""
+        if not reply.ok:
+            self.requests.drafts.pop(f"{_DRAFT}{_TYPED}", None)
+            wrong = f"{refusal_text(reply)}. The session goes on; the sentences are in the log"
+            self.console_app.news(wrong, "warn")
+            return
+        self.requests.end_session()
+
 
 def cut_off(study: StudyView) -> list[str]:
-    """What the end of the session would cut off or leave out, a sentence each."""
+    """What the end of the session would cut off or leave out and no answer changes."""
     found: list[str] = []
-    if study.trial is not None:
-        found.append(
-            f"Trial {study.trial.number} is still running; ending the session marks it as aborted."
-        )
     if (opened := study.open_questionnaire) is not None:
         found.append(f"{clean(opened.questionnaire.heading)}: {progress(opened)}")
-    found += [
-        f"{clean(questionnaire_title(study, name))} has not been answered"
-        for name in study.unasked()
-    ]
+        found += [
+            f"{clean(questionnaire_title(study, name))} has not been answered"
+            for name in study.unasked()
+        ]
     if study.trial is None and study.last is not None and (left := study.trials_left):
         found.append(f"{left} of {study.planned} trials {'is' if left == 1 else 'are'} still to do")
     return found

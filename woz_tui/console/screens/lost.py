@@ -11,7 +11,7 @@ from woz_tui.console.cells import Row
 from woz_tui.console.message_feed import Loss, LostPart
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp
-from woz_tui.console.screens.typed import has_typed
+from woz_tui.console.screens.typed import typed_sentences
 from woz_tui.log.file_names import current_path
 from woz_tui.system.text_cleaning import clean
 
@@ -100,7 +100,7 @@ class EndedDialog(ChoiceDialog):
             ((f"It was ended: {self.state.ended}.", "plain"),),
             (("The log is finished:", "plain"),),
             ((_log(self.state.log), "strong"),),
-            *([typed] if has_typed(self.state) else []),
+            *([typed] if typed_sentences(self.state) else []),
         ]
 
     def choices(self) -> Sequence[ListChoice]:

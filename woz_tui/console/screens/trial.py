@@ -126,10 +126,9 @@ class OfferDialog(ChoiceDialog):
     heading = "Questionnaire"
     hint = "arrows choose · enter · ctrl+q: later"
 
-    def __init__(self, name: str, otherwise: Callable[[], None] | None = None) -> None:
+    def __init__(self, name: str) -> None:
         super().__init__()
         self._asked = name
-        self._otherwise = otherwise
 
     def lines(self) -> list[Row]:
         """Which one."""
@@ -142,13 +141,12 @@ class OfferDialog(ChoiceDialog):
 
     def choices(self) -> list[ListChoice]:
         """Where to ask it."""
-        leaving = self._otherwise is not None
-        ask = partial(ask_questionnaire, self.console_app, self._asked, leaving=leaving)
+        ask = partial(ask_questionnaire, self.console_app, self._asked)
         there = ListChoice(Content("At the participant's terminal"), partial(ask, here=False))
         return [
             ListChoice(Content("Ask it here"), partial(ask, here=True)),
             *([there] if self.state.study.participants else []),
-            ListChoice(Content("Skip it" if self._otherwise else "Later"), self._otherwise),
+            ListChoice(Content("Later")),
         ]
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 
 from tests.console import scenes, study_scene
 from tests.console.piloting import piloted_console
+from tests.console.scripted_feed import raw
 from woz_tui.console.screens.leave import LeaveDialog
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.screens.trial import OfferDialog, TrialDialog, trial_status
@@ -358,6 +360,15 @@ async def test_leaving_tells_what_the_end_would_cut_off() -> None:
         assert "You and the robot has not been answered" in drawn
         await pilot.press("down", "down", "enter")
         assert pilot.feed.last(r.AskEnd) is not None, "nothing can be asked beside what is asked"
+
+
+async def test_a_title_is_cut_only_where_there_is_no_room_for_it() -> None:
+    first = study_scene.welcome()
+    state = raw([scenes.start("", "")])
+    named = msgspec.structs.replace(first, title="Warm or sober", state=state)
+    async with piloted_console(named) as pilot:
+        assert " Warm or sober  " in pilot.drawn().splitlines()[0]
+        assert "no participant" in pilot.drawn().splitlines()[0]
 
 
 async def test_leaving_says_when_a_session_ends_that_is_left_running() -> None:

@@ -93,14 +93,18 @@ def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     if state.study.counts:  # then who and what is worth more than the title
         spare -= sum(cell_len(value) + 3 for value in values[:3])
         spare = max(spare, 1 if state.role == "watcher" else TITLE)
-    title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
-    parts = [badge] if badge else []
-    parts.append(((f" {title}  ", "strong"), (time, "plain")))
+    cells = min(cell_len(title), max(1, spare))
+    named = ((f" {fit(title, cells, glyphs.ellipsis)}  ", "strong"), (time, "plain"))
+    parts: list[Row] = [badge, named] if badge else [named]
     for value in values:
         look = "warn" if value.startswith("no ") else "plain"
         if value.startswith(("break ", "questions ")):
             look = "wait"
         parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
+    # What is left out behind it leaves room for more of the title.
+    cells = min(cell_len(title), cells + room - length(_fitting(parts, room)))
+    title = fit(title, max(1, cells), glyphs.ellipsis)
+    parts[1 if badge else 0] = ((f" {title}  ", "strong"), (time, "plain"))
     return parts
 
 

@@ -333,10 +333,12 @@ class Session:
         return run
 
     def _check_not_under_way(self, action: Action) -> None:
-        """A key that is held, or struck again, says nothing twice. What drives goes on with it."""
+        """A key that is held, or struck again, says nothing twice. What drives goes on with it, and
+        what goes in short steps takes each.
+        """
         known = [self.bus.verb(call.driver, call.verb) for call in action.calls]
         verbs = [verb for verb in known if verb is not None]
-        if any(verb.drives for verb in verbs) or all(verb.stream for verb in verbs):
+        if any(verb.drives for verb in verbs) or all(verb.stream or verb.brief for verb in verbs):
             return
         if (found := self.runner.under_way(action.name)) is None:
             return

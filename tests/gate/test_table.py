@@ -185,6 +185,23 @@ def test_nobody_but_a_person_gives_a_consent() -> None:
     assert (refusal.code, "Ann" in f"{refusal.reason}{refusal.remedy}") == ("consent", False)
 
 
+@pytest.mark.parametrize(
+    ("request_", "roles"),
+    [
+        (r.AskUnrecorded(), {"wizard"}),
+        (r.AskPicture(), {"wizard", "watcher"}),
+        (r.AskSound(), {"wizard", "watcher"}),
+        (r.AskTalk(), {"wizard", "program"}),
+        (r.AskAnswer(questionnaire="q", item="i"), {"wizard", "program", "participant"}),
+        (r.AskNote(text="x"), {"wizard", "program", "watcher"}),
+    ],
+)
+def test_who_may_ask(request_: r.AnyRequest, roles: set[str]) -> None:
+    everybody = ("wizard", "program", "watcher", "participant")
+    asked = {each: why_not(Facts(), ClientRequest(request_, each)) for each in everybody}
+    assert {role for role, refusal in asked.items() if refusal is None} == roles
+
+
 def test_a_row_that_raises_forbids_and_is_named() -> None:
     def broken(facts: Facts, asked: PlayAction) -> Refusal | None:
         raise KeyError("voice")

@@ -48,6 +48,19 @@ WATCHER_MAY = (
 )
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (r.AskQuestionnaire, r.AskAnswer)
+#: What is for some roles alone: which, and what others are told. A program does not see the room.
+#: Pictures and live sound are of people, and a program can ask a device itself. Whoever may play
+#: the robot may talk through it.
+FOR_ROLES: dict[type, tuple[tuple[str, ...], str, str]] = {
+    r.AskUnrecorded: (("wizard",), "only a wizard can go on without a record", ""),
+    r.AskPicture: (
+        ("wizard", "watcher"),
+        "a {role} cannot see camera pictures",
+        "start `woz attach --watch` to see them",
+    ),
+    r.AskSound: (("wizard", "watcher"), "a {role} cannot hear the robot's microphone", ""),
+    r.AskTalk: (("wizard", "program"), "a {role} cannot talk through the robot", ""),
+}
 #: What may be asked while the session ends, as far as this row goes: it has rows of its own, or
 #: moves nothing. Whatever is not named here is refused then.
 WHILE_ENDING = (
@@ -102,11 +115,12 @@ def participates(facts: Facts, asked: ClientRequest) -> Refusal | None:
     return Refusal("role", "this console can only answer questionnaires")
 
 
-def not_a_wizard(facts: Facts, asked: ClientRequest) -> Refusal | None:
-    """A program does not see the room."""
-    if isinstance(asked.request, r.AskUnrecorded) and asked.role != "wizard":
-        return Refusal("role", "only a wizard can go on without a record")
-    return None
+def not_for_role(facts: Facts, asked: ClientRequest) -> Refusal | None:
+    """As `FOR_ROLES` says it."""
+    roles, sentence, remedy = FOR_ROLES.get(type(asked.request), ((asked.role,), "", ""))
+    if asked.role in roles:
+        return None
+    return Refusal("role", sentence.format(role=asked.role), remedy)
 
 
 # -- stop --------------------------------------------------------------------------------------
@@ -455,7 +469,7 @@ TABLE: tuple[Row, ...] = (
     Row("role", (ClientRequest,), watches, host=True),
     Row("role", (ClientRequest,), participates, host=True),
     Row("age", (ClientRequest,), too_old_request, asked="stale", host=True),
-    Row("role", (ClientRequest,), not_a_wizard, host=True),
+    Row("role", (ClientRequest,), not_for_role, host=True),
     Row("end", (ClientRequest,), ended_request, fact="ended"),
     Row("end", (ReleaseStop, SendVerb, SendOwnVerb), ended, fact="ended"),
     Row("unknown", (SendVerb, SendOwnVerb), no_such_verb, asked="nobody"),

@@ -28,8 +28,6 @@ from woz_tui.session.session import Session
 WAIT_S, LOOK_S = 1.0, 0.02
 #: A camera is told that it is watched for so much longer than the longest wait, in seconds.
 WATCHED_S = 2.5
-#: Who may see pictures: they show people, and a program can ask a camera itself.
-MAY = ("wizard", "watcher")
 
 log = logging.getLogger(__name__)
 
@@ -64,10 +62,7 @@ class PictureService:
     def _refusal(self, client: ClientConnection, request: AskPicture) -> tuple[str, str]:
         """Why it gets no picture, and what helps; empty: it gets one."""
         reason = hint = ""
-        if client.role not in MAY:
-            reason = f"a {client.role} cannot see camera pictures"
-            hint = "start `woz attach --watch` to see them"
-        elif client in self._asking:
+        if client in self._asking:
             reason = "the previous picture has not arrived yet"
         elif not (1 <= request.width <= MOST_PIXELS and 1 <= request.height <= MOST_PIXELS):
             reason = f"a picture can have 1 x 1 to {MOST_PIXELS} x {MOST_PIXELS} pixels"

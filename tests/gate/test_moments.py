@@ -54,13 +54,13 @@ async def test_a_stop_its_confirmation_and_the_end_of_driving_never_ask(tmp_path
 
 def test_a_press_its_command_and_what_waited_ask(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        key = RequestOrigin("key", "h", "con1")
+        script = RequestOrigin("script", "space", "con1")
         command = ["Bus.submit", "Bus._why_not_dispatched"]
         with asked() as found:
-            rig.session.play("Hello", key)
+            rig.session.play("Hello", script)
         assert found == ["Session.play", *command]
         with asked() as found:
-            rig.session.play("Hello", key)
+            rig.session.play("Hello", script)
             await asyncio.sleep(2)  # the first one is over, and the second one's turn has come
         assert found == ["Session.play", *command, "Session._no_action"]
 

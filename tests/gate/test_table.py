@@ -96,10 +96,16 @@ def command(verb: str, *, key: str = "", learns: str = "") -> Command:
 
 def test_an_action_is_judged_in_this_order() -> None:
     question = PlayAction("Hello", None, KEY, "too late: 5.0 s ago", at=1_000_000)
-    easier: Easier = {"stale": {"stale": ""}, "unknown": {"action": HELLO}, "late": {"at": 0}}
+    question = replace(question, under_way="waits")
+    easier: Easier = {
+        "stale": {"stale": ""},
+        "unknown": {"action": HELLO},
+        "late": {"at": 0},
+        "busy": {"under_way": ""},
+    }
     assert told_in_turn(question, easier) == [
         *("stale", "ended", "unknown", "locked", "unrecorded", "part", "stopped", "profile"),
-        "late",
+        *("late", "busy"),
     ]
 
 

@@ -702,7 +702,7 @@ class ConsoleState:
             locked={panel.title: self.is_locked(panel)},
             wizards=wizards if self.role == "wizard" and len(wizards) > 1 else {},
         )
-        button = _Button(panel.title, action.locked)
+        button = _Button(action.label, panel.title, action.locked)
         origin = RequestOrigin("key", "", self.console)
         return why_not(facts, PlayAction(action.name, button, origin))
 
@@ -756,6 +756,7 @@ class ConsoleState:
 class _Button:
     """An action, as the gate wants to know it. What a profile does not allow is locked here."""
 
+    label: str
     panel: str
     locked: bool
     calls: Sequence[GatedCall] = ()

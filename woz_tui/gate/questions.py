@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol.messages import Command, Json
@@ -54,6 +54,10 @@ class GatedAction(Protocol):
     """What counts here of an action, in the file or on the screen."""
 
     @property
+    def label(self) -> str:
+        """What its button says."""
+
+    @property
     def panel(self) -> str:
         """The title of its panel."""
 
@@ -96,7 +100,7 @@ class ReleaseStop:
 class PlayAction:
     """An action by its name, from a key, a line of a script, a program, a phase; `action`: None
     where the file has none. `at`: the moment for which it is asked, 0: now. `repair`: it saves a
-    dialogue, and is no panel's.
+    dialogue, and is no panel's. `under_way`: its key counts once, and it waits or is running.
     """
 
     name: str
@@ -105,6 +109,7 @@ class PlayAction:
     stale: str = ""
     at: int = 0
     repair: bool = False
+    under_way: Literal["", "waits", "is running"] = ""
 
 
 @dataclass(frozen=True, slots=True)

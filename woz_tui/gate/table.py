@@ -364,6 +364,16 @@ def no_moment(facts: Facts, asked: PlayAction | SendVerb) -> Refusal | None:
     return None
 
 
+def key_counts_once(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """A key that is held, or struck again, says nothing twice."""
+    if asked.action is None:
+        return None
+    reason = f"{asked.action.label!r} {asked.under_way} already"
+    if asked.under_way == "waits":
+        return Refusal("busy", reason, "empty the queue", "queue_empty")
+    return Refusal("busy", reason, "interrupt it", "cut")
+
+
 # -- arguments, driving, consent, lane -----------------------------------------------------------
 
 
@@ -493,6 +503,7 @@ TABLE: tuple[Row, ...] = (
     Row("arguments", (SendVerb,), wrong_arguments_later, asked="wrong"),
     Row("profile", (PlayAction,), profile_without_action, fact="profile"),
     Row("moment", (PlayAction,), no_moment, asked="at", host=True),
+    Row("running", (PlayAction,), key_counts_once, asked="under_way", host=True),
     # What is asked of an action or a verb ends here; its commands go on.
     Row("stop", _COMMAND, stop_pressed, fact="stopped"),
     Row("record", _COMMAND, unrecorded_command, fact="unrecorded"),

@@ -11,7 +11,7 @@ import logging
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 
@@ -309,7 +309,11 @@ class Session:
         action = self.experiment.action(name)
         repair = action in self.experiment.repairs
         question = PlayAction(name, action, origin, stale, at, repair)
+        if action and origin.source == "key" and origin.key and not (when_busy or action.when_busy):
+            question = replace(question, under_way=self._under_way(action))
         if (refusal := why_not(self.facts(), question)) is not None:
+            if refusal.code == "busy":  # a held key is no press
+                raise RequestError.of(refusal)
             panel = action.panel if action else ""
             self.runner.refuse(name, panel, origin, refusal.reason)
             self.scripts.publish()
@@ -317,8 +321,6 @@ class Session:
                 raise RequestError(f"{name!r} not played ({stale})", refusal.remedy)
             raise RequestError.of(refusal)
         assert action is not None
-        if origin.source == "key" and origin.key and not (when_busy or action.when_busy):
-            self._check_not_under_way(action)
         if not action.steps and repair:
             return self.repairs.play(action, origin, when_busy, at)
         again = partial(self._no_action, name, origin)
@@ -332,21 +334,17 @@ class Session:
             raise refused
         return run
 
-    def _check_not_under_way(self, action: Action) -> None:
-        """A key that is held, or struck again, says nothing twice. What drives goes on with it, and
-        what goes in short steps takes each.
+    def _under_way(self, action: Action) -> Literal["", "waits", "is running"]:
+        """Whether an action waits or is running. What drives, or only streams, goes on with every
+        press, and what goes in short steps takes each.
         """
         known = [self.bus.verb(call.driver, call.verb) for call in action.calls]
         verbs = [verb for verb in known if verb is not None]
         if any(verb.drives for verb in verbs) or all(verb.stream or verb.brief for verb in verbs):
-            return
+            return ""
         if (found := self.runner.under_way(action.name)) is None:
-            return
-        if found[1]:
-            raise RequestError(
-                f"{action.label!r} waits already", "empty the queue", command="queue_empty"
-            )
-        raise RequestError(f"{action.label!r} is running already", "interrupt it", command="cut")
+            return ""
+        return "waits" if found[1] else "is running"
 
     def _no_action(self, name: str, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not play it at the moment; None: it may."""

@@ -185,7 +185,7 @@ def test_an_action_that_only_informs_the_model_is_played_while_the_stop_is_press
 
 def test_nobody_but_a_person_gives_a_consent() -> None:
     consents = command(FACE_CONSENT, learns="Ann")
-    said = DispatchCommand(consents, Verb(FACE_CONSENT, ""), person=("head", "ann"))
+    said = DispatchCommand(consents, Verb(FACE_CONSENT, ""), person=("head", "ann"), gives=True)
     refusal = why_not(Facts(), said)
     assert refusal is not None
     assert (refusal.code, "Ann" in f"{refusal.reason}{refusal.remedy}") == ("consent", False)

@@ -27,6 +27,7 @@ from woz_tui.drivers.contract import (
     Scope,
     StopReport,
     Verb,
+    gives_consent,
 )
 from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.drivers.secret_arguments import hidden
@@ -211,7 +212,8 @@ class Bus:
         command, verb = pending.command, pending.verb
         person = person_of(command, verb)
         stoppable = command.driver not in self._unstopped
-        question = DispatchCommand(command, verb, stoppable, person)
+        gives = person is not None and gives_consent(command.verb, command.args)
+        question = DispatchCommand(command, verb, stoppable, person, gives)
         refusal = why_not(self._facts(command, verb), question)
         if refusal is None and pending.waited and pending.again is not None:
             refusal = pending.again()

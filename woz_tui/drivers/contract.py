@@ -18,7 +18,7 @@ import msgspec
 
 from woz_tui.drivers.feeds import Feed
 from woz_tui.drivers.fields import Range
-from woz_tui.protocol.action_messages import Evidence
+from woz_tui.protocol.action_messages import FACE_CONSENT_VERB, Evidence
 from woz_tui.protocol.markup import for_voice
 from woz_tui.protocol.messages import SPEECH_SENSOR, Json, Shown, Speech
 from woz_tui.system.clock import Clock
@@ -38,7 +38,7 @@ LEARN_FACE = "learn_face"
 #: The verb by which such a driver is told that somebody consents, or does not: `name`, `given`.
 #: Without it nobody can consent, and the driver learns no face. If it is withdrawn the driver
 #: deletes what it keeps of that person, also what it is learning at that moment.
-FACE_CONSENT = "face_consent"
+FACE_CONSENT = FACE_CONSENT_VERB
 #: The verb with which a head looks into a direction: `yaw`, `pitch` in degrees.
 GAZE = "gaze"
 #: Among a driver's sensors: the direction from which a sound comes, in degrees.

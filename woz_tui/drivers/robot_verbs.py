@@ -176,11 +176,6 @@ _VERBS = (
 COMMON_VERBS: Mapping[str, Verb] = {verb.name: verb for verb in _VERBS}
 
 
-def takes_hands_off(verb: str, args: Mapping[str, Any]) -> bool:
-    """Whether it only ends what a hand does with a robot: the puppeteer's own stop."""
-    return verb == "mode" and args.get("mode") == "normal"
-
-
 def main_argument(name: str) -> str:
     """The main argument of a common verb: `say: "Hello"` gives it directly."""
     return COMMON_VERBS[name].arguments[0].name

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from woz_tui.config.experiment import Profile
 from woz_tui.protocol.panel_players import PartedPanel
+
+if TYPE_CHECKING:  # the console needs none of it for its first paint
+    from woz_tui.config.experiment import Profile
 
 
 class GatedPanel(PartedPanel, Protocol):

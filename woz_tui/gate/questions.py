@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
-from woz_tui.drivers.contract import Verb
 from woz_tui.protocol.messages import Command, Json
 from woz_tui.protocol.requests import AnyRequest
+
+if TYPE_CHECKING:  # the console needs none of it for its first paint
+    from woz_tui.drivers.contract import Verb
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,13 +163,14 @@ class SubmitCommand:
 @dataclass(frozen=True, slots=True)
 class DispatchCommand:
     """A command that goes to its driver now. `person` (driver and name): whose face it learns, or
-    who consents; None: it has to do with nobody's face.
+    whose consent it is about, which it `gives`; None: it has to do with nobody's face.
     """
 
     command: Command
     verb: Verb
     stoppable: bool = True
     person: tuple[str, str] | None = None
+    gives: bool = False
 
 
 Question = (

@@ -13,13 +13,11 @@ own affair.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from woz_tui.config.performers import BML, ENGAGEMENT
-from woz_tui.drivers.contract import FACE_CONSENT, gives_consent
-from woz_tui.drivers.robot_verbs import takes_hands_off
 from woz_tui.gate.facts import Facts, console_of
 from woz_tui.gate.questions import (
     ClientRequest,
@@ -34,8 +32,8 @@ from woz_tui.gate.questions import (
     SubmitCommand,
 )
 from woz_tui.protocol import requests as r
-from woz_tui.protocol.action_messages import BY_PERSON
-from woz_tui.protocol.messages import Command
+from woz_tui.protocol.action_messages import BY_PERSON, FACE_CONSENT_VERB
+from woz_tui.protocol.messages import Command, Json
 from woz_tui.protocol.panel_players import panel_players, player_names, verb_players
 from woz_tui.protocol.panels import covers_verb
 
@@ -329,6 +327,11 @@ def _unlock(panel: str) -> str:
     return f"find 'Unlock {panel}'"
 
 
+def takes_hands_off(verb: str, args: Mapping[str, Json]) -> bool:
+    """Whether it only ends what a hand does with a robot: the puppeteer's own stop."""
+    return verb == "mode" and args.get("mode") == "normal"
+
+
 def unrecorded_action(facts: Facts, asked: PlayAction) -> Refusal | None:
     """Nothing of an action begins if something of it would not be recorded."""
     if asked.action is None or all(
@@ -421,19 +424,17 @@ def without_consent(facts: Facts, asked: DispatchCommand) -> Refusal | None:
     """Only a person gives a consent, and only with one a face is learnt. The sentences do not say
     whose consent it is about.
     """
-    command = asked.command
-    if asked.verb.name == FACE_CONSENT:
-        if gives_consent(command.verb, command.args) and not _is_from_person(command):
-            return Refusal(
-                "consent",
-                "no person has given this consent",
-                f"let the wizard play a step `{FACE_CONSENT}: NAME` of the experiment file",
-            )
-    elif asked.verb.needs_consent and asked.person not in facts.consents:
+    if asked.gives and not _is_from_person(asked.command):
+        return Refusal(
+            "consent",
+            "no person has given this consent",
+            f"let the wizard play a step `{FACE_CONSENT_VERB}: NAME` of the experiment file",
+        )
+    if asked.verb.needs_consent and asked.person not in facts.consents:
         return Refusal(
             "consent",
             "this person has not consented to having their face learnt",
-            f"ask them, then play a step `{FACE_CONSENT}: NAME`, with the same name",
+            f"ask them, then play a step `{FACE_CONSENT_VERB}: NAME`, with the same name",
         )
     return None
 

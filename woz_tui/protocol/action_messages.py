@@ -19,6 +19,8 @@ SIGNALS = frozenset({"eyes", "screen", "sound"})
 HANDS = frozenset(
     {"key", "script", "palette", "midi", "gamepad", "stream-deck", "program", "phase"}
 )
+#: The verb by which somebody consents to having their face learnt, or does not any more.
+FACE_CONSENT_VERB = "face_consent"
 #: Sources of what the robot does by itself, or does again.
 BY_ITSELF = frozenset({"engagement", "replay"})
 #: Sources that only a wizard's console has.

@@ -101,13 +101,14 @@ async def web_socket(two: Machines, given: AccessFile | None) -> str:
                 return "refused"
             if '"kind":"welcome"' in answer:
                 plays = [{"kind": "verb", "ref": 2, "verb": "say", "args": {"text": "Hi"}}]
-                for request in [*plays, {"kind": "stop", "ref": 3}]:
-                    await socket.send_json(request)
                 found: dict[int, bool] = {}
-                while len(found) < 2:
-                    for line in (await socket.receive_str()).splitlines():
-                        if '"kind":"reply"' in line:
-                            found[int(line.split('"ref":')[1].split(",")[0])] = '"ok":true' in line
+                for request in [*plays, {"kind": "stop", "ref": 3}]:  # a stop goes before others
+                    await socket.send_json(request)
+                    while request["ref"] not in found:
+                        for line in (await socket.receive_str()).splitlines():
+                            if '"kind":"reply"' in line:
+                                ref = int(line.split('"ref":')[1].split(",")[0])
+                                found[ref] = '"ok":true' in line
                 await socket.close()
                 assert found == {2: may == "plays", 3: True}
                 return may

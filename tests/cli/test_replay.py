@@ -37,16 +37,16 @@ def arguments(*words: str) -> argparse.Namespace:
     return parser.parse_args(words)
 
 
-def log(folder: Path, *, schema: int = 2) -> Path:
-    """A log beside its experiment; one of schema 1 does not hold it."""
+def log(folder: Path, *, whole: bool = True) -> Path:
+    """A log beside its experiment; unless `whole` it has lost the lines that hold it."""
     (folder / "tale.yaml").write_text(GUIDE, encoding="utf-8")
     read = load(folder / "tale.yaml", installed())
     start = msgspec.structs.replace(
-        START, experiment="tale.yaml", experiment_sha256=read.sha256, seq=0, t=0, schema=schema
+        START, experiment="tale.yaml", experiment_sha256=read.sha256, seq=0, t=0
     )
-    rest = [each for each in story()[1:] if schema > 1 or not isinstance(each, m.SessionPlan)]
+    rest = [each for each in story()[1:] if whole or not isinstance(each, m.SessionPlan)]
     kept = msgspec.structs.replace(experiment_files(read), seq=900, t=1)
-    return write_log(folder, [start, *rest, *([kept] if schema > 1 else [])])
+    return write_log(folder, [start, *rest, *([kept] if whole else [])])
 
 
 def opened_feed(path: Path, *words: str) -> ReplayFeed | None:
@@ -74,14 +74,14 @@ def test_a_log_beside_its_experiment_is_shown(tmp_path: Path) -> None:
     assert title(opened_feed(log(tmp_path))) == ("Museum guide", ["Hello", "Go"])
 
 
-def test_an_old_log_shows_the_experiment_as_it_still_is(tmp_path: Path) -> None:
-    assert title(opened_feed(log(tmp_path, schema=1))) == ("Guide", ["Hello", "Bye"])
+def test_a_log_that_has_lost_its_experiment_shows_it_as_it_still_is(tmp_path: Path) -> None:
+    assert title(opened_feed(log(tmp_path, whole=False))) == ("Guide", ["Hello", "Bye"])
 
 
-def test_an_old_log_without_its_experiment_shows_what_was_played(tmp_path: Path) -> None:
-    path = log(tmp_path, schema=1)
+def test_a_log_that_has_lost_an_experiment_that_is_gone_has_no_panels(tmp_path: Path) -> None:
+    path = log(tmp_path, whole=False)
     (tmp_path / "tale.yaml").unlink()
-    assert title(opened_feed(path)) == ("tale", ["Hello", "Go"])
+    assert title(opened_feed(path)) == ("tale", [])
 
 
 def test_an_experiment_that_is_gone_stands_against_nothing(tmp_path: Path) -> None:
@@ -105,14 +105,14 @@ def test_a_changed_experiment_is_refused_with_what_has_changed(
     assert title(opened_feed(path, "--changed")) == ("Museum guide", ["Hello", "Go"])
 
 
-def test_of_an_old_log_only_the_hashes_can_be_compared(
+def test_of_a_log_that_has_lost_its_experiment_only_the_hashes_can_be_compared(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = log(tmp_path, schema=1)
+    path = log(tmp_path, whole=False)
     (tmp_path / "tale.yaml").write_text(GUIDE + "# edited\n", encoding="utf-8")
     assert opened_feed(path) is None
     assert "its hash was" in capsys.readouterr().err
-    assert title(opened_feed(path, "--changed")) == ("tale", ["Hello", "Go"])
+    assert title(opened_feed(path, "--changed")) == ("tale", [])
 
 
 def test_an_experiment_with_errors_is_not_the_one_of_then(

@@ -16,7 +16,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import StudySettings
-from woz_tui.session.redactor import Redactor, mark_legacy
+from woz_tui.session.redactor import Redactor
 
 pytestmark = pytest.mark.safety
 
@@ -248,21 +248,6 @@ def test_nothing_is_changed_where_nobody_is_blind() -> None:
 def test_names_of_actions_stay_what_they_are() -> None:
     requested = m.ActionRequested(run="a1", action="cold water", source="key", t=NOW)
     assert blind().message(requested) is requested
-
-
-def test_a_log_that_does_not_say_what_it_tells_shows_no_words() -> None:
-    redactor = blind()
-    say = m.Command(command="c1", verb="say", args={"text": "Good day", "n": 1}, source="key")
-    shown = redactor.message(mark_legacy(say, 2))
-    assert isinstance(shown, m.Command)
-    assert shown.args == {"text": "...", "n": 1}
-    failed = m.Failed(command="c1", driver="voice", reason="Good day is too long")
-    shown = redactor.message(mark_legacy(failed, 2))
-    assert isinstance(shown, m.Failed)
-    assert "Good" not in shown.reason
-    stopped = m.Stopped(command="c1", driver="voice", reason="stop pressed")
-    assert redactor.message(mark_legacy(stopped, 2)) is stopped
-    assert mark_legacy(say, 3) is say
 
 
 async def test_a_program_that_sees_all_is_named_as_long_as_it_is_there() -> None:

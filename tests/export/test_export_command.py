@@ -66,12 +66,10 @@ def test_a_format_that_there_is_not_is_refused(
 
 
 @pytest.mark.parametrize("to", FORMATS)
-@pytest.mark.parametrize("version", ["v1", "v2"])
-def test_golden_logs_of_every_schema_can_be_exported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], version: str, to: str
+def test_the_golden_log_can_be_exported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], to: str
 ) -> None:
-    golden = GOLDEN.parent / version
-    logs = [str(path) for path in sorted(golden.rglob("*.jsonl")) if "samples" not in path.name]
+    logs = [str(path) for path in sorted(GOLDEN.rglob("*.jsonl")) if "samples" not in path.name]
     folders = list(dict.fromkeys(str(Path(log).parent) for log in logs))
     out = str(tmp_path / "out")
     samples = ["--samples"] if to in ("csv", "bids") else []

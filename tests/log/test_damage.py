@@ -11,7 +11,6 @@ import pytest
 
 from tests.log.damaged_logs import LINES, note, sample, write_log
 from tests.log.recorder_rig import STEM
-from tests.log.story import GOLDEN
 from tests.log.test_golden import VERSIONS
 from woz_tui.log.log_index import LogIndex
 from woz_tui.log.log_reader import Damage, messages, read
@@ -247,10 +246,6 @@ def test_lines_of_several_versions_in_one_log(
     numbers, sentences = reader(write_log(tmp_path, old + new))
     assert numbers[-1] == last + 1
     assert sentences[0] == "1 line(s) of unknown kinds: mood"
-
-
-def test_the_oldest_log_is_not_the_newest() -> None:
-    assert VERSIONS[0] != GOLDEN, "there is more than one version to read"
 
 
 def test_a_log_that_cannot_be_read_is_not_called_empty() -> None:

@@ -176,9 +176,15 @@ def test_a_session_that_was_killed_says_that_it_has_no_end(tmp_path: Path) -> No
         assert any("has no end" in note for note in notes)
 
 
-@pytest.mark.parametrize("schema", ["v1", "v2"])
-def test_golden_logs_of_every_schema_are_played(schema: str) -> None:
-    path = next((GOLDEN / schema / "spill").glob("*.jsonl"))
+def test_an_old_log_is_refused_with_its_schema(tmp_path: Path) -> None:
+    log = write_log(tmp_path, story())
+    log.write_bytes(log.read_bytes().replace(b'"schema":3', b'"schema":2', 1))
+    with pytest.raises(LogError, match=r"a log of schema 2, .* commit aef656da reads it$"):
+        open_log(log)
+
+
+def test_the_golden_log_is_played() -> None:
+    path = next((GOLDEN / "v3" / "spill").glob("*.jsonl"))
     with open_log(path) as index:
         viewer, _ = viewer_and_notes(index)
         viewer.wait(index.length_us / SECOND + 1, ticks=40)
@@ -190,10 +196,10 @@ def test_golden_logs_of_every_schema_are_played(schema: str) -> None:
 
 
 def test_what_a_log_says_of_its_experiment() -> None:
-    path = next((GOLDEN / "v2" / "spill").glob("*.jsonl"))
+    path = next((GOLDEN / "v3" / "spill").glob("*.jsonl"))
     with open_log(path) as index:
         origin = origin_of(index.actions)
-    assert origin.name == "guide.yaml"
-    assert len(origin.hashes) == 2
+    assert origin.name == "museum.yaml"
+    assert len(origin.hashes) == 3
     assert origin.files is not None
     assert "museum.yaml" in origin.files.files

@@ -24,7 +24,6 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import ModelLimits, PerceptionView, WelcomeSettings
 from woz_tui.replay.bookmarks import IdleCuts, monotonic
-from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.replay.player import ReplayStart
 from woz_tui.replay.recording import Recording
 from woz_tui.session.recent_messages import RecentMessages
@@ -182,17 +181,6 @@ def test_moving_over_cuts_counts_what_is_shown_only(
     there = cuts.moved(start, by)
     assert (there - cuts.before(there)) - (start - cuts.before(start)) == by
     assert cuts.moved(there, -by) == start
-
-
-def test_a_log_that_does_not_tell_shows_what_was_played() -> None:
-    plan = plan_from([each for each in story() if not isinstance(each, m.SessionPlan)])
-    assert plan.title == "guide"
-    assert [(p.title, [a.name for a in p.actions]) for p in plan.panels] == [
-        ("Speech", ["Hello", "Go"])
-    ]
-    assert plan.panels[0].actions[0].key == "h"
-    assert plan.verbs == {"robot": ["say"]}
-    assert plan.conditions == ["warm"]
 
 
 @pytest.mark.parametrize("begun", [False, True])

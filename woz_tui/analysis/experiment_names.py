@@ -17,9 +17,9 @@ class ExperimentNames:
     """Names the experiments of sessions, one after the other.
 
     Sessions are of one experiment if their titles are the same, whatever their files are called: a
-    copy with sentences that were typed has a name of its own. A log that tells no title (redacted,
-    or of schema 1) belongs where its file belongs. `woz design` has the same rule. An experiment is
-    called like its first file; another one whose file has that name, too, has its title behind it.
+    copy with sentences that were typed has a name of its own. A log that tells no title (a redacted
+    one) belongs where its file belongs. `woz design` has the same rule. An experiment is called
+    like its first file; another one whose file has that name, too, has its title behind it.
 
     Attributes:
         files: The files of each experiment.

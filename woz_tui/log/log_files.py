@@ -11,6 +11,7 @@ from typing import Any
 
 from woz_tui.log.file_names import FileName, fallback_folders, unique_paths, why_no_log
 from woz_tui.log.log_opening import open_log
+from woz_tui.log.old_logs import refuse_old
 from woz_tui.protocol import codec
 
 #: The last line of a file is looked for in so many bytes.
@@ -96,6 +97,7 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
     Raises:
         FileNotFoundError: There is no such file.
         ValueError: It is not called like a log.
+        OldLogError: It is of a schema that this version reads no more.
     """
     if not path.is_file():
         raise FileNotFoundError(f"{path}: there is no such log")
@@ -112,6 +114,7 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
             if parsed.samples and not samples:
                 continue
             first = _fields(_first_line(each))
+            refuse_old(each, first)
             if folder != folders[0] and parsed.number > 1 and first.get("log") != name.stem:
                 continue
             if (same := (each.name, _size(each))) in known:

@@ -15,6 +15,7 @@ from typing import Any
 from woz_tui.log.file_names import CODINGS, FileName, session_code, why_no_log
 from woz_tui.log.log_files import files_of
 from woz_tui.log.log_opening import open_log
+from woz_tui.log.old_logs import OldLogError, why_too_old
 from woz_tui.protocol import codec
 
 #: Bytes at the beginning of a log in which a redacted copy is compared with it.
@@ -60,7 +61,11 @@ def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
                 found[key] = path
     for key, path in sample_files.items():
         if key not in found:
-            actions = files_of(path).actions
+            try:
+                actions = files_of(path).actions
+            except OldLogError as error:
+                problems.append(f"{path}: {error.strerror}")
+                continue
             if actions:
                 found[actions[0].parent.resolve(), key[1]] = actions[0]
             else:
@@ -68,7 +73,14 @@ def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     # Of a pattern, what coders set lies beside its log.
     told = [path for path in no_logs if not (found and path.name.endswith(CODINGS))]
     problems += [f"{path}: {why_no_log(path.name)}" for path in told]
+<<<<<<< HEAD
     return [*_first_segments(found)], problems
+=======
+    logs = [_Log.of(path) for path in _first_segments(found)]
+    problems += [f"{log.path}: {why}" for log in logs if (why := why_too_old(log.first))]
+    sessions = _each_once([log for log in logs if not why_too_old(log.first)], problems)
+    return sorted(sessions, key=lambda path: (path.name, str(path))), problems
+>>>>>>> d71479ec (Logs of schema 1 and 2 are refused by name, with the commit that reads them)
 
 
 def _paths(name: str) -> Iterator[Path]:

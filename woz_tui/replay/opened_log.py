@@ -8,6 +8,7 @@ from pathlib import Path
 from woz_tui.log.file_names import FileName
 from woz_tui.log.log_index import LogIndex
 from woz_tui.log.log_reader import LogLine
+from woz_tui.log.old_logs import OldLogError
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.replay.recording import Recording
@@ -69,6 +70,8 @@ def open_log(path: Path) -> LogIndex:
         index = LogIndex.open(path)
     except FileNotFoundError:
         raise LogError(f"{path}: there is no such log") from None
+    except OldLogError as error:
+        raise LogError(f"{path}: {error.strerror}") from error
     except (ValueError, OSError) as error:
         reason = getattr(error, "strerror", None) or str(error).removeprefix(f"{path}: ")
         raise LogError(f"{path}: {reason}", "name a log of woz: *.jsonl") from error

@@ -11,6 +11,7 @@ import bisect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import PurePath
 from typing import Any, Protocol
 
 import msgspec
@@ -18,8 +19,7 @@ import msgspec
 from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Message
-from woz_tui.protocol.messages import SCHEMA
-from woz_tui.protocol.welcome import PerceptionView, StudySettings
+from woz_tui.protocol.welcome import PerceptionView, StudySettings, WelcomeSettings
 from woz_tui.replay.bookmarks import (
     Bookmark,
     IdleCuts,
@@ -28,9 +28,8 @@ from woz_tui.replay.bookmarks import (
     is_event,
     monotonic,
 )
-from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.session.recent_messages import MOST, RecentMessages
-from woz_tui.session.redactor import CoderRedactor, PerceptionFilter, Redactor, mark_legacy
+from woz_tui.session.redactor import CoderRedactor, PerceptionFilter, Redactor
 from woz_tui.session.session_plan import study_snapshot
 from woz_tui.timeline.episodes import EngagementEpisode
 from woz_tui.timeline.session_state import SessionState
@@ -42,6 +41,18 @@ RecordedLine = m.AnyMessage | dict[str, Any]
 SNAPSHOT_US, SNAPSHOT_LINES = 5_000_000, 500
 #: What the engagement model follows from.
 _OF_MODEL = m.EngagementAdopted | m.EngagementChanged | m.SessionPlan | m.Done
+#: What is shown of a log that has lost its plan, where its experiment is not at hand either.
+_NO_PLAN = m.SessionPlan(
+    title="",
+    panels=[],
+    script=[],
+    verbs={},
+    variables=[],
+    conditions=[],
+    keyboard="us",
+    drivers=[],
+    settings=WelcomeSettings(),
+)
 #: Lines that show nothing by themselves: a step does not stop at them.
 _HOUSEKEEPING = frozenset(
     {"clock", "checkpoint", "recorder.state", "experiment.files", "session.plan"}
@@ -176,7 +187,8 @@ class Recording:
         if self._plans:
             return self._plans[max(0, place - 1)][1]
         if self._plan is None:
-            self._plan = plan_from(self.lines)
+            name = self.start.experiment if self.start is not None else ""
+            self._plan = msgspec.structs.replace(_NO_PLAN, title=PurePath(name).stem)
         return self._plan
 
     def moment(self, index: int, t: int) -> RecordedMoment:
@@ -270,19 +282,16 @@ def _redacted(
     kept: list[tuple[int, PerceptionFilter]],
 ) -> Iterator[tuple[RecordedLine, int]]:
     """Lines as the wizard saw them, and in `kept` from when on something was kept."""
-    schema = SCHEMA
     kept.append((-1, redactor.perception))
     for line, t in lines:
         if isinstance(line, dict):  # of a newer version: nobody knows what it tells
             if not redactor:
                 yield line, t
             continue
-        if isinstance(line, m.SessionStart):
-            schema = line.schema
         redactor.apply(line)
         if redactor.perception != kept[-1][1]:
             kept.append((t, redactor.perception))
-        seen: Any = redactor.message(mark_legacy(line, schema))
+        seen: Any = redactor.message(line)
         if seen is not None:
             yield seen, t
 

@@ -25,10 +25,8 @@ from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Verb
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.messages import SCHEMA
 from woz_tui.replay.bookmarks import monotonic
 from woz_tui.replay.experiment_origin import ExperimentOrigin, origin_of
-from woz_tui.session.redactor import mark_legacy
 from woz_tui.session.session_driver import VERBS
 from woz_tui.timeline.episodes import CommandEpisode, MomentEpisode
 from woz_tui.timeline.timeline import Timeline
@@ -136,14 +134,11 @@ def plan_of(path: Path) -> RerunPlan:
     """
     digest, damage = hashlib.sha256(), Damage()
     times: list[int] = []
-    schema = SCHEMA
     lines: list[tuple[int, m.AnyMessage]] = []
     for line in read(path, damage, samples=False):
         digest.update(line.raw + b"\n")
         if line.message is not None:
-            if isinstance(line.message, m.SessionStart):
-                schema = line.message.schema
-            lines.append((len(times), mark_legacy(line.message, schema)))
+            lines.append((len(times), line.message))
         times.append(line.t)
     # A flipped bit in a time must neither hold the robot up for hours nor hurry it.
     times = monotonic(times)

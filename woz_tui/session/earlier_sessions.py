@@ -16,7 +16,8 @@ from woz_tui.log.file_names import FileName, session_code
 from woz_tui.log.line_order import seq_of
 from woz_tui.log.log_files import files_of
 from woz_tui.log.log_opening import open_log
-from woz_tui.log.sessions import sessions_in
+from woz_tui.log.old_logs import why_too_old
+from woz_tui.log.sessions import first_line, sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
@@ -62,7 +63,7 @@ class EarlierSessions:
     def read(
         self, title: str, file: str, settings: StudySettings | None = None
     ) -> EarlierParticipants:
-        """Everything about the experiment of this title; logs that tell no title (of version 1)
+        """Everything about the experiment of this title; logs that tell no title (redacted ones)
         count if the experiment's `file` had this name. Reads files: may be called from any thread,
         but only from one at a time. `settings`: which questionnaires there are.
         """
@@ -109,6 +110,8 @@ class EarlierSessions:
                     continue
                 if name.number == 1 and session_code(name.stem) and not path.is_file():
                     unreadable.append(path.name)
+                elif path not in logs and (why := _too_old(path)):
+                    unreadable.append(f"{path.name} ({why})")
                 else:
                     files.setdefault((folder, name.stem), []).append((name.number, path))
         for log in logs:
@@ -124,6 +127,14 @@ class EarlierSessions:
             known = (stamp, [*_messages(path)])
             self._cache[path] = known
         return known[1]
+
+
+def _too_old(path: Path) -> str:
+    """Why a file is of a log that this version does not read; empty: it is not, or no file."""
+    try:
+        return why_too_old(first_line(path))
+    except OSError:
+        return ""
 
 
 def _elsewhere(paths: Sequence[Path], unreadable: list[str]) -> list[Path]:

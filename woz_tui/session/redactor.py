@@ -32,8 +32,6 @@ HIDDEN = "hidden"
 _NOT_SHOWN = "{} is not shown: it could reveal what this study hides from you"
 #: How a sign of the engagement model says that it is hidden, or only known coarsely.
 KEPT, COARSE = "hidden", "blurred"
-#: The first schema whose messages say what they tell.
-_MARKED = 3
 #: What a message may tell to which a wizard is blind.
 _CONDITION = frozenset({"condition", "request"})
 #: The signs of the engagement model among what can be hidden.
@@ -549,23 +547,6 @@ def sees_everything(role: str, sees: str) -> bool:
     return role == "program" and sees != "wizard"
 
 
-def mark_legacy(message: m.AnyMessage, schema: int) -> m.AnyMessage:
-    """A message of a log of this schema. Before 3 none says what it tells: then everything in words
-    that people or drivers wrote may tell the condition.
-    """
-    if schema >= _MARKED:
-        return message
-    match message:
-        case m.Command():
-            texts = {name: "..." for name, value in message.args.items() if isinstance(value, str)}
-            return replace(message, tells=("condition",), unfilled=texts) if texts else message
-        case m.ExperimentReloaded(changes=changes):
-            return replace(message, telling=changes)
-        case m.RestrictedMessage() if _may_reveal(message):
-            return replace(message, tells=("condition",))
-    return message
-
-
 def perceived_kind(sensor: str) -> str:
     """What a sensor tells, in the words of the experiment file: `left.joint.pan` -> `joints`; a
     sensor that cannot be hidden is empty.
@@ -615,22 +596,6 @@ def _words(kind: type[m.RestrictedMessage]) -> tuple[str, ...]:
     """The fields of its words."""
     texts = (field.name for field in fields(kind) if field.type is str)
     return tuple(name for name in texts if name not in NAMES)
-
-
-def _may_reveal(message: m.RestrictedMessage) -> bool:
-    """Whether a message of a log that does not say so may tell the condition."""
-    match message:
-        case m.Marker(source="wizard" | "watcher" | "preflight"):
-            return False
-        case m.Refused(code=code):
-            return code == "args"
-        case m.End():
-            return isinstance(message, m.Done | m.Failed)
-        case m.ActionEnd():
-            return isinstance(message, m.ActionFailed | m.ActionRefused)
-        case m.Ack():
-            return isinstance(message, m.Progress)
-    return True
 
 
 def _texts(value: Json) -> Iterable[str]:

@@ -29,7 +29,7 @@ class ModelStatus:
     ended with it or began.
 
     The model is there from its first settings to its last, and on unless it starts, or is switched,
-    off. Logs without settings (schema 1) have one if it ever moved: from their beginning on.
+    off. A log that has lost its settings has one if it ever moved: from its beginning on.
 
     Attributes:
         present: Whether there is a model.

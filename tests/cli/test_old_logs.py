@@ -49,3 +49,12 @@ def test_an_old_log_is_refused_with_its_schema_and_who_reads_it(
     assert "has no line of a session" not in told
     if name not in GOES_ON:
         assert code != 0
+
+
+def test_whoever_looks_for_a_person_is_told_that_an_old_log_was_not_searched(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / f"{STEM}.jsonl"
+    log.write_text(LINES.replace("SCHEMA", "2"))
+    assert main(["participants", str(tmp_path), "--code", "P07"]) == 1
+    assert f"{log}: a log of schema 2" in capsys.readouterr().err

@@ -30,13 +30,15 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     Segments and samples belong to their session and are not named twice. Of several copies the
     longest one is read, and of a log and its redacted copy the log.
     """
-    logs, problems = all_logs_in(named)
-    sessions = _each_once([_Log.of(path) for path in logs], problems)
+    paths, problems = all_logs_in(named)
+    logs = [_Log.of(path) for path in paths]
+    problems += [f"{log.path}: {why}" for log in logs if (why := why_too_old(log.first))]
+    sessions = _each_once([log for log in logs if not why_too_old(log.first)], problems)
     return sorted(sessions, key=lambda path: (path.name, str(path))), problems
 
 
 def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
-    """As `sessions_in`, but with all copies: the first file of each log."""
+    """As `sessions_in`, but with all copies and logs too old to be read: each log's first file."""
     found: dict[tuple[Path, str], Path] = {}
     sample_files: dict[tuple[Path, str], Path] = {}
     problems: list[str] = []
@@ -73,14 +75,7 @@ def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     # Of a pattern, what coders set lies beside its log.
     told = [path for path in no_logs if not (found and path.name.endswith(CODINGS))]
     problems += [f"{path}: {why_no_log(path.name)}" for path in told]
-<<<<<<< HEAD
     return [*_first_segments(found)], problems
-=======
-    logs = [_Log.of(path) for path in _first_segments(found)]
-    problems += [f"{log.path}: {why}" for log in logs if (why := why_too_old(log.first))]
-    sessions = _each_once([log for log in logs if not why_too_old(log.first)], problems)
-    return sorted(sessions, key=lambda path: (path.name, str(path))), problems
->>>>>>> d71479ec (Logs of schema 1 and 2 are refused by name, with the commit that reads them)
 
 
 def _paths(name: str) -> Iterator[Path]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.dynamixel import ServoJointSettings
+from woz_drivers.dynamixel import ServoJointSettings, chain, port
 from woz_drivers.dynamixel.chain import PlannedMove
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
 
@@ -180,6 +180,23 @@ async def test_stop_is_not_confirmed_for_a_servo_that_fell_silent_holding(tmp_pa
             await running
         rig.bus.servo(12).silent = False
         await rig.noticed("answers again")
+        await rig.driver.stop(Scope.ALL)
+
+
+async def test_stop_is_not_confirmed_for_a_servo_that_is_silent_while_the_computer_is_late(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with connected_servos(tmp_path, torque=True, patience_ms=SILENT_MS) as rig:
+        await until(lambda: rig.bus.servo(13).torque)
+        monkeypatch.setattr(chain, "LATE_S", 3600.0)
+        monkeypatch.setattr(chain, "LATE_MISSES", 1000)
+        monkeypatch.setattr(port, "BUSY_WITHIN_MS", 3_600_000.0)
+        open_port = await rig.port()
+        open_port._delays.append((open_port.getCurrentTime(), 3000.0))
+        rig.bus.servo(12).silent = True
+        with pytest.raises(DriverError, match=r"unknown whether tilt \(id 12\)"):
+            await rig.driver.stop(Scope.ALL)
+        rig.bus.servo(12).silent = False
         await rig.driver.stop(Scope.ALL)
 
 

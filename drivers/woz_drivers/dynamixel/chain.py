@@ -227,7 +227,7 @@ class ServoChain(ServoUpkeep):
     def freeze(self) -> None:
         """Every joint stays where it is at this moment: what the stop asks for.
 
-        `DriverError` names servos that held when they fell silent: the others stand, these may not.
+        `DriverError` names servos that hold and do not answer now: the others stand, these may not.
         """
         self._read()
         for servo in self.servos.values():
@@ -235,10 +235,10 @@ class ServoChain(ServoUpkeep):
         self.fail_all(DriverError("stopped where it was"))
         self._write(everything=True)
         self._next_refresh = 0.0  # nobody answers this write; the next tick repeats it
+        if any(servo.misses for servo in self.servos.values()):
+            self._read()  # one answer may have been lost
         unknown = [
-            servo.label
-            for servo in self.servos.values()
-            if servo.torque and servo.status is not ServoStatus.READY
+            servo.label for servo in self.servos.values() if servo.torque and not servo.answers
         ]
         if unknown:
             raise DriverError(

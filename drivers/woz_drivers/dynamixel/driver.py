@@ -365,6 +365,6 @@ def _sent(plan: MotionPlan, move: PlannedMove) -> dict[str, Any]:
 def _frozen(chain: ServoChain, _now: float) -> StopReport | None:
     chain.freeze()
     servos = chain.servos.values()
-    ready = tuple(servo.name for servo in servos if servo.status is ServoStatus.READY)
+    ready = tuple(servo.name for servo in servos if servo.answers)
     faulted = any(servo.trouble or servo.alarms for servo in servos)
     return StopReport(ready) if faulted else None

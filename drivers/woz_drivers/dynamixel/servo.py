@@ -209,6 +209,11 @@ class Servo:
         return self.status is ServoStatus.READY and self.torque
 
     @property
+    def answers(self) -> bool:
+        """Whether it answered when it was last asked."""
+        return self.status is ServoStatus.READY and not self.misses
+
+    @property
     def obstacle(self) -> DriverError | None:
         """Why no movement may begin where its setpoint is now; None: one may."""
         if self.status is not ServoStatus.READY:

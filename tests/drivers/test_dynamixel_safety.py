@@ -14,15 +14,15 @@ from woz_drivers.dynamixel.chain import PlannedMove
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
 
 from tests.drivers.published_messages import until
-from tests.drivers.servo_rig import HEAD, SILENT_MS, connected_servos
+from tests.drivers.servo_rig import HEAD, MISSING_MS, SILENT_MS, connected_servos
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import DriverError, Scope
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
-from woz_tui.protocol.messages import DriverFaulted, Notice
+from woz_tui.protocol.messages import DriverFaulted, DriverLost, Notice
 
 pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
-TORQUE, WATCHDOG = 64, 98
+TORQUE, RETURN_LEVEL, WATCHDOG = 64, 68, 98
 
 
 async def test_a_servo_found_turning_like_a_wheel_is_switched_off(tmp_path: Path) -> None:
@@ -35,6 +35,24 @@ async def test_a_servo_found_turning_like_a_wheel_is_switched_off(tmp_path: Path
         assert "operating mode 1" in faulted.detail
         assert not rig.bus.servo(12).torque
         assert [write.address for write in rig.bus.written(12)] == [TORQUE]
+
+
+async def test_a_servo_found_turning_like_a_wheel_is_switched_off_when_an_answer_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chain, "PROBE_S", 3600.0)
+
+    def turning(bus: ServoBus) -> None:
+        bus.servo(12).put(11, 1, 1)
+        bus.servo(12).put(64, 1, 1)
+        bus.faults.unread = RETURN_LEVEL
+
+    async with connected_servos(
+        tmp_path, ids=(12,), prepare=turning, ready=False, reply_timeout=MISSING_MS
+    ) as rig:
+        lost = await rig.published.first(DriverLost)
+        assert "no servo answers" not in lost.detail and "answers pings" not in lost.detail
+        assert not rig.bus.servo(12).torque
 
 
 async def test_a_pose_that_cannot_be_held_is_not_left_by_force(tmp_path: Path) -> None:

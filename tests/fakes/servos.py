@@ -69,6 +69,8 @@ class Faults:
     slow: float = 0.0
     #: The adapter's latency timer in seconds: so long after a byte, it passes on what has come.
     latency: float = 0.0
+    #: Answers to reads of this register are lost; 0: none.
+    unread: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,7 +306,8 @@ class ServoBus:
             if not (everybody and self.protocol == 1):
                 self._say(motor, 0, self._identity(motor))
         elif code == codec.READ:
-            if not everybody and motor.return_level >= 1:
+            lost = self.faults.unread and params[0] == self.faults.unread
+            if not everybody and motor.return_level >= 1 and not lost:
                 self._say(motor, *self._read(motor, params))
         elif code in (codec.WRITE, codec.REG_WRITE):
             address, data = self._split(params)

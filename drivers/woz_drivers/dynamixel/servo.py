@@ -292,19 +292,24 @@ def check(wire: ServoWire, servo: Servo, settings: ServoSettings, *, fresh: bool
     model = _model(servo.joint, settings.protocol, number)
     table = model.table
     line = ServoRegisters(wire, servo.joint.id, table)
-    # Before anything is judged: a servo found turning like a wheel must not go on doing so.
     status = wire.read(servo.joint.id, table.status_block())
     if status is None:
         check_answers(line)
         raise SilentError()
     keep = servo.torque and not fresh and still_holds(servo, table, status.data)
+    switch_off = torque_enabled(table, status.data) and not keep
+    # Before anything is judged: a servo found turning like a wheel must not go on doing so.
+    taken = wire.write(servo.joint.id, table.torque, 0) if switch_off else 0
     try:
         check_answers(line)
+    except SilentError:
+        raise SilentError() from None  # it has answered a read, so that its level is not the cause
     except UnfitError:
         wire.write(servo.joint.id, table.torque, 0)  # it takes it, and says nothing
         raise
-    if torque_enabled(table, status.data) and not keep:
+    if taken != 0:
         line.write(table.torque, 0)
+    if switch_off:
         servo.torque = False
     calibration = read_calibration(line, servo.joint, model)
     if settings.return_delay is not None:

@@ -138,6 +138,12 @@ def test_one_number_of_several_is_read_by_its_column() -> None:
     assert metres(decoder("lines", column=1).feed(b'\n150,52,7\n{"a": 90, "b": 1}\n')) == [1.5, 0.9]
 
 
+def test_a_comma_before_a_unit_is_a_decimal_comma_in_columns_too() -> None:
+    line = b"\n12,5 cm, 13,5 cm\n"
+    assert metres(decoder("lines", column=1).feed(line)) == [0.125]
+    assert metres(decoder("lines", column=2).feed(line)) == [0.135]
+
+
 def test_a_tail_of_a_line_is_no_reading() -> None:
     assert decoder("lines").feed(b"23\n") == []
 

@@ -77,7 +77,7 @@ def _of_text(text: str, in_columns: bool) -> Iterator[WrittenNumber]:
         unit = _UNITS.get(word.lower(), "")
         if found["rest"] not in (("", ".") if unit else ("",)) or (word and not unit):
             raise LineError(f"{_quoted(text)}: {found[0].strip()!r} is no distance", _SEVERAL)
-        if decimals and in_columns:
+        if decimals and in_columns and not unit:
             yield WrittenNumber(float(number))
             number = decimals[1:]
         elif decimals and not unit:

@@ -144,6 +144,21 @@ def test_a_comma_before_a_unit_is_a_decimal_comma_in_columns_too() -> None:
     assert metres(decoder("lines", column=2).feed(line)) == [0.135]
 
 
+@pytest.mark.parametrize(
+    ("line", "column"),
+    [("Dist: 123 cm Temp: 22 C", 1), ("22,5 C; 123 cm", 2), ("t=7134us 123", 2)],
+)
+def test_a_number_that_is_no_distance_is_no_harm_beside_the_one_that_is(
+    line: str, column: int
+) -> None:
+    data = f"\n{line}\n".encode()
+    assert metres(decoder("lines", column=column).feed(data)) == [1.23]
+    without, other = decoder("lines"), decoder("lines", column=3 - column)
+    assert without.feed(data) == other.feed(data) == []
+    assert "has several numbers" in without.trouble[0]
+    assert "is no distance" in other.trouble[0]
+
+
 def test_a_tail_of_a_line_is_no_reading() -> None:
     assert decoder("lines").feed(b"23\n") == []
 

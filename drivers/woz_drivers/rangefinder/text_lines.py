@@ -32,11 +32,15 @@ class LineError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class WrittenNumber:
-    """A number of a line, and the unit that it is written with, if any; `name`: of its field."""
+    """A number of a line, and the unit that it is written with, if any; `name`: of its field.
+
+    `foreign`: how it is written, where it is no distance, such as `22 C`.
+    """
 
     value: float
     unit: str = ""
     name: str = ""
+    foreign: str = ""
 
 
 def distance_in(line: bytes, column: int) -> WrittenNumber:
@@ -49,12 +53,14 @@ def distance_in(line: bytes, column: int) -> WrittenNumber:
     if column:
         if len(numbers) < column:
             raise LineError(f"{_quoted(text)} has no number {column}", "correct `column`")
-        return numbers[column - 1]
-    if not numbers:
+    elif not numbers:
         raise LineError(f"{_quoted(text)} has no distance in it", "have it print the number alone")
-    if len(numbers) > 1:
+    elif len(numbers) > 1:
         raise LineError(f"{_quoted(text)} has several numbers", _SEVERAL)
-    return numbers[0]
+    chosen = numbers[max(column, 1) - 1]
+    if chosen.foreign:
+        raise LineError(f"{_quoted(text)}: {chosen.foreign!r} is no distance", _SEVERAL)
+    return chosen
 
 
 def _readable(line: bytes) -> str:
@@ -76,7 +82,8 @@ def _of_text(text: str, in_columns: bool) -> Iterator[WrittenNumber]:
         number, decimals, word = found["number"], found["decimals"] or "", found["unit"] or ""
         unit = _UNITS.get(word.lower(), "")
         if found["rest"] not in (("", ".") if unit else ("",)) or (word and not unit):
-            raise LineError(f"{_quoted(text)}: {found[0].strip()!r} is no distance", _SEVERAL)
+            yield WrittenNumber(float(number), foreign=found[0].strip())
+            continue
         if decimals and in_columns and not unit:
             yield WrittenNumber(float(number))
             number = decimals[1:]
@@ -114,9 +121,10 @@ def _of_object(text: str) -> list[WrittenNumber]:
 
 def _numbers_in(text: str) -> list[WrittenNumber]:
     try:
-        return [*_of_text(text, in_columns=False)]
+        found = [*_of_text(text, in_columns=False)]
     except LineError:  # a text of another field, such as a name
         return []
+    return [] if any(one.foreign for one in found) else found
 
 
 def _quoted(text: str) -> str:

@@ -321,6 +321,23 @@ async def test_its_sentences_are_one_utterance_and_a_prepared_one_is_made_whole(
     assert len(rig.journal_entries("played")) == 3
 
 
+async def test_a_sentence_with_pauses_is_cut_within_what_is_said_between_them(
+    rig: SpeechRig, journal: Path
+) -> None:
+    driver = await open_speech(rig, journal, "ok")
+    museum = "In this museum I am the one who knows about the old pictures and about the clocks."
+    text = f"\\pau=500\\ {museum} \\pau=250\\ Come in."
+    sent = await driver.perform(say(text))
+    asked = [line["text"] for line in journal_entries(journal, "request")]
+    assert len(asked) > 2
+    assert " ".join(asked[:-1]) == museum and asked[-1] == "Come in."
+    assert sent["text"] == f"{museum} Come in."
+    assert sent["seconds"] == pytest.approx(0.75 + 0.1 * len(asked))
+    await driver.prepare_say(say_arguments(f"{museum} \\pau=100\\ Come in."))
+    assert (await driver.perform(say(f"{museum} \\pau=300\\ Come in.")))["source"] == "cache"
+    assert len(rig.journal_entries("played")) == len(asked) + 2
+
+
 async def test_the_stop_does_not_cost_its_loading(rig: SpeechRig, journal: Path) -> None:
     driver = await open_speech(rig, journal, "slow", "ok")
     speaking = asyncio.ensure_future(driver.perform(say("One")))

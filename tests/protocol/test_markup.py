@@ -81,6 +81,14 @@ def test_pieces_between_pauses() -> None:
     assert markup.pieces("One") == [("One", 0.0)]
 
 
+def test_signs_alone_are_no_piece() -> None:
+    text = r"\pau=100\ ... \pau=200\ One \pau=300\ ! \pau=400\ two"
+    assert markup.pieces(text) == [
+        *(("", 0.1), ("", 0.2), ("... One !", 0.3), ("", 0.4), ("two", 0.0))
+    ]
+    assert markup.pieces(r"... \pau=100\ !") == [("...", 0.1), ("!", 0.0)]
+
+
 @pytest.mark.parametrize("text", ["\\pau=", "^run(", "<break ", '<prosody rate="', "<speak", "^"])
 def test_a_text_of_nothing_but_beginnings_is_read_at_once(text: str) -> None:
     """In a time that grows with the text's length: with its square this takes minutes."""

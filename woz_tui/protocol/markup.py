@@ -111,14 +111,34 @@ def left_out(text: str, can: Collection[str]) -> list[Mark]:
 
 
 def pieces(text: str) -> list[tuple[str, float]]:
-    """What is said between pauses, each with the seconds of silence behind it."""
+    """What is said between pauses, each with the seconds of silence behind it; signs without a
+    letter or digit stand with the words beside them.
+    """
     found: list[tuple[str, float]] = []
     at = 0
     for mark in marks(text):
         if mark.pause is not None:
             found.append((sentence(text[at : mark.start]).strip(), mark.pause))
             at = mark.end
-    return [*found, (sentence(text[at:]).strip(), 0.0)]
+    found.append((sentence(text[at:]).strip(), 0.0))
+    if not any(_has_words(said) for said, _ in found):
+        return found
+    joined: list[tuple[str, float]] = []
+    words, signs = -1, ""
+    for number, (said, pause) in enumerate(found):
+        if _has_words(said):
+            words, said, signs = number, f"{signs} {said}".strip(), ""
+        elif words < 0:
+            said, signs = "", f"{signs} {said}".strip()
+        elif said:
+            joined[words] = (f"{joined[words][0]} {said}", joined[words][1])
+            said = ""
+        joined.append((said, pause))
+    return joined
+
+
+def _has_words(said: str) -> bool:
+    return any(map(str.isalnum, said))
 
 
 _COMMA = ","

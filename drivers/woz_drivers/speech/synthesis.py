@@ -305,17 +305,39 @@ class SpeechSynthesis:
 
     def parts(self, text: str, choice: VoiceChoice) -> list[str]:
         """`text` in the parts in which it is made, if a program that stays loaded has to make it:
-        the first as long as it can make soon, each other while the one before it is heard.
+        the first as long as it can make soon, each other while the one before it is heard. A pause
+        stands behind its part, or before the first one.
         """
-        path = self._path(text, choice)
-        if self._resident is None or self._recording(text) is not None or path.exists():
+        pieces = markup.pieces(text)
+        whole = " ".join(said for said, _ in pieces if said)
+        if self._resident is None or not whole or self._recording(whole) is not None:
             return [text]
+        parts: list[str] = []
+        before = ""
+        for said, pause in pieces:
+            if said:
+                first = self._following(len(parts[-1])) if parts else self._first_letters()
+                parts += self._parts_of_piece(said, choice, first)
+            silence = f" \\pau={pause * 1000:.0f}\\" if pause else ""
+            if parts:
+                parts[-1] += silence
+            else:
+                before += silence
+        parts[0] = f"{before} {parts[0]}".strip()
+        return parts
+
+    def _parts_of_piece(self, said: str, choice: VoiceChoice, first: int) -> list[str]:
+        path = self._path(said, choice)
+        if self._recording(said) is not None or path.exists():
+            return [said]
         if path not in self._parts:
-            first = max(_SHORTEST, self._letters(_FIRST_PART_S))
-            self._parts[path] = spoken_parts(text, first, self._following)
+            self._parts[path] = spoken_parts(said, first, self._following)
             if len(self._parts) > _REMEMBERED:
                 self._parts.popitem(last=False)
         return self._parts[path]
+
+    def _first_letters(self) -> int:
+        return max(_SHORTEST, self._letters(_FIRST_PART_S))
 
     def _letters(self, seconds: float) -> int:
         """How many letters can be made within this time."""

@@ -76,6 +76,13 @@ async def test_nothing_is_said_where_there_are_only_pauses(rig: SpeechRig) -> No
         await driver.perform(say("\\pau=500\\"))
 
 
+async def test_pauses_longer_than_speech_may_be_are_refused(rig: SpeechRig) -> None:
+    driver = await rig.open()
+    with pytest.raises(RejectedError, match="its pauses alone take 180 s"):
+        await driver.perform(say("Hello " + "\\pau=60000\\ there " * 3))
+    assert rig.journal_entries("synthesise") == []
+
+
 async def test_a_damaged_cache_file_is_made_anew(rig: SpeechRig) -> None:
     driver = await rig.open()
     await driver.perform(say("Hello"))

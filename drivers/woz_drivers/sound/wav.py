@@ -50,10 +50,6 @@ class Wav:
         """Format, rate and channels: sounds of one shape can follow each other."""
         return self.format, self.rate, self.channels
 
-    def followed_by(self, other: Wav) -> Wav:
-        """Both, one behind the other; `other` has the same shape."""
-        return Wav(*self.shape, self.data + other.data)
-
     def with_silence(self, seconds: float) -> Wav:
         """The same with so much silence behind it."""
         frames = np.zeros((round(seconds * self.rate), self.channels), np.float32)

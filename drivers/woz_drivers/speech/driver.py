@@ -18,6 +18,7 @@ from woz_drivers.sound.wav import Wav
 from woz_drivers.speech import doctor
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings, voice_remarks
 from woz_drivers.speech.synthesis import (
+    LONGEST_SPEECH_S,
     PreparedUtterance,
     SpeechSynthesis,
     finish,
@@ -53,8 +54,6 @@ from woz_tui.system.tasks import end_tasks
 
 #: How often missing programs are looked for, in seconds.
 _LOOK_S = 2.0
-#: A program that speaks by itself may take this long for one utterance, in seconds.
-_LONGEST_SPEECH_S = 120.0
 #: How many utterances are ready, while they are made.
 PREPARED = "prepared"
 #: How the program that stays loaded is, and how long its last sound took, in seconds.
@@ -67,7 +66,7 @@ _SAY = common_verb(
     "speak a text",
     *VOICE_ARGUMENTS,
     Argument("volume", "number", "how loud, 0 to 1", range=Range(0, 1)),
-    limit_s=_LONGEST_SPEECH_S + 5,
+    limit_s=LONGEST_SPEECH_S + 5,
     evidence="reported",  # its program has ended, and well
     markup=("pause",),
 )
@@ -434,7 +433,7 @@ class Speech(Driver):
         job.expects(estimate)
         await self._run(
             command_lines.fill(words, values),
-            _LONGEST_SPEECH_S,
+            LONGEST_SPEECH_S,
             None if "text" in used else text + "\n",
         )
         heard = {"volume": volume} if self.settings.takes_volume else {}

@@ -96,6 +96,8 @@ class SpeechCache:
 
 #: A synthesiser that takes longer than this hangs, in seconds; large neural voices need a few.
 _SYNTHESIS_S = 25.0
+#: No utterance may take longer than this, in seconds.
+LONGEST_SPEECH_S = 120.0
 #: A longer program output than this is no utterance, in bytes.
 _MOST_OUTPUT = 200_000_000
 
@@ -257,7 +259,7 @@ class SpeechSynthesis:
     async def utterance(self, text: str, choice: VoiceChoice | None = None) -> PreparedUtterance:
         """The sound of `text`, which `spoken_text` gave. Cancelling it ends the synthesiser."""
         choice = choice or self._settings.choice()
-        if len(pieces := markup.pieces(text)) > 1:
+        if len(pieces := _pieces(text)) > 1:
             return await self._with_pauses(pieces, choice)
         # Hundreds are prepared one after the other: a disk must not keep the loop from its work.
         found = await asyncio.to_thread(self._found, text, choice)
@@ -293,22 +295,17 @@ class SpeechSynthesis:
         shape = spoken[0].sound
         if any(each.sound.shape != shape.shape for each in spoken):  # a recording beside a voice
             return await self.utterance(whole, choice)
-        sound, words = replace(shape, data=b""), list[UtteranceWord]()
-        for utterance, pause in made:
-            if utterance is not None:
-                words += [one.later(sound.seconds) for one in utterance.words]
-                sound = sound.followed_by(utterance.sound)
-            sound = sound.with_silence(pause)
+        sound, words = await asyncio.to_thread(_joined, made, shape)
         sources = [each.source for each in spoken]
         source = "synthesised" if "synthesised" in sources else sources[0]
-        return PreparedUtterance(None, sound, source, tuple(words))
+        return PreparedUtterance(None, sound, source, words)
 
     def parts(self, text: str, choice: VoiceChoice) -> list[str]:
         """`text` in the parts in which it is made, if a program that stays loaded has to make it:
         the first as long as it can make soon, each other while the one before it is heard. A pause
         stands behind its part, or before the first one.
         """
-        pieces = markup.pieces(text)
+        pieces = _pieces(text)
         whole = " ".join(said for said, _ in pieces if said)
         if self._resident is None or not whole or self._recording(whole) is not None:
             return [text]
@@ -431,6 +428,36 @@ class SpeechSynthesis:
             content = path.read_bytes() if "wav" in used else bytes(output)
         remedy = "check the command's options: {wav} or stdout must become a WAV file"
         return _parsed(content, words[0], remedy)
+
+
+def _pieces(text: str) -> list[tuple[str, float]]:
+    """What is said between pauses. `RejectedError` where these take longer than speech may."""
+    pieces = markup.pieces(text)
+    pauses_s = sum(pause for _, pause in pieces)
+    if pauses_s > LONGEST_SPEECH_S:
+        raise RejectedError(
+            f"its pauses alone take {pauses_s:.0f} s, and nothing may take longer than"
+            f" {LONGEST_SPEECH_S:.0f} s",
+            "shorten its pauses, or make several actions of it",
+        )
+    return pieces
+
+
+def _joined(
+    made: Sequence[tuple[PreparedUtterance | None, float]], shape: Wav
+) -> tuple[Wav, tuple[UtteranceWord, ...]]:
+    """The sound of several, each with its pause behind it, and their words; for a thread."""
+    sounds, words, seconds = list[bytes](), list[UtteranceWord](), 0.0
+    silent = replace(shape, data=b"")
+    for utterance, pause in made:
+        if utterance is not None:
+            words += [one.later(seconds) for one in utterance.words]
+            sounds.append(utterance.sound.data)
+            seconds += utterance.sound.seconds
+        silence = silent.with_silence(pause)
+        sounds.append(silence.data)
+        seconds += silence.seconds
+    return replace(shape, data=b"".join(sounds)), tuple(words)
 
 
 def _recipe(choice: VoiceChoice) -> tuple[str, ...]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
@@ -145,6 +147,30 @@ def test_a_file_of_another_spelling_is_suggested(tmp_path: Path) -> None:
         " experiment's folder",
         "there is no file 'file:///x.wav'; write the path alone, without file://",
     ]
+
+
+def test_a_file_that_may_not_be_read_is_warned_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.wav").write_bytes(b"RIFF")
+
+    def forbidden(path: Path) -> NoReturn:
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    opened = Path.open
+    monkeypatch.setattr(
+        Path,
+        "open",
+        lambda path, *args, **named: (
+            forbidden(path) if path.suffix == ".wav" else opened(path, *args, **named)
+        ),
+    )
+    assert sounds(tmp_path, "a.wav") == ["'a.wav': cannot be read: Permission denied"]
+    exists = Path.exists
+    monkeypatch.setattr(
+        Path, "exists", lambda path: forbidden(path) if path.name == "b.wav" else exists(path)
+    )
+    assert sounds(tmp_path, "b.wav") == ["'b.wav' cannot be read: Permission denied"]
 
 
 def test_a_file_that_is_not_what_its_name_says_is_told(tmp_path: Path) -> None:

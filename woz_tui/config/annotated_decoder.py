@@ -341,8 +341,10 @@ def resolve_path(cursor: Cursor, text: str, *, must_exist: bool) -> str:
         path = base / pathlib.Path(text).expanduser()
         if must_exist and not path.exists():
             cursor.warning(f"there is no file {text!r}{media_files.meant(base, text)}")
-        elif must_exist and (wrong := media_files.mislabelled(path)):
+        elif must_exist and (wrong := media_files.doubt(path)):
             cursor.warning(f"{text!r}: {wrong}")
+    except PermissionError as error:
+        cursor.warning(f"{text!r} cannot be read: {error.strerror}")
     except (OSError, RuntimeError, ValueError) as error:
         cursor.error(f"{text!r} is not a path: {error}")
         return text

@@ -69,13 +69,16 @@ def _entry(folder: Path, name: str) -> str | None:
     return folded[near[0]] if near else None
 
 
-def mislabelled(path: Path) -> str:
+def doubt(path: Path) -> str:
     """Why a sound or a picture cannot be what its name says; empty if it may well be."""
     said = _BY_NAME.get(path.suffix.lower())
     if said is None or not path.is_file():
         return ""
-    with path.open("rb") as file:
-        head = file.read(_HEAD)
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD)
+    except OSError as error:
+        return f"cannot be read: {error.strerror}"
     if not head:
         return "the file is empty"
     kinds = [

@@ -149,6 +149,19 @@ def test_a_file_of_another_spelling_is_suggested(tmp_path: Path) -> None:
     ]
 
 
+def test_a_file_that_is_near_to_a_whole_path_is_suggested_with_its_whole_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "study").mkdir()
+    (tmp_path / "Gong.WAV").write_bytes(b"RIFF\x25\0\0\0WAVEdata\1\0\0\0\0")
+    assert sounds(tmp_path / "study", f"{tmp_path}/gong.wav", "~/gong.wav") == [
+        f"there is no file '{tmp_path}/gong.wav'; did you mean '{tmp_path}/Gong.WAV'?",
+        "there is no file '~/gong.wav'; did you mean '~/Gong.WAV'?",
+    ]
+    assert sounds(tmp_path, "/gong.wav") == ["there is no file '/gong.wav'"]
+
+
 def test_a_file_that_may_not_be_read_is_warned_of(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

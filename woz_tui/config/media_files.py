@@ -45,9 +45,13 @@ def meant(folder: Path, text: str) -> str:
         return "; write the path alone, without file://"
     if _WINDOWS.match(text):
         return "; this is a path of Windows; name it from the experiment's folder"
-    found = folder
-    names: list[str] = []
-    for part in text.replace("\\", "/").split("/"):
+    first, *rest = text.replace("\\", "/").split("/")
+    found, names = folder, list[str]()
+    if first == "" or first.startswith("~"):
+        found, names = Path(first or "/").expanduser(), [first]
+    else:
+        rest.insert(0, first)
+    for part in rest:
         name = part if part in ("", ".", "..") else _entry(found, part)
         if name is None:
             return ""

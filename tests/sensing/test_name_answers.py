@@ -53,3 +53,16 @@ def test_no_everyday_word_is_a_first_name(said: str) -> None:
     names = (HERE / "first_names.txt").read_text("utf-8").split()
     missed = [name for name in names if ANSWERS.read(said.format(name)).name != name]
     assert len(missed) <= 0.005 * len(names), missed
+
+
+@pytest.mark.parametrize("said", ["My name is {}.", "Mein Name ist {}", "Mi chiamo {}."])
+@pytest.mark.parametrize(
+    "name", ["Bella", "Misty", "Dina", "Winter", "Sunny", "Clemente", "Paul Ehrlich"]
+)
+def test_an_everyday_word_with_a_capital_is_a_name_where_only_names_stand(
+    name: str, said: str
+) -> None:
+    assert ANSWERS.read(said.format(name)).name == name
+    assert ANSWERS.read("My name is I do not know.").name == ""
+    assert ANSWERS.read("Mein Name ist nicht wichtig.").name == ""
+    assert ANSWERS.read("my name is sunny").name == ""

@@ -490,7 +490,8 @@ class NameAnswerParser:
         ):
             return True
         if word.key in _EVERYDAY:
-            return True
+            named = sure and self._capitals and word.text[:1].isupper()
+            return not named or word.key in _ENGLISH_I
         return not sure and (word.key in self._never or _QUALITY.fullmatch(word.key) is not None)
 
 

@@ -156,3 +156,15 @@ def test_a_line_whose_other_end_is_gone_is_broken(line: tuple[ServoPort, int]) -
     port.closePort()
     with pytest.raises(DeviceLostError, match="broke"):
         port.writePort([0])
+
+
+def test_delays_of_long_ago_are_forgotten_while_nobody_is_silent(
+    line: tuple[ServoPort, int], late: LateTurns
+) -> None:
+    port, far = line
+    late.late_ms = 400.0
+    for _ in range(20):
+        port.setPacketTimeout(6)
+        os.write(far, b"answer")
+        assert port.readPort(6) == b"answer"
+    assert len(port._delays) <= 4

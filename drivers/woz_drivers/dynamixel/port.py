@@ -187,13 +187,16 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self._awake_at = now
         if delay > OWN_DELAY_MS:
             self.own_delay_ms += delay
+            self._forget_delays(now)
             self._delays.append((now, delay))
+
+    def _forget_delays(self, now: float) -> None:
+        while self._delays and now - self._delays[0][0] > BUSY_WITHIN_MS:
+            self._delays.popleft()
 
     def _delayed_ms(self) -> float:
         """How long this process stood still itself within the last second."""
-        now = self.getCurrentTime()
-        while self._delays and now - self._delays[0][0] > BUSY_WITHIN_MS:
-            self._delays.popleft()
+        self._forget_delays(self.getCurrentTime())
         return sum(delay for _, delay in self._delays)
 
     @property

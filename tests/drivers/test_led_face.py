@@ -311,6 +311,11 @@ async def test_the_doctor_tells_a_busy_computer_from_a_slow_face(
     finding = await doctor.examine("face", LedFaceSettings(port=str(face.port)), now)
     assert (finding.level, "baud" in finding.remedy) == ("warning", False)
     assert "for 80 ms of them this computer was too busy" in finding.text
+    face.noise = b"\x07noise\x00"
+    finding = await doctor.examine("face", LedFaceSettings(port=str(face.port)), now)
+    assert "for 80 ms of them this computer was too busy" in finding.text
+    assert "packets damaged" in finding.text
+    assert finding.remedy == "check cable, ground and baud"
     face.unplug()
 
 

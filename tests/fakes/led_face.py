@@ -132,6 +132,7 @@ class PluggedFace(PluggedSensor):
         board: What is at the other end of the cable.
         mute: It hears and shows, but its answers are lost.
         hello: What it answers instead of its own answers, if set.
+        noise: What comes over the cable in front of each answer.
         heard: All bytes that came.
     """
 
@@ -139,6 +140,7 @@ class PluggedFace(PluggedSensor):
         self.board = board or Board()
         self.mute = False
         self.hello: bytes | None = None
+        self.noise = b""
         self.heard = b""
         super().__init__(port)
 
@@ -170,4 +172,4 @@ class PluggedFace(PluggedSensor):
         if self.hello is not None:
             answers = self.hello if answers else b""
         if answers and not self.mute:
-            self.send(answers)
+            self.send(self.noise + answers)

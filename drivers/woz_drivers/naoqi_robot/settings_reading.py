@@ -51,6 +51,8 @@ class SettingsReader:
         self._shown: SettingsShown | None = None
         #: Conflicts of settings that have been told and go on.
         self._told: set[str] = set()
+        #: Settings as they were when they were read last.
+        self._known: dict[str, Json] = {}
         self._broken: set[str] = set()
 
     def begin(self) -> None:
@@ -87,8 +89,12 @@ class SettingsReader:
         while self._loop is asyncio.current_task():
             self._soon.clear()
             values = await self._values()
-            against = conflicts(values, self._uses.now(), self._desired.by_name)
-            self._tell_new(against)
+            self._known |= values
+            against, lasting = (
+                conflicts(each, self._uses.now(), self._desired.by_name)
+                for each in (values, self._known)
+            )
+            self._tell_new(against, lasting)
             against = [sentence for part in self._parts for sentence in part.conflicts()] + against
             self._show(values, self._desired.differing(values), against)
             with contextlib.suppress(TimeoutError):
@@ -96,14 +102,15 @@ class SettingsReader:
                     await self._soon.wait()
                     await asyncio.sleep(LULL_S)
 
-    def _tell_new(self, against: Sequence[str]) -> None:
+    def _tell_new(self, against: Sequence[str], lasting: Sequence[str]) -> None:
         """A notice of each conflict that has just begun: a number that grows is read by nobody. A
-        robot that was away for a moment tells nothing anew.
+        robot that was away for a moment, or did not tell a setting once, tells nothing anew: those
+        are `lasting` by what is known of it.
         """
         for sentence in against:
             if sentence not in self._told:
                 self._context.notice("warning", sentence)
-        self._told = set(against)
+        self._told = set(against) | self._told.intersection(lasting)
 
     async def _values(self) -> dict[str, Json]:
         values: dict[str, Json] = {"robot": self._robot()}

@@ -117,6 +117,10 @@ def test_a_new_conflict_is_an_event_and_one_that_goes_on_is_none() -> None:
         reading.end()
         reading.begin()
         await asyncio.sleep(3 * EVERY_S)
+        del part.values["state"]  # one question without an answer
+        await asyncio.sleep(2 * EVERY_S)
+        part.values["state"] = "solitary"
+        await asyncio.sleep(3 * EVERY_S)
         await reading.close()
         return [one.text for one in published.all(Notice)]
 

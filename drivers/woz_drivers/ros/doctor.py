@@ -169,15 +169,17 @@ def _seen(settings: RosSettings, scans: Mapping[str, Mapping[str, Any]]) -> Iter
         said = ", ".join(f"{where} {what}" for where, what in nearest.items())
         yield Finding("info", subject, f"sees {said}", _STAND_IN_FRONT)
         path = ValuePath.parse(sensor.value, sensor.mounted)
-        looked = path.directions_of(scan)
-        value = path.of(scan)
-        if not looked:
-            what = f"{sensor.value}: {sensor.subscribe} does not look there"
-            yield Finding("error", subject, what, "choose other angles, or correct `mounted`")
-            continue
-        counted = f" looks at {looked[0]:.0f} to {looked[-1]:.0f} deg, and"
-        where = "" if any(step["from"] for step in path.steps) else counted
-        reads = "nothing" if value is None else f"{value:g}"
+        value, where = path.of(scan), ""
+        if [step["name"] for step in path.steps] == ["ranges"]:
+            looked = path.directions_of(scan)
+            if not looked:
+                what = f"{sensor.value}: {sensor.subscribe} does not look there"
+                yield Finding("error", subject, what, "choose other angles, or correct `mounted`")
+                continue
+            if not path.steps[0]["from"]:
+                where = f" looks at {looked[0]:.0f} to {looked[-1]:.0f} deg, and"
+        number = isinstance(value, int | float)
+        reads = "nothing" if value is None else f"{value:g}" if number else str(value)
         yield Finding("ok", subject, f"{sensor.value}{where} reads {reads}")
 
 

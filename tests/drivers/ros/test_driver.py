@@ -800,6 +800,25 @@ async def test_the_doctor_says_where_a_scanner_sees_what(
     assert re.search(reads, about[1])
 
 
+@pytest.mark.parametrize(
+    ("value", "reads"),
+    [
+        ("range_max", r"range_max reads \d"),
+        ("intensities[0]", r"intensities\[0\] reads"),
+        ("header.frame_id", "header.frame_id reads"),
+    ],
+)
+async def test_the_doctor_reads_what_a_scanner_says_beside_its_ranges(
+    value: str, reads: str
+) -> None:
+    of = _scanner(value)
+    async with simulator(of) as robot:
+        findings = await doctor.examine(Probe("robot", replace(of, address=robot.address)))
+    about = [one for one in findings if one.subject == "sensors.ahead"]
+    assert [one.level for one in about] == ["info", "ok"]
+    assert re.search(reads, about[1].text)
+
+
 async def test_the_doctor_names_a_scanner_that_is_silent_or_looks_elsewhere() -> None:
     of = _scanner("min(ranges[80deg:100deg])")
     async with simulator(of) as robot:

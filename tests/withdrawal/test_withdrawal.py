@@ -291,6 +291,46 @@ def test_exports_and_reports_with_the_code_go_and_others_work_is_named(
         assert main(["export", str(folder), "--to", form, "--out", out, "--force"]) == 0
 
 
+@pytest.mark.parametrize("form", ["csv", "bids", "textgrid"])
+def test_what_somebody_put_beside_an_export_stays(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], form: str
+) -> None:
+    for code in ("P07", "P08"):
+        example = ExampleSession(participant=code, session=f"S{code}").act(1).end(20)
+        example.written(folder, f"2026-03-01T10-00-00_{code}_S{code}")
+    out = tmp_path / "out"
+    assert main(["export", str(folder), "--to", form, "--out", str(out)]) == 0
+    own = [
+        out / "demographics.csv",
+        out / "ratings.json",
+        out / "analysis" / "scores.tsv",
+        out / "sub-P07" / "ses-SP07" / "beh" / "sub-P07_ses-SP07_task-rt_beh.tsv",
+        tmp_path / "sessions.json",
+    ]
+    for path in own:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text('{"sessions": ["P07"]}')
+    for code, others in (("P07", True), ("P08", False)):
+        arguments = ["participants", str(folder), str(tmp_path), "--code", code]
+        main([*arguments, "--withdraw", "--yes"])
+        shown = capsys.readouterr().out
+        assert all(path.is_file() for path in own)
+        assert not others or all(str(path) in shown for path in own), "it is named"
+        left = {path for path in out.rglob("*") if path.is_file()} - {*own}
+        texts = [path.read_text() for path in left]
+        assert not any(code in text for text in texts)
+        # A table has everybody, so it goes with the first.
+        assert (others and form != "csv") == any("P08" in text for text in texts)
+
+
+def test_a_folder_with_a_data_package_of_others_is_no_export(folder: Path) -> None:
+    package = {"name": "thesis", "sources": ["woz-sessions"], "resources": [{"path": "a.csv"}]}
+    (folder / "datapackage.json").write_text(json.dumps({**package, "by": "woz-sessions"}))
+    (folder / "a.csv").write_text("P07,1\n")
+    assert taken_out(folder) == 1, "it is left to do by hand"
+    assert (folder / "a.csv").read_text() == "P07,1\n"
+
+
 def test_visitors_coders_and_clips_of_the_person_go(folder: Path) -> None:
     media = folder / f"{STEM}.media"
     media.mkdir()

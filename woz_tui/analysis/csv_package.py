@@ -18,6 +18,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
+import msgspec
+
 from woz_tui import __version__
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.tables import FIGURES, Cell, TableDefinition, answers_wide, rounds_wide
@@ -33,6 +35,8 @@ GUARDED = (
     "characters are shown as their pictures (U+2400 and on)."
 )
 DICTIONARY = "datapackage.json"
+#: Of the data package.
+_NAME = "woz-sessions"
 #: The same few texts come again and again.
 _cell = lru_cache(maxsize=4096, typed=True)(cell)
 
@@ -175,6 +179,26 @@ def table_files(folder: Path, csv_format: CsvFormat = PLAIN) -> Iterator[TableFi
         files.close()
 
 
+def tables_listed(dictionary: str) -> list[str]:
+    """The files that a data dictionary describes, itself included; none if it is another's."""
+    try:
+        package = msgspec.json.decode(dictionary, type=_Package)
+    except msgspec.MsgspecError:
+        return []
+    if package.name != _NAME:
+        return []
+    return [DICTIONARY, *(resource.path for resource in package.resources)]
+
+
+class _Resource(msgspec.Struct):
+    path: str
+
+
+class _Package(msgspec.Struct):
+    name: str
+    resources: list[_Resource]
+
+
 def _package(
     tables: Iterable[TableDefinition[Any]],
     damage: Mapping[str, Sequence[str]],
@@ -182,7 +206,7 @@ def _package(
 ) -> dict[str, Any]:
     """A Frictionless data package, https://specs.frictionlessdata.io/tabular-data-package/."""
     return {
-        "name": "woz-sessions",
+        "name": _NAME,
         "profile": "tabular-data-package",
         "title": "Sessions of wizard-of-Oz experiments",
         "description": f"Written by woz-tui {__version__}. {GUARDED}",

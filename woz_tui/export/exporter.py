@@ -10,7 +10,7 @@ from typing import ClassVar
 from woz_tui import __version__
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.log_sources import LogSource
-from woz_tui.export.output_folder import README, SIGN, OutputFolder
+from woz_tui.export.output_folder import README, SIGN, OutputFolder, files_section
 from woz_tui.system.text_cleaning import one_line, seconds
 
 _TIMES = (
@@ -85,8 +85,9 @@ class Exporter(abc.ABC):
             self.about,
             "## Sessions",
             "\n".join(_session(each) for each in summaries),
+            files_section([README, *self._folder.names()]),
         ]
-        self._folder.write(README, "\n\n".join(parts) + "\n")
+        self._folder.write(README, "\n\n".join(parts))
 
     def close(self) -> None:  # noqa: B027 - most have nothing open
         """Close what is open; also after an error."""

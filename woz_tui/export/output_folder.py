@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO, TextIO
@@ -15,6 +15,8 @@ from woz_tui.export.log_sources import ExportError
 README = "README.md"
 #: The first words of every export's README: only a folder that has them is ever replaced.
 SIGN = "# Sessions exported by woz-tui"
+#: Above the list of the files in a README: only those in it are the export's.
+FILES = "## Files"
 _FLAGS = os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC
 
 
@@ -40,12 +42,28 @@ class OutputFolder:
         with self.text(name) as file:
             file.write(content)
 
+    def names(self) -> list[str]:
+        """The files that it has by now."""
+        files = (path for path in self.path.rglob("*") if path.is_file())
+        return [path.relative_to(self.path).as_posix() for path in files]
+
     def _open(self, name: str) -> int:
         path = self.path / name
         missing = [each for each in path.parents if not each.exists()]
         for parent in reversed(missing):
             parent.mkdir(mode=0o700)
         return os.open(path, _FLAGS, 0o600)
+
+
+def files_section(names: Iterable[str]) -> str:
+    """What a README says of the files of an export, for `files_listed`."""
+    return "\n".join([FILES, "", *(f"- {name}" for name in sorted(names))]) + "\n"
+
+
+def files_listed(readme: str) -> list[str]:
+    """The files that the README of an export lists; older versions listed none."""
+    _, _, listed = readme.rpartition(f"\n{FILES}\n")
+    return [line.removeprefix("- ") for line in listed.splitlines() if line.startswith("- ")]
 
 
 @contextmanager

@@ -18,7 +18,7 @@ import msgspec
 
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.face_store import FaceStore
-from woz_tui.export.output_folder import README, SIGN
+from woz_tui.export.output_folder import README, SIGN, files_listed, files_section
 from woz_tui.log.coding_file import coding_path
 from woz_tui.log.damage import Damage
 from woz_tui.log.disk import LogDisk
@@ -135,7 +135,7 @@ def withdraw(plan: Removal, home: Path, day: str) -> None:
             _prepare(session, plan, steps, day)
         exports = {file.path.parent / README for file in plan.deleted if file.path.name == README}
         for readme in sorted(exports):
-            steps.replaced.append(_written(readme, _export_note(day)))
+            steps.replaced.append(_written(readme, _export_note(readme, plan.code, day)))
         steps.deleted += [str(file.path) for file in plan.deleted if file.path not in exports]
         steps.deleted += _behind_links(plan, steps)
         files.replace(home / JOURNAL, msgspec.json.encode(steps).decode(), mode=_MODE)
@@ -388,8 +388,12 @@ def _codings_without(path: Path, spans: Sequence[tuple[int, int]], code: str) ->
     return "".join(f"{text}\n" for text in kept)
 
 
-def _export_note(day: str) -> str:
+def _export_note(readme: Path, code: str, day: str) -> str:
+    """What the README of an export says from now on; it still lists the files of others."""
+    words = CodeWords([code])
+    names = files_listed(readme.read_text(encoding="utf-8"))
     return (
         f"{SIGN}\n\nOn {day} files of a participant who withdrew were taken out: this export is not"
-        " whole. Make it anew.\n"
+        " whole. Make it anew.\n\n"
+        + files_section(name for name in names if not words.within(name))
     )

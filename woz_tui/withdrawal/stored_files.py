@@ -12,12 +12,14 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.analysis.csv_package import DICTIONARY
+import msgspec
+
+from woz_tui.analysis.csv_package import DICTIONARY, tables_listed
 from woz_tui.analysis.session_reading import NO_EXTRAS, read_report
 from woz_tui.config.file_additions import is_typed_copy
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.face_store import FaceStore, default_path
-from woz_tui.export.output_folder import README, SIGN
+from woz_tui.export.output_folder import README, SIGN, files_listed
 from woz_tui.log.coding_file import coding_path
 from woz_tui.log.damage import Damage
 from woz_tui.log.file_names import CODINGS, media_folder
@@ -32,8 +34,8 @@ from woz_tui.timeline.session_state import SessionState
 from woz_tui.withdrawal.code_words import CodeWords
 from woz_tui.withdrawal.log_cut import OF_THE_FILE, codes_in, files_in
 
-#: Files that exports and reports write; in a folder of theirs, others are somebody else's.
-_EXPORTED = frozenset({".csv", ".tsv", ".json", ".eaf", ".TextGrid", ".wav", ".gz", ".jsonl"})
+#: What `woz report --json` writes, and nobody else all of it.
+_REPORT = frozenset({"sessions", "experiments", "trainings", "problems"})
 #: Folders of other programs.
 _PASSED = frozenset({".git", ".venv", "node_modules", "__pycache__"})
 #: Bytes that are searched at once; a code that lies across is found in the overlap.
@@ -176,11 +178,12 @@ def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFi
         }
     found.sessions = [session for session in found.sessions if session.codes() & words.codes]
     for folder in folders:
-        exports = set[Path]()
+        #: Files of exports and tables -> the folder that was written.
+        exports = dict[Path, Path]()
         for path in _files_below(folder):
-            exports |= {path.parent} if _is_export(path) else set()
+            exports.update(dict.fromkeys(_exported_with(path), path.parent))
             if path.resolve() not in claimed:
-                _look_at(path, path.relative_to(folder), words, exports, found)
+                _look_at(path, path.relative_to(folder), words, exports.get(path), found)
     _look_at_faces(words, found)
     return found
 
@@ -241,23 +244,27 @@ def _session(log: Path, words: CodeWords) -> StoredSession:
 # -- other files ----------------------------------------------------------------------------------
 
 
-def _is_export(path: Path) -> bool:
-    """Whether this file says that its folder was written by an export, or by `woz report --csv`."""
-    if path.name not in (README, DICTIONARY):
-        return False
+def _exported_with(path: Path) -> Iterator[Path]:
+    """The files that an export, or `woz report --csv`, wrote together with this one, by the list in
+    it. Whatever else lies beside them is somebody's own work.
+    """
+    if path.name not in (README, DICTIONARY) or not path.is_file():
+        return  # not a pipe either: reading would wait for its writer
     try:
-        with path.open("rb") as file:
-            begin = file.read(_BEGINNING)
-    except OSError:
-        return False
-    return begin.startswith(SIGN.encode()) or b'"woz-sessions"' in begin
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return
+    if path.name == DICTIONARY:
+        names = tables_listed(text)
+    else:
+        names = files_listed(text) if text.startswith(SIGN) else []
+    yield from (path.parent / name for name in names)
 
 
 def _look_at(
-    path: Path, name: Path, words: CodeWords, exports: set[Path], found: StoredFiles
+    path: Path, name: Path, words: CodeWords, exported: Path | None, found: StoredFiles
 ) -> None:
     codes = words.within(str(name))
-    exported = next((each for each in exports if path.is_relative_to(each)), None)
     try:
         begin = b""
         for piece in _pieces(path):
@@ -281,11 +288,11 @@ def _sort(
     path: Path, begin: bytes, exported: Path | None, codes: frozenset[str]
 ) -> tuple[str, frozenset[str], str, str]:
     """What a file is, and what is done with it."""
-    if exported is not None and (path.suffix in _EXPORTED or begin.startswith(SIGN.encode())):
-        return "export", codes, DELETE, f"export {exported} again"
+    if exported is not None or (path.name == README and begin.startswith(SIGN.encode())):
+        return "export", codes, DELETE, f"export {exported or path.parent} again"
     if b"session report</title>" in begin:
         return "report", codes, DELETE, f"write it again with woz report --html {path}"
-    if begin.startswith(b'{"sessions"') and path.suffix == ".json":
+    if begin.startswith(b'{"sessions"') and _is_report(path):
         return "report", codes, DELETE, "write it again with woz report --json"
     if path.name.endswith(CODINGS):
         return "codes of coders", codes, BY_HAND, "take the line out of it"
@@ -297,6 +304,14 @@ def _sort(
     if path.suffix in (".yaml", ".yml"):
         return "experiment file", codes, BY_HAND, "look whether the participant is meant"
     return "file of another program", codes, BY_HAND, "look whether the participant is meant"
+
+
+def _is_report(path: Path) -> bool:
+    try:
+        fields = msgspec.json.decode(path.read_bytes(), type=dict[str, msgspec.Raw])
+    except (OSError, msgspec.MsgspecError):
+        return False
+    return fields.keys() == _REPORT
 
 
 def _pieces(path: Path) -> Iterator[bytes]:

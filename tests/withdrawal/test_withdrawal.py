@@ -407,7 +407,7 @@ def test_two_logs_do_not_get_one_name(folder: Path) -> None:
         (0, start(participant="P07")),
         (20, m.SessionChanged(participant="P08")),
     ]
-    for stem, text in ((STEM, "a"), ("2026-03-01T10-00-00_S01_P07", "b")):
+    for stem, text in ((STEM, "a"), ("2026-03-01T10-00-00_S01", "b")):
         write(folder, [*course, (40, m.Note(text=text))], stem=stem)
     assert taken_out(folder) == 0
     logs = [path for path in folder.glob("*.jsonl") if ".samples" not in path.name]
@@ -428,6 +428,40 @@ def test_a_full_disk_leaves_all_as_it_was(
     assert taken_out(folder) == 1
     assert everything(folder) == before
     assert "o space left" in capsys.readouterr().err
+
+
+def test_a_code_of_digits_is_no_part_of_a_date_and_no_session(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ExampleSession(participant="03", session="04").act(1).end(20).written(
+        folder, "2026-03-01T10-00-00_03_04"
+    )
+    for code, session in (("08", "03"), ("", "03")):
+        other = ExampleSession(participant=code, session=session).act(1).end(20)
+        other.written(folder, "_".join(filter(None, ("2026-03-03T03-03-03", code, session))))
+    (folder / "2026-03-02 log.txt").write_text("on 03/03/2026 at 10:03, 2026-03-03T03:03:03Z\n")
+    others = {name: data for name, data in everything(folder).items() if "_03_04" not in name}
+    assert taken_out(folder, "2026") == 0
+    assert "stands in no file" in capsys.readouterr().out
+    assert taken_out(folder, "03") == 0, capsys.readouterr()
+    assert everything(folder) == others
+
+
+def test_a_code_where_somebody_wrote_it_into_a_name_is_told(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(
+        folder,
+        [
+            (0, start(participant="P07")),
+            (20, m.SessionChanged(participant="P08")),
+            (40, m.Note(text="x")),
+        ],
+        stem="2026-03-01T10-00-00_S01 of P07",
+    )
+    assert taken_out(folder) == 1, "it is left to do by hand"
+    assert "stands in its name" in capsys.readouterr().out
+    assert (folder / "2026-03-01T10-00-00_S01 of P07.jsonl").is_file()
 
 
 # -- a kill in between ----------------------------------------------------------------------------

@@ -57,6 +57,18 @@ def session_code(name: str) -> str:
     return found["session"] if found else ""
 
 
+def without_participant(name: str, code: str) -> str:
+    """A name of a session's files, or of copies of them, without the participant's code where
+    `file_stem` puts it; as it is if somebody else's stands there. All else in a name that looks the
+    same is a date, a session, or something else.
+    """
+    found = _STEM.search(name)
+    if found is None or found["participant"] != code:
+        return name
+    begin, end = found.span("participant")
+    return f"{name[: begin - 1]}{name[end:]}"
+
+
 def name_after(log: Path, participant: str) -> None:
     """Put the participant into the names of a session that is over: its log and what is beside it.
     The folder of its media keeps the name that stands in the log's lines.

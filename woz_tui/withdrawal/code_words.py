@@ -8,26 +8,33 @@ from typing import Any
 
 #: What stands in the place of a code in a text that is somebody else's.
 WITHDRAWN = "[withdrawn]"
+#: Dates and times of day as logs, names of files and people write them.
+_DATE = (
+    r"\d{4}-\d\d-\d\d(?:[T _]\d\d[-:]\d\d(?:[-:]\d\d(?:[.,]\d+)?)?)?(?:Z|[+-]\d\d:?\d\d)?"
+    r"|\d\d?[./]\d\d?[./]\d{4}|\d\d?:\d\d(?::\d\d(?:[.,]\d+)?)?Z?"
+)
 
 
 class CodeWords:
-    """Codes as words: `P07` stands in `2026-03-01_P07_S01` and in *P07 was late*, not in `P071`."""
+    """Codes as words: `P07` stands in `2026-03-01_P07_S01` and in *P07 was late*, not in `P071`;
+    `03` stands in *03 was late*, not in a date or a time of day.
+    """
 
     def __init__(self, codes: Iterable[str]) -> None:
         self.codes = frozenset(filter(None, codes))
         listed = "|".join(sorted(map(re.escape, self.codes))) or r"(?!)"
-        self._words = re.compile(rf"(?<![A-Za-z0-9])(?:{listed})(?![A-Za-z0-9])")
+        self._words = re.compile(rf"(?<![A-Za-z0-9])(?:{_DATE}|({listed}))(?![A-Za-z0-9])")
         self._bytes = re.compile(self._words.pattern.encode())
 
     def within(self, text: str | bytes) -> frozenset[str]:
         """The codes that stand in a text."""
         if isinstance(text, bytes):
-            return frozenset(found.decode() for found in self._bytes.findall(text))
-        return frozenset(self._words.findall(text))
+            return frozenset(found.decode() for found in self._bytes.findall(text) if found)
+        return frozenset(filter(None, self._words.findall(text)))
 
     def without(self, text: str) -> str:
         """The text with `WITHDRAWN` in the place of each code."""
-        return self._words.sub(WITHDRAWN, text)
+        return self._words.sub(lambda found: WITHDRAWN if found[1] else found[0], text)
 
 
 def is_distinct(code: str) -> bool:
@@ -35,11 +42,6 @@ def is_distinct(code: str) -> bool:
     no number or word (`7`, `anna`).
     """
     return not code.isdigit() and not code.isalpha()
-
-
-def without_code(name: str, code: str) -> str:
-    """The name of a file or folder of a session, without the participant's code."""
-    return re.sub(rf"_?(?<![A-Za-z0-9]){re.escape(code)}(?![A-Za-z0-9])", "", name).lstrip("_ ")
 
 
 def texts_in(value: Any) -> Iterator[str]:

@@ -22,10 +22,11 @@ from woz_tui.export.output_folder import README, SIGN, files_listed, files_secti
 from woz_tui.log.coding_file import coding_path
 from woz_tui.log.damage import Damage
 from woz_tui.log.disk import LogDisk
+from woz_tui.log.file_names import without_participant
 from woz_tui.log.log_reader import merge
 from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
 from woz_tui.system import files
-from woz_tui.withdrawal.code_words import CodeWords, is_distinct, without_code
+from woz_tui.withdrawal.code_words import CodeWords, is_distinct
 from woz_tui.withdrawal.log_cut import CutSummary, LogCut
 from woz_tui.withdrawal.stored_files import (
     BY_HAND,
@@ -100,6 +101,10 @@ def planned(found: StoredFiles, code: str) -> Removal:
             plan.by_hand += _elsewhere(session, session.strange_media(), codes)
         elif code in session.codes():
             plan.cut.append(session)
+            name = without_participant(session.files.stem, code)
+            if code in session.turns and CodeWords([code]).within(name):
+                remedy = "the code, or the same word, stands in its name: rename it if need be"
+                plan.by_hand.append(StoredFile(session.log, "log", codes, BY_HAND, remedy))
             if "rerun.started" in session.named.get(code, ()):
                 remedy = "it ran a session of several people again: delete it if need be"
                 plan.by_hand.append(StoredFile(session.log, "re-run", codes, BY_HAND, remedy))
@@ -322,7 +327,7 @@ def _new_stem(log: Path, old: str, code: str, taken: Collection[str]) -> str:
     """What the log is called without the code; `-2` behind it where that is taken, on the disk or
     by a log that is written anew.
     """
-    wanted = without_code(old, code)
+    wanted = without_participant(old, code)
     if wanted == old:
         return old
     for new in (wanted, *(f"{wanted}-{number}" for number in range(2, 1000))):

@@ -22,7 +22,7 @@ from woz_tui.drivers.face_store import FaceStore, default_path
 from woz_tui.export.output_folder import README, SIGN, files_listed
 from woz_tui.log.coding_file import coding_path
 from woz_tui.log.damage import Damage
-from woz_tui.log.file_names import CODINGS, media_folder
+from woz_tui.log.file_names import CODINGS, media_folder, without_participant
 from woz_tui.log.log_files import LogFiles, files_of
 from woz_tui.log.log_reader import merge
 from woz_tui.log.samples_index import path_of
@@ -233,8 +233,9 @@ def _session(log: Path, words: CodeWords) -> StoredSession:
             kinds = found.named.setdefault(code, {})
             kinds[line.kind] = kinds.get(line.kind, 0) + 1
     found.turns.discard("")
-    for code in words.within(log.name):
-        found.named.setdefault(code, {})
+    for code in words.codes:
+        if without_participant(files.stem, code) != files.stem:
+            found.named.setdefault(code, {})
     if len(found.turns) > 1:
         with suppress(OSError, ValueError):
             found.took_part = {*read_report(log, extras=NO_EXTRAS).figures.participants} - {""}

@@ -430,6 +430,22 @@ def test_a_full_disk_leaves_all_as_it_was(
     assert "o space left" in capsys.readouterr().err
 
 
+def test_what_the_robot_process_said_of_others_stays(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = dict.fromkeys(("about P07", "nothing"))
+    for day, text in enumerate(said, 1):
+        other = ExampleSession(participant="P08", session=f"S0{day}")
+        other.add(3, m.Note(text="P07 waits outside")).act(4).end(20)
+        log = other.written(folder, f"2026-03-0{day}T10-00-00_P08_S0{day}")
+        log.with_suffix(".host.log").write_text(text)
+    assert taken_out(folder) == 1, "one is left to look at by hand"
+    shown = capsys.readouterr().out
+    assert "2026-03-01T10-00-00_P08_S01.host.log" in shown
+    assert "2026-03-02T10-00-00_P08_S02.host.log" not in shown
+    assert [path.read_text() for path in sorted(folder.glob("*.host.log"))] == [*said]
+
+
 def test_a_code_of_digits_is_no_part_of_a_date_and_no_session(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -134,7 +134,7 @@ def _print(plan: Removal, found: StoredFiles) -> None:
         print("Sessions of several people: this participant is taken out")
         for session in plan.cut:
             print(f"  {session.log}{_lines(session.named.get(plan.code, {}))}")
-            for path, what in session.beside():
+            for path, what in session.beside_of([plan.code]):
                 if path != session.log:
                     print(f"    {path} ({what})")
     if plan.forgotten:
@@ -168,7 +168,7 @@ def _fields(plan: Removal) -> dict[str, Json]:
     cut: list[Json] = [
         {
             "log": str(session.log),
-            "files": [str(path) for path, _ in session.beside()],
+            "files": [str(path) for path, _ in session.beside_of([plan.code])],
             "lines": {**session.named.get(plan.code, {})},
         }
         for session in plan.cut

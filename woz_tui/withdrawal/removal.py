@@ -234,7 +234,7 @@ def _leave(folder: Path, home: Path) -> None:
 def _changed(plan: Removal) -> Iterator[Path]:
     yield from (file.path for file in plan.deleted)
     for session in plan.cut:
-        yield from (path for path, _ in session.beside())
+        yield from (path for path, _ in session.beside_of([plan.code]))
 
 
 def _refuse_open(plan: Removal) -> None:
@@ -350,7 +350,7 @@ def _beside(
     theirs = {Path(name).name for name in summary.files - summary.kept_files}
     others = {Path(name).name for name in summary.kept_files}
     codes = frozenset([plan.code])
-    for path, what in session.beside():
+    for path, what in session.beside_of([plan.code]):
         if what == "sound or picture":
             if path.name in theirs:
                 steps.deleted.append(str(path))

@@ -42,8 +42,7 @@ _PASSED = frozenset({".git", ".venv", "node_modules", "__pycache__"})
 _PIECE, _OVERLAP = 1 << 22, 64
 _BEGINNING = 1 << 13
 
-#: What is beside a log and is searched as text where the log does not have the code.
-_TEXTS = ("what the robot process said", "codes of coders")
+_SAID, _CODES = "what the robot process said", "codes of coders"
 
 #: What a withdrawal does with a file.
 DELETE, CUT, FORGET, BY_HAND = "delete", "take out", "forget", "by hand"
@@ -98,6 +97,18 @@ class StoredSession:
         """Whether nobody else took part. Others whose codes were slips did not."""
         return code in self.turns and not (self.took_part or self.turns) - {code, ""}
 
+    def had(self, code: str) -> bool:
+        """Whether this person was in it, or in the session that it runs again."""
+        return code in self.turns or "rerun.started" in self.named.get(code, ())
+
+    def beside_of(self, codes: Iterable[str]) -> Iterator[tuple[Path, str]]:
+        """`beside`, without what is searched as text because its log does not have the codes: what
+        the robot process said of sessions in which these people never were.
+        """
+        codes = self.codes().intersection(codes)
+        texts = {_SAID: any(map(self.had, codes)), _CODES: bool(codes)}
+        yield from ((path, what) for path, what in self.beside() if texts.get(what, True))
+
     def media_folders(self) -> list[Path]:
         """The folders of its own sound and pictures. One keeps the name that stands in the lines
         when the log gets another one.
@@ -122,11 +133,11 @@ class StoredSession:
                 yield index, "index of samples"
         for path in self.files.actions:
             if (said := path.with_suffix(".host.log")).is_file():
-                yield said, "what the robot process said"
+                yield said, _SAID
         for folder in self.media_folders():
             yield from ((each, "sound or picture") for each in _files_below(folder))
         if (codes := coding_path(self.log)).is_file():
-            yield codes, "codes of coders"
+            yield codes, _CODES
 
 
 @dataclass
@@ -172,10 +183,7 @@ def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFi
     _mark_reruns(found.sessions)
     claimed = set[Path]()
     for session in found.sessions:
-        whole = bool(session.codes() & words.codes)
-        claimed |= {
-            path.resolve() for path, what in session.beside() if whole or what not in _TEXTS
-        }
+        claimed |= {path.resolve() for path, _ in session.beside_of(words.codes)}
     found.sessions = [session for session in found.sessions if session.codes() & words.codes]
     for folder in folders:
         #: Files of exports and tables -> the folder that was written.
@@ -296,7 +304,7 @@ def _sort(
     if begin.startswith(b'{"sessions"') and _is_report(path):
         return "report", codes, DELETE, "write it again with woz report --json"
     if path.name.endswith(CODINGS):
-        return "codes of coders", codes, BY_HAND, "take the line out of it"
+        return _CODES, codes, BY_HAND, "take the line out of it"
     if path.name.endswith((".host.log", ".samples.jsonl", ".samples.index")):
         return "file beside a log", codes, BY_HAND, "look whether the participant is meant"
     if is_typed_copy(path):

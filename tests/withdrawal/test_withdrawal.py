@@ -505,7 +505,10 @@ def killing(monkeypatch: pytest.MonkeyPatch, after: int) -> None:
 
 @pytest.mark.parametrize("changes", range(0, 12, 2))
 def test_a_kill_in_between_leaves_the_old_or_the_new(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, changes: int
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    changes: int,
 ) -> None:
     shared: list[Timed] = [
         (0, start(participant="P07")),
@@ -521,7 +524,11 @@ def test_a_kill_in_between_leaves_the_old_or_the_new(
         with suppress(KilledError):
             taken_out(folder)
     if (folder / removal.JOURNAL).exists():
-        assert main(["participants", str(folder)]) == 0  # finishes it
+        halfway = everything(folder)
+        assert main(["participants", str(folder)]) == 0
+        assert "was interrupted here" in capsys.readouterr().err
+        assert everything(folder) == halfway, "a list changes nothing"
+        assert taken_out(folder) == 0  # finishes it
     else:
         left = {name: data for name, data in everything(folder).items() if name[0] != "."}
         if left == before:
@@ -532,6 +539,42 @@ def test_a_kill_in_between_leaves_the_old_or_the_new(
         "2026-03-01T10-00-00_S01.samples.jsonl",
     }
     assert verify(folder / "2026-03-01T10-00-00_S01.jsonl").sentences() == []
+
+
+def steps(folder: Path, **given: object) -> None:
+    """Leave a list of steps as that of a withdrawal that was interrupted."""
+    fields = {"inode": folder.stat().st_ino, **given}
+    (folder / removal.JOURNAL).write_text(json.dumps(fields))
+
+
+@pytest.mark.parametrize("way", ["absolute", "above", "link", "folder", "damaged"])
+def test_a_list_of_steps_reaches_only_into_named_folders(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], way: str
+) -> None:
+    thesis = tmp_path / "thesis" / "all.tex"
+    thesis.parent.mkdir()
+    thesis.write_text("x")
+    (folder / "linked").symlink_to(thesis.parent)
+    match way:
+        case "absolute":
+            steps(folder, deleted=[str(thesis)])
+        case "above":
+            steps(folder, replaced=[("../thesis/all.tex", "a.jsonl")])
+        case "link":
+            steps(folder, deleted=["linked/all.tex"])
+        case "folder":  # it came with a copy of another folder
+            (folder / "all.tex").write_text("x")
+            steps(folder, inode=1, deleted=["all.tex"])
+        case _:
+            (folder / removal.JOURNAL).write_text("{")
+    before = everything(tmp_path)
+    assert taken_out(folder) == 1
+    assert removal.JOURNAL in capsys.readouterr().err
+    assert everything(tmp_path) == before
+    if way in ("absolute", "link"):
+        arguments = ["participants", str(folder), str(thesis.parent), "--code", "P07"]
+        assert main([*arguments, "--withdraw", "--yes"]) == 0
+        assert not thesis.exists()
 
 
 # -- any course -----------------------------------------------------------------------------------

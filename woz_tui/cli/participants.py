@@ -49,7 +49,7 @@ def run(arguments: Namespace) -> int:
 
 def _run(arguments: Namespace) -> int:
     from woz_tui.log.file_names import check_code  # noqa: PLC0415
-    from woz_tui.withdrawal.removal import finish  # noqa: PLC0415
+    from woz_tui.withdrawal.removal import finish, is_unfinished  # noqa: PLC0415
     from woz_tui.withdrawal.stored_files import stored_files  # noqa: PLC0415
 
     arguments.folders = [folder.absolute() for folder in arguments.folders]
@@ -57,12 +57,16 @@ def _run(arguments: Namespace) -> int:
         if not folder.is_dir():
             _complain(f"{folder}: there is no such folder")
             return 1
-        if finish(folder):
-            _complain(f"{folder}: a withdrawal that was interrupted is finished now")
-    if arguments.code is None:
+    if arguments.withdraw and arguments.code is None:
+        _complain("--withdraw needs --code: whom?")
+        return 2
+    for folder in arguments.folders:
         if arguments.withdraw:
-            _complain("--withdraw needs --code: whom?")
-            return 2
+            if finish(folder, arguments.folders):
+                _complain(f"{folder}: a withdrawal that was interrupted is finished now")
+        elif is_unfinished(folder):
+            _complain(f"{folder}: a withdrawal was interrupted here: --withdraw finishes it")
+    if arguments.code is None:
         return _list(stored_files(arguments.folders), arguments)
     code = check_code("participant", arguments.code)
     found = stored_files(arguments.folders, [code])

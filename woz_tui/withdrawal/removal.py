@@ -1,7 +1,7 @@
 """Takes out all that is kept of one participant, so that it is all done or nothing.
 
 What stays is written anew beside the old files, and a list of what is to be done is put on the
-disk. From then on the withdrawal holds: whoever finds that list goes through it again.
+disk. From then on the withdrawal holds: the next one in that folder goes through it again.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from woz_tui.export.output_folder import README, SIGN, files_listed, files_secti
 from woz_tui.log.coding_file import coding_path
 from woz_tui.log.damage import Damage
 from woz_tui.log.disk import LogDisk
-from woz_tui.log.file_names import without_participant
+from woz_tui.log.file_names import fallback_folders, without_participant
 from woz_tui.log.log_reader import merge
 from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
 from woz_tui.system import files
@@ -40,6 +40,7 @@ from woz_tui.withdrawal.stored_files import (
 #: The list of what is to be done, in the first of the folders.
 JOURNAL = ".woz-withdrawal.json"
 _NEW = ".withdrawal.tmp"
+_LOOK = "delete {} and look what is left"
 _MODE = 0o600
 
 
@@ -54,9 +55,10 @@ class WithdrawalError(Exception):
 
 class _Steps(msgspec.Struct):
     """What is to be done, in this order; each can be done again. `replaced` and `renamed` are old
-    and new names.
+    and new names; on the disk all are relative to the folder, of which `inode` is the number.
     """
 
+    inode: int = 0
     replaced: list[tuple[str, str]] = []
     deleted: list[str] = []
     renamed: list[tuple[str, str]] = []
@@ -143,14 +145,25 @@ def withdraw(plan: Removal, home: Path, day: str) -> None:
             steps.replaced.append(_written(readme, _export_note(readme, plan.code, day)))
         steps.deleted += [str(file.path) for file in plan.deleted if file.path not in exports]
         steps.deleted += _behind_links(plan, steps)
-        files.replace(home / JOURNAL, msgspec.json.encode(steps).decode(), mode=_MODE)
+        steps.inode = home.stat().st_ino
+        stored = _with_names(steps, lambda name: os.path.relpath(name, home))
+        files.replace(home / JOURNAL, msgspec.json.encode(stored).decode(), mode=_MODE)
         LogDisk().fsync_folder(home)
     except BaseException:
         (home / JOURNAL).unlink(missing_ok=True)
         for fresh, _ in steps.replaced:
             Path(fresh).unlink(missing_ok=True)
         raise
-    finish(home)
+    _go_through(steps, home)
+
+
+def _with_names(steps: _Steps, change: Callable[[str], str]) -> _Steps:
+    return _Steps(
+        steps.inode,
+        [(change(old), change(new)) for old, new in steps.replaced],
+        [change(name) for name in steps.deleted],
+        [(change(old), change(new)) for old, new in steps.renamed],
+    )
 
 
 def _behind_links(plan: Removal, steps: _Steps) -> Iterator[str]:
@@ -162,16 +175,47 @@ def _behind_links(plan: Removal, steps: _Steps) -> Iterator[str]:
             yield file
 
 
-def finish(home: Path) -> bool:
-    """Do what a list of steps in `home` says that was left there; whether there was one. Raises
-    `OSError`, and can then be called again.
+def is_unfinished(home: Path) -> bool:
+    """Whether a withdrawal was interrupted that began in this folder."""
+    return os.path.lexists(home / JOURNAL)
+
+
+def finish(home: Path, named: Sequence[Path]) -> bool:
+    """Do what a list of steps in `home` says that was left there, in `named` folders and those to
+    which logs move by themselves; whether there was one. A list that came with a folder of somebody
+    else, or names files elsewhere, is not obeyed.
+
+    Raises:
+        WithdrawalError: It is not obeyed, or cannot be any more.
+        OSError: It can be called again.
     """
     journal = home / JOURNAL
     files.sweep(journal)
-    try:
-        steps = msgspec.json.decode(journal.read_bytes(), type=_Steps)
-    except FileNotFoundError:
+    if not is_unfinished(home):
         return False
+    try:
+        with files.open_regular(journal) as file:
+            steps = msgspec.json.decode(file.read(), type=_Steps)
+    except msgspec.MsgspecError as error:
+        raise WithdrawalError(f"{journal} is damaged: {error}", _LOOK.format(journal)) from None
+    if steps.inode != home.stat().st_ino:
+        raise WithdrawalError(
+            f"{journal} is the list of a withdrawal from another folder", _LOOK.format(journal)
+        )
+    steps = _with_names(steps, lambda name: os.path.normpath(home / name))
+    roots = [files.real(folder) for folder in (home, *named, *fallback_folders())]
+    for name in (*sum(steps.replaced, ()), *steps.deleted, *sum(steps.renamed, ())):
+        folder = files.real(Path(name).parent)
+        if not any(folder.is_relative_to(root) for root in roots):
+            raise WithdrawalError(
+                f"{journal} names {name}, which is in none of the named folders",
+                f"name {folder}, too, if it belongs to the study; otherwise delete {journal}",
+            )
+    _go_through(steps, home)
+    return True
+
+
+def _go_through(steps: _Steps, home: Path) -> None:
     folders = set[Path]()
     for old, new in steps.replaced:
         try:
@@ -180,7 +224,7 @@ def finish(home: Path) -> bool:
             if not Path(new).exists():
                 raise WithdrawalError(
                     f"{old} and {new} are not there any more, so the withdrawal cannot be finished",
-                    f"put them back where they were, or delete {journal} and look what is left",
+                    f"put them back where they were, or {_LOOK.format(home / JOURNAL)}",
                 ) from None
         folders.add(Path(new).parent)
     for name in steps.deleted:
@@ -192,8 +236,7 @@ def finish(home: Path) -> bool:
         folders.add(Path(new))
     for folder in sorted(folders, reverse=True):
         _leave(folder, home)
-    journal.unlink()
-    return True
+    (home / JOURNAL).unlink()
 
 
 def forget(plan: Removal) -> list[str]:

@@ -430,6 +430,22 @@ def test_a_full_disk_leaves_all_as_it_was(
     assert "o space left" in capsys.readouterr().err
 
 
+def test_pipes_and_circles_of_links_do_not_hold_it_up(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("pipe", "README.md", "notes.jsonl"):
+        os.mkfifo(folder / name)
+    (folder / "a.txt").symlink_to(folder / "b.txt")
+    (folder / "b.txt").symlink_to(folder / "a.txt")
+    ExampleSession().act(1).end(20).written(folder, STEM)
+    assert taken_out(folder) == 1
+    told = capsys.readouterr()
+    assert f"{folder / 'a.txt'}: Too many levels of symbolic links" in told.err
+    assert "Not searched" in told.out
+    assert "pipe" in told.out
+    assert not (folder / f"{STEM}.jsonl").exists()
+
+
 def test_what_the_robot_process_said_of_others_stays(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -30,6 +30,7 @@ from woz_tui.log.sessions import all_logs_in
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.visitor_records import FORMAT
 from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
+from woz_tui.system.files import NotRegularError, open_regular, real
 from woz_tui.timeline.session_state import SessionState
 from woz_tui.withdrawal.code_words import CodeWords
 from woz_tui.withdrawal.log_cut import OF_THE_FILE, codes_in, files_in
@@ -183,14 +184,14 @@ def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFi
     _mark_reruns(found.sessions)
     claimed = set[Path]()
     for session in found.sessions:
-        claimed |= {path.resolve() for path, _ in session.beside_of(words.codes)}
+        claimed |= {real(path) for path, _ in session.beside_of(words.codes)}
     found.sessions = [session for session in found.sessions if session.codes() & words.codes]
     for folder in folders:
         #: Files of exports and tables -> the folder that was written.
         exports = dict[Path, Path]()
         for path in _files_below(folder):
             exports.update(dict.fromkeys(_exported_with(path), path.parent))
-            if path.resolve() not in claimed:
+            if real(path) not in claimed:
                 _look_at(path, path.relative_to(folder), words, exports.get(path), found)
     _look_at_faces(words, found)
     return found
@@ -279,7 +280,7 @@ def _look_at(
         for piece in _pieces(path):
             begin = begin or piece[:_BEGINNING]
             codes |= words.within(piece)
-    except ValueError:
+    except (ValueError, NotRegularError):
         if not codes and exported is None:
             found.closed.append(path)
             return
@@ -324,8 +325,8 @@ def _is_report(path: Path) -> bool:
 
 
 def _pieces(path: Path) -> Iterator[bytes]:
-    """A file of text, as UTF-8. Raises `ValueError` if it is none."""
-    with path.open("rb") as file:
+    """A file of text, as UTF-8. Raises `ValueError` if it is none, and as `open_regular` does."""
+    with open_regular(path) as file:
         begin = file.read(_BEGINNING)
         if begin.startswith((b"\xff\xfe", b"\xfe\xff")):
             yield (begin + file.read()).decode("utf-16", "replace").encode()

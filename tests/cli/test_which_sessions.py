@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -131,3 +133,23 @@ def test_codes_that_are_probably_one_persons_are_named_everywhere(
         assert "P008 and P8, P07 and p07" in (shown.out + shown.err).replace("\n", " ")
     labels = [path.name.casefold() for path in (tmp_path / "bids").glob("sub-*")]
     assert len(labels) == len(set(labels)) == 4
+
+
+def test_a_folder_below_that_cannot_be_read_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for place, (day, name) in zip((".", "closed"), names()[:2], strict=True):
+        session(day).written(tmp_path / place, name)
+    scandir = os.scandir
+
+    def refusing(path: str = ".") -> object:
+        if Path(path).name == "closed":
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", refusing)
+    logs, problems = sessions_in([str(tmp_path)])
+    assert [log.stem for log in logs] == [FIRST]
+    assert problems == [f"{tmp_path}/closed: Permission denied: sessions in it are left out"]
+    assert main(["participants", str(tmp_path), "--code", "P02"]) == 1
+    assert f"{tmp_path}/closed: Permission denied" in capsys.readouterr().err

@@ -7,6 +7,7 @@ copies of it lie about.
 from __future__ import annotations
 
 import glob
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,7 +46,7 @@ def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     no_logs: list[Path] = []
     for name in named:
         try:
-            paths = list(_paths(name))
+            paths = list(_paths(name, problems))
         except OSError as error:
             problems.append(f"{name}: {error.strerror or error}")
             continue
@@ -78,16 +79,25 @@ def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     return [*_first_segments(found)], problems
 
 
-def _paths(name: str) -> Iterator[Path]:
+def _paths(name: str, problems: list[str]) -> Iterator[Path]:
+    def passed(error: OSError) -> None:
+        problems.append(f"{error.filename}: {error.strerror}: sessions in it are left out")
+
     path = Path(name)
     if path.is_dir():
         next(path.iterdir(), None)  # a folder that cannot be read is no empty one
-        yield from (each for each in sorted(path.rglob("*.jsonl")) if _is_log(each))
+        below = [
+            Path(folder) / each
+            for folder, _, files in os.walk(path, onerror=passed)
+            for each in files
+            if each.endswith(".jsonl")
+        ]
+        yield from filter(_is_log, sorted(below))
     elif path.exists():
         yield path
     else:
         for each in sorted(glob.glob(name, recursive=True)):  # noqa: PTH207 - absolute ones too
-            yield from _paths(each) if Path(each).is_dir() else iter([Path(each)])
+            yield from _paths(each, problems) if Path(each).is_dir() else iter([Path(each)])
 
 
 def _problem(name: str) -> str:

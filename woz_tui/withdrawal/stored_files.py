@@ -189,7 +189,7 @@ def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFi
     for folder in folders:
         #: Files of exports and tables -> the folder that was written.
         exports = dict[Path, Path]()
-        for path in _files_below(folder):
+        for path in _files_below(folder, found.problems):
             exports.update(dict.fromkeys(_exported_with(path), path.parent))
             if real(path) not in claimed:
                 _look_at(path, path.relative_to(folder), words, exports.get(path), found)
@@ -211,10 +211,16 @@ def _all_codes(sessions: Iterable[StoredSession]) -> set[str]:
     return {code for session in sessions for code in session.turns if code}
 
 
-def _files_below(folder: Path) -> Iterator[Path]:
+def _files_below(folder: Path, problems: list[str] | None = None) -> Iterator[Path]:
+    """What cannot be looked into is told in `problems`."""
+
+    def passed(error: OSError) -> None:
+        if problems is not None:
+            problems.append(f"{error.filename}: {error.strerror}")
+
     if folder.is_file():
         yield folder
-    for place, folders, names in os.walk(folder):
+    for place, folders, names in os.walk(folder, onerror=passed):
         folders[:] = sorted(name for name in folders if name not in _PASSED)
         # What says that a folder is an export comes before its files.
         for name in sorted(names, key=lambda name: (name not in (README, DICTIONARY), name)):

@@ -153,3 +153,15 @@ def test_a_folder_below_that_cannot_be_read_is_told(
     assert problems == [f"{tmp_path}/closed: Permission denied: sessions in it are left out"]
     assert main(["participants", str(tmp_path), "--code", "P02"]) == 1
     assert f"{tmp_path}/closed: Permission denied" in capsys.readouterr().err
+
+
+def test_the_copy_with_more_lines_is_read_in_whatever_encoding(tmp_path: Path) -> None:
+    log = session(1).written(tmp_path, FIRST)
+    lines = log.read_text(encoding="utf-8").splitlines(keepends=True)
+    saved = tmp_path / f"{FIRST} a.jsonl"
+    for left, read in ((lines[:-2], log), (lines, log), ([*lines, lines[-1]], saved)):
+        saved.write_text("".join(left), encoding="utf-16")
+        assert sessions_in([str(tmp_path)])[0] == [read]
+    log.rename(tmp_path / f"{FIRST} longer name.jsonl")
+    saved.write_text("".join(lines), encoding="utf-16")
+    assert sessions_in([str(tmp_path)])[0] == [tmp_path / f"{FIRST} longer name.jsonl"]

@@ -15,7 +15,7 @@ from typing import Any
 
 from woz_tui.log.file_names import CODINGS, FileName, session_code, why_no_log
 from woz_tui.log.log_files import files_of
-from woz_tui.log.log_opening import open_log
+from woz_tui.log.log_opening import encoding_of, open_log
 from woz_tui.log.old_logs import OldLogError, why_too_old
 from woz_tui.protocol import codec
 
@@ -212,12 +212,19 @@ class _Log:
             found.append((fields.get("seq"), fields.get("t"), fields.get("kind")))
         return found
 
-    def length(self) -> int:
-        """Bytes of its actions."""
+    def length(self) -> tuple[int, bool]:
+        """Lines of its actions, in whatever encoding; of two copies with as many, the one that is
+        as it was recorded is worth more.
+        """
+        lines, recorded = 0, True
         try:
-            return sum(path.stat().st_size for path in files_of(self.path, samples=False).actions)
+            for path in files_of(self.path, samples=False).actions:
+                recorded = recorded and not encoding_of(path)
+                with open_log(path) as file:
+                    lines += sum(1 for _ in file)
         except OSError:
-            return 0
+            return 0, False
+        return lines, recorded
 
 
 def _each_once(logs: list[_Log], problems: list[str]) -> Iterator[Path]:
@@ -241,12 +248,16 @@ def _each_once(logs: list[_Log], problems: list[str]) -> Iterator[Path]:
         # A copy has the longer name: "... (1)", "... - Copy", "Copy of ...".
         read = max(
             copies,
-            key=lambda log: (not log.redacted, lengths.get(log.path, 0), -len(log.path.name)),
+            key=lambda log: (
+                not log.redacted,
+                lengths.get(log.path, (0, False)),
+                -len(log.path.name),
+            ),
         )
         yield read.path
         for log in copies:
             if log is not read:
                 what = "a redacted copy of" if log.redacted else "the same session as"
-                shorter = not log.redacted and lengths[log.path] < lengths[read.path]
+                shorter = not log.redacted and lengths[log.path][0] < lengths[read.path][0]
                 why = "is longer and counted already" if shorter else "is counted already"
                 problems.append(f"{log.path}: is {what} {read.path}, which {why}")

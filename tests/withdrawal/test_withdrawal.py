@@ -378,6 +378,26 @@ def test_visitors_coders_and_clips_of_the_person_go(folder: Path) -> None:
     ]
 
 
+def test_the_entries_that_are_listed_are_those_that_go(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    faces = FaceStore(default_path())
+    store = VisitorStore(folder / "visitors.json")
+    for name in ("p07", "Friend of P07", "Anna"):
+        faces.learn(name, b"1234", "2026-03-01", f"{STEM}.jsonl" if name == "Anna" else "a.jsonl")
+        store.add("Berta" if name == "p07" else name, on=None)
+    store.learn("Berta", "P07")
+    assert taken_out(folder) == 1, "some are left to look at"
+    told = capsys.readouterr().out
+    assert "visitors.json (named visitors): the entry of Berta" in told
+    assert "faces.json (faces that are recognised): the entry of p07" in told
+    assert {face.name for face in FaceStore(default_path()).faces()} == {"Anna", "Friend of P07"}
+    left = VisitorStore(folder / "visitors.json").everybody()
+    assert {visitor.name for visitor in left} == {"Anna", "Friend of P07"}
+    assert told.count("woz visitors forget 'Friend of P07'") == 4, "of both, before and behind"
+    assert told.count("woz visitors forget 'Anna'") == 2, "her face is from a session of P07's"
+
+
 def test_codes_are_listed_with_those_that_are_probably_one_persons(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

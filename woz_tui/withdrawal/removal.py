@@ -32,6 +32,7 @@ from woz_tui.withdrawal.stored_files import (
     BY_HAND,
     DELETE,
     FORGET,
+    VISITORS,
     StoredFile,
     StoredFiles,
     StoredSession,
@@ -244,17 +245,10 @@ def forget(plan: Removal) -> list[str]:
     problems = []
     for file in plan.forgotten:
         try:
-            if file.what == "named visitors":
-                store = VisitorStore(file.path)
-                words = CodeWords([plan.code])
-                names = [
-                    visitor.name
-                    for visitor in store.everybody()
-                    if any(map(words.within, (visitor.name, *visitor.labels)))
-                ]
-                store.forget(*names)
+            if file.what == VISITORS:
+                VisitorStore(file.path).forget(*file.names)
             else:
-                FaceStore(file.path).forget([plan.code])
+                FaceStore(file.path).forget(file.names)
         except VisitorsError as error:
             problems.append(f"{file.path}: {error.reason} ({error.remedy})")
         except DriverError as error:

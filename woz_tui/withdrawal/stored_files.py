@@ -7,7 +7,7 @@ log. Other files are searched as text; what is inside of archives and documents 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,7 +18,7 @@ from woz_tui.analysis.csv_package import DICTIONARY, tables_listed
 from woz_tui.analysis.session_reading import NO_EXTRAS, read_report
 from woz_tui.config.file_additions import is_typed_copy
 from woz_tui.drivers.contract import DriverError
-from woz_tui.drivers.face_store import FaceStore, default_path
+from woz_tui.drivers.face_store import FaceStore, default_path, key_of
 from woz_tui.export.output_folder import README, SIGN, files_listed
 from woz_tui.log.coding_file import coding_path
 from woz_tui.log.damage import Damage
@@ -45,6 +45,8 @@ _BEGINNING = 1 << 13
 
 _SAID, _CODES = "what the robot process said", "codes of coders"
 
+#: Stores with entries of people.
+VISITORS, FACES = "named visitors", "faces that are recognised"
 #: What a withdrawal does with a file.
 DELETE, CUT, FORGET, BY_HAND = "delete", "take out", "forget", "by hand"
 
@@ -59,6 +61,7 @@ class StoredFile:
         codes: The codes that stand in it or in its name.
         does: What a withdrawal does with it: `DELETE`, `CUT`, `FORGET`, or `BY_HAND`.
         remedy: What there is to do then, in words.
+        names: Of a store what its entries of these codes are called.
     """
 
     path: Path
@@ -66,6 +69,7 @@ class StoredFile:
     codes: frozenset[str]
     does: str
     remedy: str = ""
+    names: tuple[str, ...] = ()
 
 
 @dataclass
@@ -293,8 +297,7 @@ def _look_at(
     except OSError as error:
         found.problems.append(f"{path}: {error.strerror or error}")
     if path.suffix == ".json" and FORMAT.encode() in begin:
-        if codes := _visitors(path, words, found):
-            found.others.append(StoredFile(path, "named visitors", codes, FORGET))
+        _look_at_visitors(path, words, found)
         return
     if codes:
         found.others.append(StoredFile(path, *_sort(path, begin, exported, codes)))
@@ -349,14 +352,31 @@ def _pieces(path: Path) -> Iterator[bytes]:
 # -- visitors and faces ---------------------------------------------------------------------------
 
 
-def _visitors(path: Path, words: CodeWords, found: StoredFiles) -> frozenset[str]:
+def _look_at_visitors(path: Path, words: CodeWords, found: StoredFiles) -> None:
     try:
         everybody = VisitorStore(path).everybody()
     except VisitorsError as error:
         found.problems.append(error.reason)
-        return frozenset()
-    names = [name for visitor in everybody for name in (visitor.name, *visitor.labels)]
-    return frozenset(code for name in names for code in words.within(name))
+        return
+    people = {visitor.name: (visitor.name, *visitor.labels) for visitor in everybody}
+    found.others += _entries(path, VISITORS, people, words)
+
+
+def _entries(
+    path: Path, what: str, people: Mapping[str, Sequence[str]], words: CodeWords
+) -> Iterator[StoredFile]:
+    """Of a store: whose name or label is a code is meant; one with it as a word may be. `people`:
+    name -> all that stands for this person.
+    """
+    for code in sorted(words.codes):
+        meant = [name for name, said in people.items() if key_of(code) in map(key_of, said)]
+        if meant:
+            remedy = f"the entry of {', '.join(meant)}"
+            yield StoredFile(path, what, frozenset([code]), FORGET, remedy, tuple(meant))
+        for name in people.keys() - meant:
+            if any(code in words.within(said) for said in people[name]):
+                remedy = f"if the participant is meant: woz visitors forget '{name}'"
+                yield StoredFile(path, what, frozenset([code]), BY_HAND, remedy)
 
 
 def _look_at_faces(words: CodeWords, found: StoredFiles) -> None:
@@ -367,10 +387,6 @@ def _look_at_faces(words: CodeWords, found: StoredFiles) -> None:
     except DriverError as error:
         found.problems.append(f"{path}: {error.what}")
         return
-    codes = frozenset[str]().union(*(words.within(face.name) for face in faces))
-    if codes:
-        found.others.append(StoredFile(path, "faces that are recognised", codes, FORGET))
-    for face in faces:
-        if not words.within(face.name) and (others := words.within(face.log)):
-            remedy = f"woz visitors forget '{face.name}'"
-            found.others.append(StoredFile(path, "face from a session", others, BY_HAND, remedy))
+    found.others += _entries(
+        path, FACES, {face.name: (face.name, face.log) for face in faces}, words
+    )

@@ -450,6 +450,19 @@ def test_a_full_disk_leaves_all_as_it_was(
     assert "o space left" in capsys.readouterr().err
 
 
+def test_a_sound_that_an_action_plays_is_no_recording(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = ExampleSession().act(1)
+    for number, name in enumerate(("sounds/gong.wav", "woz:waiting.gif")):
+        played, file = f"c{number}", {"file": name}
+        session.add(2, m.Command(command=played, verb="sound", args={**file}, source="key"))
+        session.add(3, m.Done(command=played, sent={**file}, latency_us=0, duration_us=1))
+    session.end(20).written(folder, STEM)
+    assert taken_out(folder) == 0, capsys.readouterr().out
+    assert "gong" not in capsys.readouterr().out
+
+
 def test_pipes_and_circles_of_links_do_not_hold_it_up(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

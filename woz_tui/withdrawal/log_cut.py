@@ -36,6 +36,8 @@ OF_THE_SESSION = frozenset(
 )
 #: Lines whose texts are those of the experiment file, which may list codes as examples.
 OF_THE_FILE = frozenset({"experiment.files", "session.plan"})
+#: Lines whose `file` was recorded.
+OF_RECORDINGS = frozenset({"speech.ended"})
 #: Fields whose codes are none of participants.
 _OTHER_CODES = frozenset({"kind", "session", "wizard", "run", "command", "console", "sha256"})
 #: What begins something that ends with another line, without an id: it is whose it began with.
@@ -134,7 +136,7 @@ class LogCut:
             self._state.apply(line.message)
             self._note_turn(line.t)
         theirs = self._is_theirs(line)
-        (self.summary.files if theirs else self.summary.kept_files).update(files_in(line.fields))
+        (self.summary.files if theirs else self.summary.kept_files).update(files_in(line))
         if theirs:
             self._take_out(line)
         else:
@@ -278,13 +280,12 @@ def _keys(line: LogLine) -> Iterator[tuple[object, ...]]:
         yield (subject,)
 
 
-def files_in(fields: Mapping[str, Any]) -> Iterator[str]:
-    """The files that a line names: recorded speech, pictures."""
-    for name, value in fields.items():
-        if name == "file" and isinstance(value, str) and value:
-            yield value
-        elif isinstance(value, dict):
-            yield from files_in(value)
+def files_in(line: LogLine) -> list[str]:
+    """The file that was recorded with a line; what it names otherwise, such as the sound of an
+    action, is the experiment's.
+    """
+    file = line.fields.get("file")
+    return [file] if line.kind in OF_RECORDINGS and isinstance(file, str) and file else []
 
 
 def codes_in(fields: Mapping[str, Any], words: CodeWords) -> set[str]:

@@ -83,7 +83,7 @@ class StoredSession:
         took_part: Those of them whom the report counts.
         named: Code -> kinds of lines whose words have it, without the experiment file's own.
         original: The log that this one ran again; empty: none.
-        media: Files that its lines name: sound and pictures.
+        media: Files that were recorded with its lines.
     """
 
     log: Path
@@ -245,7 +245,7 @@ def _session(log: Path, words: CodeWords) -> StoredSession:
             found.turns.add(state.study.participant)
         if isinstance(line.message, m.RerunStarted):
             found.original = line.message.original
-        found.media.update(files_in(line.fields))
+        found.media.update(files_in(line))
         if line.kind in OF_THE_FILE or not any(code in line.raw for code in codes):
             continue
         for code in codes_in(line.fields, words):

@@ -226,12 +226,31 @@ def test_presses_and_bursts_teach_nothing(pauses: tuple[float, ...], tmp_path: P
 
 def test_a_delay_that_was_seen_longer_had_waited_on_its_way(tmp_path: Path) -> None:
     async def scenario(wizard: Wizard) -> None:
-        for delay in (0.9, 0.4, 0.7):
+        for delay in (0.9, 0.4, 0.4):
             await wizard.press_and_hold(delay, 2.0)
             await asyncio.sleep(3)
         wizard.press()
 
     assert played(tmp_path, scenario).ends()[-1] == ("Stopped", 0.55, LET_GO)
+
+
+def test_quick_taps_teach_no_delay(tmp_path: Path) -> None:
+    async def scenario(wizard: Wizard) -> None:
+        for pause in (0.0, 0.3, 0.1, 0.1, 3.0):
+            await asyncio.sleep(pause)
+            wizard.press()
+
+    assert played(tmp_path, scenario).ends()[-1] == ("Stopped", FIRST_REPEAT_S, LET_GO)
+
+
+def test_longer_holds_correct_a_delay_that_was_measured_too_short(tmp_path: Path) -> None:
+    async def scenario(wizard: Wizard) -> None:
+        for delay in (0.2, 0.5, 0.5):
+            await wizard.press_and_hold(delay, 2.0)
+            await asyncio.sleep(3)
+        wizard.press()
+
+    assert played(tmp_path, scenario).ends()[-1] == ("Stopped", 0.65, LET_GO)
 
 
 def test_a_burst_of_repeats_counts_once(tmp_path: Path) -> None:

@@ -354,9 +354,12 @@ def test_visitors_coders_and_clips_of_the_person_go(folder: Path) -> None:
     )
     first = next(line for line in messages(log) if isinstance(line, m.SessionStart))
     coding = Coding(coding_path(log), "K1", first)
-    for t, text in ((2, "smiles"), (15, "gaze: robot"), (30, "waves at P07")):
+    for t, text in ((2, "smiles"), (15, "gaze: robot"), (30, "waves at P07"), (31, "a-b")):
         coding.add(t * 1_000_000, text)
     coding.close()
+    coded = coding_path(log)  # another program may write the same words otherwise
+    said = coded.read_text("utf-8").replace("at P07", "at \\u005007").replace("a-b", "a\u2028b")
+    coded.write_text(said, "utf-8")
     faces = FaceStore(default_path())
     faces.learn("P07", b"1234", "2026-03-01", "S01.jsonl")
     faces.learn("P08", b"5678", "2026-03-01", "S01.jsonl")
@@ -371,7 +374,7 @@ def test_visitors_coders_and_clips_of_the_person_go(folder: Path) -> None:
     clip = next(line for line in messages(after) if isinstance(line, m.SpeechEnded))
     assert (folder / clip.file).is_file()
     codes = read_codings(coding_path(after)).of("K1")
-    assert [code.text for code in codes] == ["waves at [withdrawn]"]
+    assert [code.text for code in codes] == ["waves at [withdrawn]", "a\u2028b"]
     assert [face.name for face in FaceStore(default_path()).faces()] == ["P08"]
     assert [visitor.name for visitor in VisitorStore(folder / "visitors.json").everybody()] == [
         "P08"

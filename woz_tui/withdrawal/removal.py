@@ -411,12 +411,14 @@ def _beside(
 
 def _codings_without(path: Path, spans: Sequence[tuple[int, int]], code: str) -> str:
     """The file of codes without those that were set for somebody's time; their words elsewhere."""
-    kept: list[str] = []
+    kept: list[bytes] = []
     gone = set[tuple[object, object]]()
-    words = CodeWords([code])
-    for text in path.read_text(encoding="utf-8", errors="replace").splitlines():
+    words = CodeWords([code] if is_distinct(code) else ())
+    with files.open_regular(path) as file:
+        lines = file.read().split(b"\n")  # not at U+2028 and the like, which texts may have
+    for raw in lines:
         try:
-            line = msgspec.json.decode(text)
+            line = msgspec.json.decode(raw)
         except msgspec.DecodeError:
             continue
         if not isinstance(line, dict):
@@ -426,8 +428,13 @@ def _codings_without(path: Path, spans: Sequence[tuple[int, int]], code: str) ->
         if isinstance(t, int) and any(begin <= t < end for begin, end in spans):
             gone.add(number)
         elif line.get("kind") != "taken back" or number not in gone:
-            kept.append(words.without(text) if is_distinct(code) else text)
-    return "".join(f"{text}\n" for text in kept)
+            text = line.get("text")
+            if isinstance(text, str) and words.within(text):
+                line["text"] = words.without(text)
+                kept.append(msgspec.json.encode(line))
+            else:
+                kept.append(raw)
+    return b"".join(raw + b"\n" for raw in kept).decode()
 
 
 def _export_note(readme: Path, code: str, day: str) -> str:

@@ -149,7 +149,7 @@ def test_an_order_is_told_in_words(verb: str, args: dict[str, m.Json], words: st
 
 def test_a_verb_of_another_driver_keeps_its_own_words() -> None:
     for verb in ENGAGEMENT_VERBS:
-        ours = m.Command(command="c1", verb=verb, args={}, source="key", t=NOW)
+        ours = m.Command(command="c1", verb=verb, args={}, driver="engagement", source="key", t=NOW)
         assert is_override(ours)
         assert not is_override(msgspec.structs.replace(ours, driver="gripper"))
     force = m.Command(command="c1", verb="force", args={"n": 2}, driver="gripper", source="key")

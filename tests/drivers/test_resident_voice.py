@@ -241,7 +241,7 @@ async def test_a_typed_text_is_heard_before_its_second_sentence_is_made(
     with contextlib.suppress(asyncio.CancelledError):
         await speaking
     assert speaking.cancelled()
-    asked = [line["text"] for line in journal_entries(journal, "request")]
+    asked = [str(line["text"]) for line in journal_entries(journal, "request")]
     assert asked == ["One more.", "Then another."]
 
 
@@ -328,7 +328,7 @@ async def test_a_sentence_with_pauses_is_cut_within_what_is_said_between_them(
     museum = "In this museum I am the one who knows about the old pictures and about the clocks."
     text = f"\\pau=500\\ {museum} \\pau=250\\ Come in."
     sent = await driver.perform(say(text))
-    asked = [line["text"] for line in journal_entries(journal, "request")]
+    asked = [str(line["text"]) for line in journal_entries(journal, "request")]
     assert len(asked) > 2
     assert " ".join(asked[:-1]) == museum and asked[-1] == "Come in."
     assert sent["text"] == f"{museum} Come in."

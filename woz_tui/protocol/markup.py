@@ -127,13 +127,15 @@ def pieces(text: str) -> list[tuple[str, float]]:
     words, signs = -1, ""
     for number, (said, pause) in enumerate(found):
         if _has_words(said):
-            words, said, signs = number, f"{signs} {said}".strip(), ""
-        elif words < 0:
-            said, signs = "", f"{signs} {said}".strip()
+            words = number
+            joined.append((f"{signs} {said}".strip(), pause))
+            signs = ""
+            continue
+        joined.append(("", pause))
+        if words < 0:
+            signs = f"{signs} {said}".strip()
         elif said:
             joined[words] = (f"{joined[words][0]} {said}", joined[words][1])
-            said = ""
-        joined.append((said, pause))
     return joined
 
 

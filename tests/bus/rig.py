@@ -14,6 +14,7 @@ from woz_tui.drivers.contract import (
     Argument,
     DriverError,
     Job,
+    Performer,
     RejectedError,
     Scope,
     StopReport,
@@ -42,7 +43,7 @@ LANES = {verb.name: verb.lane for verb in VERBS}
 
 
 @dataclass
-class Scripted:
+class Scripted(Performer):
     """Does what the command says; notes when hardware would have moved."""
 
     name: str
@@ -52,6 +53,7 @@ class Scripted:
     stop_blocks: float = 0.0
     stop_tells: StopReport | None = None
     calls: list[tuple[str, str]] = field(default_factory=list)
+    given: list[Mapping[str, Json]] = field(default_factory=list)
     #: What tells how motions end that go on after their command, by command.
     arrivals: dict[str, Callable[[str], None]] = field(default_factory=dict)
     jobs: dict[str, Job] = field(default_factory=dict)
@@ -65,6 +67,7 @@ class Scripted:
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         self.calls.append((job.command, job.verb))
+        self.given.append(job.args)
         if self.latched():
             self.while_latched.append(job.command)
         lane = LANES.get(job.verb, "")

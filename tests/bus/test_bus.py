@@ -97,6 +97,21 @@ def test_a_voice_gets_no_markup_that_it_cannot_do_and_the_record_has_all_of_it()
     assert asked == ["^run(a) fail"] * 2
 
 
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_another_program_gets_the_name_of_a_bundled_file_and_not_where_it_is_here(
+    elsewhere: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Scripted, "elsewhere", elsewhere)
+
+    async def scenario(rig: Rig) -> None:
+        files = (Argument("does", "file"), Argument("seconds", "number"))
+        rig.bus.offer("head", (Verb("say", "", files),))
+        rig.send("say", "woz:waiting.gif")
+
+    (given,) = in_rig(scenario).head.given
+    assert (given["does"] == "woz:waiting.gif") == elsewhere
+
+
 def test_one_lane_is_in_order_and_lanes_do_not_wait_for_each_other() -> None:
     async def scenario(rig: Rig) -> None:
         rig.send("say", seconds=2)

@@ -72,6 +72,7 @@ class Arm(Driver):
             Verb("lift", "lift", (Argument("kg", "number", default=1.0),), lane="body"),
             Verb("wave", "wave", lane="hand", brief=True, arrives=True),
             Verb("roll", "roll away", lane="base", drives=True),
+            Verb("show", "show a file", (Argument("file", "file"),), lane="screen"),
         )
 
     @classmethod
@@ -88,6 +89,9 @@ class Arm(Driver):
             job.evidence("reported")
             self.arrive, self.waving = job.goes_on(), job
             return {"waved": 1}
+        if job.verb == "show":
+            file = self.context.folder / str(job.args["file"])
+            return {"file": job.args["file"], "bytes": file.stat().st_size}
         if job.args.get("kg") == 13:
             raise RejectedError("too heavy", "take less")
         if job.args.get("kg") == 14:

@@ -30,6 +30,7 @@ from tests.network.other_computer import (
     remote_driver,
 )
 from tests.remote.network import Cable
+from woz_tui.drivers import bundled_media
 from woz_tui.drivers.contract import (
     Ask,
     DeviceLostError,
@@ -118,6 +119,13 @@ class TestServedRobot(DriverTests):
 
 
 # -- use -------------------------------------------------------------------------------------------
+
+
+async def test_a_file_that_comes_with_woz_tui_is_the_other_computers_own(tmp_path: Path) -> None:
+    async with pair(tmp_path) as two:
+        shown = await two.remote.perform(PlainJob("show", {"file": "woz:waiting.gif"}))
+    size = (bundled_media.FOLDER / "waiting.gif").stat().st_size
+    assert shown == {"file": "woz:waiting.gif", "bytes": size}
 
 
 async def test_a_command_gives_what_the_driver_gives(tmp_path: Path) -> None:

@@ -313,7 +313,9 @@ class Lane:
             ),
             started_us,
         )
-        given = located(pending.verb, pending.verb.spoken(args), self._folder)
+        given = pending.verb.spoken(args)
+        if not self._driver.elsewhere:
+            given = located(pending.verb, given, self._folder)
         job = LaneJob(pending, given, lambda seconds: self._extend(pending, seconds))
         call = DriverCall(self.driver_name, f"perform {job.verb}")
         task = loop.create_task(guarded(lambda: self._driver.perform(job), call))

@@ -495,6 +495,9 @@ class Performer(Protocol):
     its own.
     """
 
+    #: Whether another program carries commands out: files of woz-tui itself are those of there.
+    elsewhere: ClassVar[bool] = False
+
     @abc.abstractmethod
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out one command; end when it has happened, and return what was really sent.

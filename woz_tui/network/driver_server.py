@@ -20,6 +20,7 @@ import msgspec
 
 from woz_tui import __version__
 from woz_tui.drivers.argument_check import ArgumentError, checked
+from woz_tui.drivers.bundled_media import located, named
 from woz_tui.drivers.contract import (
     Driver,
     DriverError,
@@ -542,12 +543,12 @@ class ServedDriver:
                 args = checked(verb, command.args)
             except ArgumentError as error:
                 raise RejectedError(str(error)) from None
+            given = located(verb, args, self._folder)
             job = ServedJob(
-                *(command.command, verb.name, args, command.source),
+                *(command.command, verb.name, given, command.source),
                 *(command.id, lambda body: self.in_loop(lambda: self._send(body))),
             )
-            sent: Json = codec.plain(await driver.perform(job))
-            return sent
+            return named(codec.plain(await driver.perform(job)))
 
     async def _invoke(self, call: dm.Invoke) -> Any:
         driver = self._driver

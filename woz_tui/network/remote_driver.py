@@ -127,6 +127,7 @@ class RemoteDriver(Driver):
     """
 
     summary = "A driver at another computer of the robot"
+    elsewhere = True
     #: What is said until it comes, and of what runs there when it is lost; with what helps.
     awaited: ClassVar[tuple[str, str]] = (
         "{place} has not come yet",

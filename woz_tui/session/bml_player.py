@@ -31,7 +31,7 @@ from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.performers import BML, PERFORMERS
-from woz_tui.drivers.contract import Driver, Forecast, Job, RejectedError, Scope
+from woz_tui.drivers.contract import Driver, Forecast, Job, Performer, RejectedError, Scope
 from woz_tui.gate.questions import Refusal, RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, weakest
@@ -91,7 +91,7 @@ class _Played:
         return self.request.console if self.is_guest else "", self.block.id
 
 
-class BmlPlayer:
+class BmlPlayer(Performer):
     """The performer of the verb `bml`.
 
     Args:

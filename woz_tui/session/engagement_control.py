@@ -24,7 +24,7 @@ from woz_tui.config.experiment import Engagement
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.config.utterance_template import VISITOR
-from woz_tui.drivers.contract import Job, RejectedError, Scope, Verb
+from woz_tui.drivers.contract import Job, Performer, RejectedError, Scope, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import Transition
@@ -58,7 +58,7 @@ class _Model:
     attention: AttentionController
 
 
-class EngagementController:
+class EngagementController(Performer):
     """Connects the engagement model with the hub, the clock and the robot.
 
     Args:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from woz_tui.bus.lane import LaneJob
 from woz_tui.config.performers import ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.config.session_verbs import own_verb
-from woz_tui.drivers.contract import Argument, Job, RejectedError, Scope, Verb
+from woz_tui.drivers.contract import Argument, Job, Performer, RejectedError, Scope, Verb
 from woz_tui.protocol.messages import Json
 
 #: The names under which the bus knows the session and its engagement model.
@@ -40,7 +40,7 @@ VERBS: tuple[Verb, ...] = (
 Carry = Callable[[Mapping[str, Json], tuple[str, ...]], None]
 
 
-class SessionPerformer:
+class SessionPerformer(Performer):
     """The session as a driver; `carry` maps each verb's name to what does it."""
 
     def __init__(self, carry: Mapping[str, Carry]) -> None:

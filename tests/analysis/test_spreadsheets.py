@@ -12,9 +12,11 @@ from tests.analysis.example_sessions import ExampleSession
 from woz_tui.analysis.csv_package import DICTIONARY, SPREADSHEETS
 from woz_tui.cli import main
 
+BEGAN = "2026-03-01T10:00:00.123456+00:00"
+
 
 def study(folder: Path, participant: str = "P07") -> Path:
-    session = ExampleSession(participant=participant).act(1.25).act(3).end(10.5)
+    session = ExampleSession(participant=participant, wall=BEGAN).act(1.25).act(3).end(10.5)
     return session.written(folder, f"2026-03-01T10-00-00_{participant}_S01")
 
 
@@ -38,7 +40,7 @@ def test_a_spreadsheet_finds_its_columns_and_numbers(
     comma = language not in ("en", "ja")
     assert resource["dialect"]["delimiter"] == (";" if comma else ",")
     assert row["duration"] == ("10,500000" if comma else "10.500000")
-    assert (row["log"], row["started"][:4]) == ("2026-03-01T10-00-00_P07_S01", "2026")
+    assert (row["log"], row["started"]) == ("2026-03-01T10-00-00_P07_S01", BEGAN)
 
 
 @pytest.mark.parametrize("code", ["001", "1E5", "MAR1", "TRUE"])

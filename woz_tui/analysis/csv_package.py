@@ -51,10 +51,12 @@ class CsvFormat:
     decimal: str = "."
     mark: str = ""
 
-    def cell(self, value: Cell, *, text: bool) -> str:
-        """A value as it stands in a table; `text` False: a `str` may be a number."""
-        written = _cell(value, text=text)
-        if self.decimal == "." or (isinstance(value, str) and text):
+    def cell(self, value: Cell, type_: str) -> str:
+        """A value as it stands in a column of this type: only numbers have a decimal comma, a time
+        of day has none.
+        """
+        written = _cell(value, text=type_ == "string")
+        if self.decimal == "." or not (type_ == "number" or isinstance(value, float)):
             return written
         return written.replace(".", self.decimal)
 
@@ -129,9 +131,9 @@ class TableFiles:
         self, table: TableDefinition[Any], figures: SessionFigures, rows: Iterable[object]
     ) -> None:
         """Write rows of one session to a table."""
-        columns = [(column.cell, column.type == "string") for column in table.columns]
+        columns = [(column.cell, column.type) for column in table.columns]
         self._writers[table.name].writerows(
-            [self._format.cell(of(figures, row), text=text) for of, text in columns] for row in rows
+            [self._format.cell(of(figures, row), type_) for of, type_ in columns] for row in rows
         )
 
     def finish(self) -> None:
@@ -140,8 +142,9 @@ class TableFiles:
         wide = answers_wide(dict.fromkeys(items))
         writer = self._begun(wide)
         for row in self._wide:
-            values = (column.cell(_NONE, row) for column in wide.columns)
-            writer.writerow([self._format.cell(value, text=True) for value in values])
+            writer.writerow(
+                self._format.cell(column.cell(_NONE, row), column.type) for column in wide.columns
+            )
         package = _package((*self._tables, wide), self._damage, self._format)
         with self._opened(DICTIONARY) as file:
             file.write(json.dumps(package, indent=2, ensure_ascii=False) + "\n")

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.example_sessions import ExampleSession
-from woz_tui.analysis.csv_package import DICTIONARY, SPREADSHEETS
+from woz_tui.analysis.csv_package import DICTIONARY
+from woz_tui.analysis.spreadsheets import SPREADSHEETS
 from woz_tui.cli import main
 
 BEGAN = "2026-03-01T10:00:00.123456+00:00"
@@ -54,3 +55,14 @@ def test_a_code_that_a_spreadsheet_changes_is_told(
         assert f"changes {code} " in capsys.readouterr().err
     assert main(["report", str(study(tmp_path)), "--csv", str(tmp_path / "again")]) == 0
     assert "changes" not in capsys.readouterr().err
+
+
+def test_a_spreadsheet_without_tables_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = study(tmp_path)
+    for command in (["report"], ["export", "--to", "eaf", "--out", str(tmp_path / "out")]):
+        assert main([*command, str(log), "--spreadsheet", "de"]) == 1
+        told = capsys.readouterr()
+        assert "--spreadsheet needs --" in told.err
+        assert not told.out

@@ -13,8 +13,6 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -22,6 +20,7 @@ import msgspec
 
 from woz_tui import __version__
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.spreadsheets import PLAIN, CsvFormat
 from woz_tui.analysis.tables import FIGURES, Cell, TableDefinition, answers_wide, rounds_wide
 from woz_tui.system.text_cleaning import cell
 
@@ -37,37 +36,8 @@ GUARDED = (
 DICTIONARY = "datapackage.json"
 #: Of the data package.
 _NAME = "woz-sessions"
-#: The same few texts come again and again.
-_cell = lru_cache(maxsize=4096, typed=True)(cell)
 
 
-@dataclass(frozen=True, slots=True)
-class CsvFormat:
-    """What stands between cells and in numbers; `mark`: before the first byte, by which a
-    spreadsheet knows UTF-8.
-    """
-
-    delimiter: str = ","
-    decimal: str = "."
-    mark: str = ""
-
-    def cell(self, value: Cell, type_: str) -> str:
-        """A value as it stands in a column of this type: only numbers have a decimal comma, a time
-        of day has none.
-        """
-        written = _cell(value, text=type_ == "string")
-        if self.decimal == "." or not (type_ == "number" or isinstance(value, float)):
-            return written
-        return written.replace(".", self.decimal)
-
-
-PLAIN = CsvFormat()
-_POINT, _COMMA = CsvFormat(mark="\ufeff"), CsvFormat(";", ",", "\ufeff")
-#: The language of a spreadsheet -> what it opens by a double click.
-SPREADSHEETS: Mapping[str, CsvFormat] = {
-    **dict.fromkeys(("de", "es", "fr", "it", "nl", "sv"), _COMMA),
-    **dict.fromkeys(("en", "ja"), _POINT),
-}
 #: Texts that Excel takes for numbers, dates or truth values, and changes when it opens them.
 _CHANGED = re.compile(
     r"0\d+|\d{16,}|\d+[eE]\d+|true|false"

@@ -6,8 +6,8 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.analysis.csv_package import SPREADSHEETS
 from woz_tui.analysis.participants import alike_sentence
+from woz_tui.analysis.spreadsheets import SPREADSHEETS
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.export.export_run import FORMATS, export

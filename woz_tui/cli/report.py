@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from woz_tui.analysis.spreadsheets import PLAIN, SPREADSHEETS
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import os_error_text
 from woz_tui.cli.progress import progress
@@ -32,7 +33,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--spreadsheet",
-        choices=("de", "en", "es", "fr", "it", "ja", "nl", "sv"),
+        choices=sorted(SPREADSHEETS),
         default="",
         metavar="LANGUAGE",
         help="with --csv: as a spreadsheet in this language opens them by a double click",
@@ -89,9 +90,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _report(arguments: argparse.Namespace) -> int:
     from woz_tui.analysis import figures_json  # noqa: PLC0415
-    from woz_tui.analysis.csv_package import PLAIN, SPREADSHEETS, table_files  # noqa: PLC0415
+    from woz_tui.analysis.csv_package import table_files  # noqa: PLC0415
     from woz_tui.analysis.participant_groups import GroupedSessions  # noqa: PLC0415
 
+    if arguments.spreadsheet and not arguments.csv:
+        print("woz report: --spreadsheet needs --csv; leave it out", file=sys.stderr)
+        return 1
     reading = SessionReader(arguments)
     grouped = GroupedSessions()
     kept: list[SessionReport] = []

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import msgspec
 
-from woz_tui.analysis.csv_package import DICTIONARY, GUARDED, PLAIN, SPREADSHEETS, TableFiles
+from woz_tui.analysis.csv_package import DICTIONARY, GUARDED, TableFiles
+from woz_tui.analysis.spreadsheets import PLAIN, SPREADSHEETS
 from woz_tui.analysis.tables import EVENTS, SAMPLES
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary

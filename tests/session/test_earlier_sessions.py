@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import pickle
+from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
@@ -117,6 +119,27 @@ def test_a_folder_that_cannot_be_read_is_told_and_one_that_is_not_there_is_not(
         unreadable=("recordings",)
     )
     assert earlier_participants(tmp_path / "none") == EarlierParticipants()
+
+
+@pytest.mark.parametrize("gone", ["log", "folder"])
+def test_what_gets_another_name_while_it_is_looked_for_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, gone: str
+) -> None:
+    folder = tmp_path / "recordings"
+    path = log(folder, "2026-03-01T10-00-00_S01", had("P01", ORDER))
+    looks = itertools.count(1)
+    iterdir = Path.iterdir
+
+    def renamed_meanwhile(self: Path) -> Iterator[Path]:
+        if next(looks) == 3:  # the sessions are known by then
+            moved = path if gone == "log" else folder
+            moved.rename(moved.with_name(f"later {moved.name}"))
+        return iter([*iterdir(self)])
+
+    monkeypatch.setattr(Path, "iterdir", renamed_meanwhile)
+    found = EarlierSessions(folder).read("", "made.yaml")
+    assert found.past == ()
+    assert found.unreadable[-1] == path.name
 
 
 def test_what_stands_in_two_files_of_a_session_counts_once(tmp_path: Path) -> None:

@@ -104,7 +104,12 @@ class EarlierSessions:
         logs, _ = sessions_in(folders)
         files: dict[tuple[Path, str], list[tuple[int, Path]]] = {}
         for folder in dict.fromkeys([*map(Path, folders), *(log.parent for log in logs)]):
-            for path in folder.iterdir():
+            try:
+                paths = [*folder.iterdir()]
+            except OSError:
+                unreadable.append(folder.name)
+                continue
+            for path in paths:
                 name = FileName.parse(path.name)
                 if name is None or name.samples:
                     continue
@@ -116,8 +121,12 @@ class EarlierSessions:
                     files.setdefault((folder, name.stem), []).append((name.number, path))
         for log in logs:
             name = FileName.parse(log.name)
-            if name is not None:
-                yield [path for _, path in sorted(files[log.parent, name.stem])]
+            if name is None:
+                continue
+            if found := files.get((log.parent, name.stem)):
+                yield [path for _, path in sorted(found)]
+            else:  # it has got another name meanwhile
+                unreadable.append(log.name)
 
     def _lines(self, path: Path) -> list[m.AnyMessage]:
         facts = path.stat()

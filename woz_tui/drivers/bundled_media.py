@@ -17,7 +17,17 @@ from woz_tui.protocol.messages import Json
 FOLDER = Path(__file__).parent / "media"
 _SCHEME = "woz:"
 _IN_PATHS = "woz_tui/drivers/media/"
-_FILE = re.compile(rf"[^\s'\"]*{_IN_PATHS}([\w-]+\.\w+)")
+#: The folder as it may be written: whole, or from the experiment's folder, which may stand before
+#: it; folders may have blanks. Last, as another computer may tell it.
+_ENDS = "|".join(
+    re.escape("/".join(folder.parts[at:]))
+    for folder in dict.fromkeys((FOLDER, FOLDER.resolve()))
+    for at in range(1, len(folder.parts) - 2)
+)
+_FILE = re.compile(
+    rf"(?:(?:(?<![^\s'\"])/[^'\"\n]*?/)?(?:\.\./)+|/)(?:{_ENDS})/([\w-]+\.\w+)"
+    rf"|[^\s'\"]*{_IN_PATHS}([\w-]+\.\w+)"
+)
 
 
 def name_of(file: str) -> str:
@@ -51,7 +61,7 @@ def named(value: Json) -> Json:
 
 
 def _name(match: re.Match[str]) -> str:
-    return name_of(match[1])
+    return name_of(match[1] or match[2])
 
 
 def _is_name(value: Json) -> bool:

@@ -160,7 +160,10 @@ class SessionDriverContext(DriverContext):
             case HealthStatement(health=health, detail=detail, remedy=remedy, tells=tells):
                 if self._health != (health, detail) or self._faults.is_over(driver):
                     message = _HEALTH[health](
-                        driver=driver, detail=detail, remedy=remedy, tells=(*tells,)
+                        driver=driver,
+                        detail=named_text(detail),
+                        remedy=named_text(remedy),
+                        tells=(*tells,),
                     )
             case ModeStatement(mode=mode, why=why):
                 if self._mode != mode:
@@ -169,7 +172,7 @@ class SessionDriverContext(DriverContext):
                 if self._unable != statement:
                     message = VerbsUnable(driver=driver, unable=[*verbs], why=why)
             case NoticeStatement(level=level, text=text, remedy=remedy, tells=tells):
-                text = f"{driver}: {named_text(text)}"
+                text, remedy = f"{driver}: {named_text(text)}", named_text(remedy)
                 message = Notice(
                     level=level, text=text, remedy=remedy, driver=driver, tells=(*tells,)
                 )

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.visitor_samples import GONE, WITH, Visit, nobody_greets
-from woz_tui.config.engagement import HandshakeSettings, Timeouts
+from woz_tui.config.engagement import EngagementSettings, HandshakeSettings, Timeouts
 from woz_tui.config.engagement_words import OUTCOMES, STATES, STOPPED
 from woz_tui.sensing import state_machine
 from woz_tui.sensing.engagement_model import Transition
@@ -255,6 +255,8 @@ def test_a_turn_ends_whose_visitor_attends_to_something_else(state: State) -> No
 
 
 def test_in_a_turn_nobody_is_lost_sooner_than_out_of_one() -> None:
+    told = EngagementSettings(timeouts=Timeouts(unengaged=5.0, lost=10.0)).limits
+    assert told["unengaged"] == 10.0
     visit = busy(State.THINKS, timeouts=Timeouts(unengaged=5.0, lost=10.0))
     assert visit.wait(9, **{**WITH, "gaze": 0}) == []
     assert len(visit.wait(2, **{**WITH, "gaze": 0})) == 1

@@ -110,10 +110,18 @@ class Timeouts:
         float | None,
         Seconds(0.1, 3600),
         Doc(
-            "whoever spoke has not been engaged for so long, while they speak or the robot thinks"
-            " or replies: they are lost; never with turns: paper (beyond the table)"
+            "whoever spoke has not been engaged for so long, and for `lost`, while they speak or"
+            " the robot thinks or replies: they are lost; never with turns: paper (beyond the"
+            " table)"
         ),
     ] = 10.0
+
+    @property
+    def turn_lost(self) -> float | None:
+        """Seconds out of engagement after which whoever spoke is lost in their turn: no sooner than
+        outside of one. None: never.
+        """
+        return None if self.unengaged is None else max(self.unengaged, self.lost)
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,8 +230,8 @@ class EngagementSettings(Section):
     @property
     def limits(self) -> dict[str, float | None]:
         """The timeouts that count, by name; None: never."""
-        limits = asdict(self.timeouts)
-        return limits if self.turns == VISITOR else {**limits, "unengaged": None}
+        unengaged = self.timeouts.turn_lost if self.turns == VISITOR else None
+        return {**asdict(self.timeouts), "unengaged": unengaged}
 
     def problems(self) -> list[tuple[str, str]]:
         """What is wrong between settings: pairs of a setting's name and a sentence."""

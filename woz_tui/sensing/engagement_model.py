@@ -440,8 +440,8 @@ class EngagementModel:
             yield self._left + microseconds(timeouts.absent)
         if not self._engaged:
             yield self._turned + microseconds(timeouts.lost)
-            if timeouts.unengaged is not None:
-                yield self._turned + microseconds(timeouts.unengaged)
+            if timeouts.turn_lost is not None:
+                yield self._turned + microseconds(timeouts.turn_lost)
         elif not self.has_name:
             yield self._nameless_since + microseconds(timeouts.unrecognized)
 

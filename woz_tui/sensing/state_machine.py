@@ -135,10 +135,10 @@ def _replaced(view: ModelView) -> bool:
 
 def _unengaged(view: ModelView) -> bool:
     """For so long, and as long as a visitor may be out of engagement outside of a turn, too."""
-    limit = view.timeouts.unengaged
+    limit = view.timeouts.turn_lost
     if limit is None or view.turns != VISITOR or view.engaged:
         return False
-    return view.lost_for >= max(limit, view.timeouts.lost)
+    return view.lost_for >= limit
 
 
 def _left_by_visitor(state: State) -> tuple[Edge, ...]:

@@ -21,6 +21,7 @@ from typing import TypeVar
 import serial
 from dynamixel_sdk import PortHandler
 
+from woz_drivers.lines.answer_times import BUSY_REMEDY, TOO_BUSY
 from woz_drivers.lines.serial_line import LOSSES, explain_port_error, reason_of
 from woz_tui.drivers.contract import DeviceLostError
 
@@ -38,7 +39,6 @@ LATE_READS = 3
 OWN_DELAY_MS = 2.0
 #: Delays of its own that are together so long within so long explain a silence, in milliseconds.
 BUSY_MS, BUSY_WITHIN_MS = 50.0, 1000.0
-BUSY_REMEDY = "end other programs on this computer, or let it do less"
 #: A line that takes nothing for so long is broken, in milliseconds.
 STUCK_MS = 200.0
 #: USB serial adapters as the kernel knows them.
@@ -210,7 +210,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             return what, remedy
         late = f"it stood still for {self._delayed_ms():.0f} ms a moment ago"
         return (
-            f"{what}, but this computer was too busy to listen ({late})",
+            f"{what}, but {TOO_BUSY} ({late})",
             f"{BUSY_REMEDY}; if that does not help: {remedy}",
         )
 

@@ -124,14 +124,13 @@ def _finding(
         f"{where}: {device.name}, {device.width} x {device.height}, protocol {device.version},"
         f" answers in {times.median_ms:.1f} ms"
     )
-    busy_ms = times.busy_ms(_SLOW_MS)
-    if busy_ms:
-        text += f"; for {busy_ms:.0f} ms of them this computer was too busy to listen"
+    busy = times.busy_clause(_SLOW_MS)
+    text += busy
     missing, damaged = lost
     if missing or damaged:
         text += f"; {missing} of {_HELLOS} hellos unanswered, {damaged} packets damaged"
         return Finding("warning", subject, text, "check cable, ground and baud")
-    if busy_ms:
+    if busy:
         return Finding("warning", subject, text, BUSY_REMEDY)
     if times.median_ms > _SLOW_MS:
         return Finding("warning", subject, text, "set a higher baud here and in board.h")

@@ -12,7 +12,8 @@ from woz_tui.system.processor_time import ProcessorWaits
 _QUESTIONS = 20
 #: A slower line lags visibly behind the wizard's key, in milliseconds.
 _SLOW_MS = 50.0
-BUSY_REMEDY = "end other programs on this computer, then look again"
+TOO_BUSY = "this computer was too busy to listen"
+BUSY_REMEDY = "end other programs on this computer, or let it do less"
 
 #: The monotonic clock, and for how long this thread has waited for a processor, in seconds.
 Now = Callable[[], tuple[float, float]]
@@ -45,14 +46,15 @@ class AnswerTimes:
         """The longest."""
         return max(self._took_ms, default=0.0)
 
-    def busy_ms(self, slow_ms: float) -> float:
+    def busy_clause(self, slow_ms: float) -> str:
         """How much of the median was this computer's own, if answers are slow for that alone;
-        else 0.
+        else nothing.
         """
         answers = [took - own for took, own in zip(self._took_ms, self._waited_ms, strict=True)]
         if self.median_ms <= slow_ms or statistics.median(answers) > slow_ms:
-            return 0.0
-        return self.median_ms - statistics.median(answers)
+            return ""
+        busy_ms = self.median_ms - statistics.median(answers)
+        return f"; for {busy_ms:.0f} ms of them {TOO_BUSY}"
 
 
 async def line_finding(
@@ -68,8 +70,8 @@ async def line_finding(
             with times.measured(), contextlib.suppress(TimeoutError):
                 await ask()
     text = f"answers in {times.median_ms:.1f} ms (worst of {questions}: {times.worst_ms:.1f} ms)"
-    if busy_ms := times.busy_ms(_SLOW_MS):
-        text += f"; for {busy_ms:.0f} ms of them this computer was too busy to listen"
+    if busy := times.busy_clause(_SLOW_MS):
+        text += busy
         return Finding("warning", robot, text, BUSY_REMEDY)
     if times.median_ms > _SLOW_MS:
         remedy = "use a cable, or a wireless network of its own on 5 GHz"

@@ -8,8 +8,9 @@ from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, 
 from tests.protocol.examples import messages as examples
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.report_tables import condition_rows, figures_table
 from woz_tui.analysis.report_tables import cues as cues_table
-from woz_tui.analysis.report_tables import figures_table
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 
@@ -266,6 +267,9 @@ def test_fewer_than_five_reactions_have_no_main_figure() -> None:
         figures = session_figures(session.end(200))
         shown = {str(row[0]) for row in figures_table(figures).rows}
         assert ("Reaction, median" in shown) is (cues == 5)
+        grouped = GroupedSessions()
+        grouped.add(figures)
+        assert ("React" in condition_rows(grouped.rows).heads) is (cues == 5)
         assert cues_table(figures).rows[0][-3] == "1.00 s", (
             "the table of cues says how long each took"
         )

@@ -503,17 +503,24 @@ def condition_rows(rows: Sequence[ConditionRow]) -> ReportTable:
     measures = [
         measure
         for measure in map(BY_NAME.__getitem__, TERMINAL_COLUMNS)
-        if any(row.values[measure.name] is not None for row in rows)
+        if any(_row_value(row, measure) is not None for row in rows)
     ]
     found, last = [], ""
     for row in rows:
         who = participant_text(row.participant, counted=row.counted) or NONE
-        cells = (measure_text(measure, row.values[measure.name]) for measure in measures)
+        cells = (measure_text(measure, _row_value(row, measure)) for measure in measures)
         condition = condition_text(row.condition, row.scope) or NONE
         found.append([*map(LogText, (who if who != last else "", condition, row.session)), *cells])
         last = who
     heads = ("Who", "Condition", "Session", *(each.short.capitalize() for each in measures))
     return ReportTable("By participant and condition", heads, found, words=3)
+
+
+def _row_value(row: ConditionRow, measure: Measure) -> float | None:
+    """As `figure_text`: none of reaction times that are too few."""
+    if measure.name in _OF_REACTIONS and (row.values["cues_answered"] or 0) < FEWEST:
+        return None
+    return row.values[measure.name]
 
 
 def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:

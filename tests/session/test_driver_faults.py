@@ -15,11 +15,17 @@ import pytest
 
 from tests.drivers.published_messages import PublishedMessages
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import ScriptedDriver, SessionRig
-from woz_tui.drivers.contract import Health, HealthStatement, ModeStatement, SensorStatement
+from tests.session.rig import NoSettings, ScriptedDriver, SessionRig
+from woz_tui.drivers.contract import (
+    Health,
+    HealthStatement,
+    ModeStatement,
+    SensorStatement,
+)
 from woz_tui.protocol import messages as m
-from woz_tui.session.driver_faults import THROWN_AWAY
+from woz_tui.session.driver_faults import THROWN_AWAY, tell_faults
 from woz_tui.session.redactor import PerceptionFilter, Redactor
+from woz_tui.testing.recording_context import RecordingContext
 
 WRONG: Any = 5
 
@@ -149,6 +155,29 @@ def test_what_is_found_with_garbage_of_nobody_known_is_a_notice_and_counted(
     ]
     assert all("host.log" in each.remedy for each in told)
     assert capsys.readouterr().err.count("Traceback") == 1, "where host.log is written to"
+
+
+def test_an_error_of_nobody_is_told_by_one_of_several_drivers() -> None:
+    library: dict[str, Any] = {}
+    exec(compile(LIBRARY, "library.py", "exec"), library)
+    contexts = [RecordingContext() for _ in range(3)]
+
+    async def go() -> None:
+        hooks = sys.unraisablehook, threading.excepthook
+        sys.unraisablehook = sys.__unraisablehook__
+        tell_faults(
+            {
+                name: ScriptedDriver(name, NoSettings(), context)
+                for name, context in zip(("head", "base", "arm"), contexts, strict=True)
+            }
+        )
+        library["Handle"]()
+        await asyncio.sleep(1)
+        sys.unraisablehook, threading.excepthook = hooks
+
+    run_virtual(go())
+    (told,) = [notice for context in contexts for notice in context.notices]
+    assert "OSError: no such handle" in told[1]
 
 
 def test_what_is_found_with_garbage_while_a_line_is_written_is_told_after_it(

@@ -280,9 +280,9 @@ class _DriversTell:
         self._drivers = drivers
 
     def publish(self, message: DriverFaulted | Notice) -> None:
-        """What is of several drivers all of them say."""
+        """What is nobody's, or of several drivers whom it names, one of them says."""
         if isinstance(message, Notice):
-            for each in self._drivers.values():
+            for each in [*self._drivers.values()][:1]:
                 each.context.notice(
                     message.level, message.text, message.remedy, tells=(*message.tells,)
                 )

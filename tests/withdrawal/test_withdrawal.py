@@ -453,6 +453,18 @@ def test_a_full_disk_leaves_all_as_it_was(
     assert "o space left" in capsys.readouterr().err
 
 
+def test_a_history_of_git_is_named_and_left(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ExampleSession().act(1).end(20).written(folder, STEM)
+    kept = folder / "data" / ".git" / "ORIG_HEAD"
+    kept.parent.mkdir(parents=True)
+    kept.write_text("P07")
+    assert taken_out(folder) == 0
+    assert f"Not searched: {kept.parent}, " in capsys.readouterr().out
+    assert kept.is_file()
+
+
 def test_a_sound_that_an_action_plays_is_no_recording(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

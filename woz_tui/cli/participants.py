@@ -151,6 +151,10 @@ def _print(plan: Removal, found: StoredFiles) -> None:
         names = ", ".join(path.name for path in found.closed[:3])
         more = " ..." if len(found.closed) > 3 else ""
         print(f"Not searched, as they are no text: {len(found.closed)} files ({names}{more})")
+    for history in found.histories:
+        print(
+            f"Not searched: {history}, in which git keeps earlier versions, also of deleted files"
+        )
 
 
 def _print_files(stored: list[StoredFile]) -> None:

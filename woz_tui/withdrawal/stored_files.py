@@ -153,12 +153,14 @@ class StoredFiles:
         sessions: Logs and their copies.
         others: All other files.
         closed: Files whose inside cannot be searched: archives, documents, sound.
+        histories: Folders of git, which keep what was deleted and are not searched.
         problems: What could not be read.
     """
 
     sessions: list[StoredSession] = field(default_factory=list)
     others: list[StoredFile] = field(default_factory=list)
     closed: list[Path] = field(default_factory=list)
+    histories: list[Path] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
 
     def files(self) -> Iterator[StoredFile]:
@@ -191,6 +193,7 @@ def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFi
         claimed |= {real(path) for path, _ in session.beside_of(words.codes)}
     found.sessions = [session for session in found.sessions if session.codes() & words.codes]
     for folder in folders:
+        found.histories += sorted(folder.rglob(".git"))
         #: Files of exports and tables -> the folder that was written.
         exports = dict[Path, Path]()
         for path in _files_below(folder, found.problems):

@@ -17,9 +17,9 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 @cache
 def software(drivers: str) -> dict[str, str]:
-    """Name, version, `commit` (of a checkout, or of the repository it was installed from), python,
-    machine, and the versions of what it needs that is installed. `drivers` is the group of entry
-    points with which packages of others bring drivers.
+    """Name, version, `commit` (HEAD of the checkout, which does not tell of edits since; or of the
+    repository it was installed from), python, machine, and the versions of what it needs that is
+    installed. `drivers` is the group of entry points with which packages of others bring drivers.
     """
     from woz_tui import __version__  # noqa: PLC0415 - the package imports nothing
 
@@ -36,7 +36,9 @@ def software(drivers: str) -> dict[str, str]:
 
 
 def _commit() -> str:
-    """The commit of the source that runs, 40 hexadecimal digits; empty: nobody knows."""
+    """HEAD of the checkout that runs, 40 hexadecimal digits, or what was installed; empty: nobody
+    knows.
+    """
     git = Path(__file__).parents[2] / ".git"
     try:
         if git.is_file():  # a second working tree of a repository

@@ -259,4 +259,4 @@ def quoted(text: str, limit: int = 40) -> str:
 
 def shortened(text: str, limit: int) -> str:
     """`text`, with dots for what is longer than `limit`."""
-    return text if len(text) <= limit else text[: limit - 3] + "..."
+    return text if len(text) <= limit else text[: limit - 3].rstrip() + "..."

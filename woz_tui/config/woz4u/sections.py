@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePosixPath
 
 from woz_tui.config.annotated_decoder import resolve_path
+from woz_tui.config.problems import shortened
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.buttons import ButtonDraft, ListEntry, PathRewriter, warn_unknown
 from woz_tui.config.woz4u.woz4u_keys import ITEMS, OLDER_FIELDS
@@ -131,7 +132,8 @@ class SectionReader:
             if isinstance(item.node, MappingNode):
                 items.append(ListEntry.read(item))
             elif isinstance(item.node, ScalarNode) and is_sentence(item.node):
-                title = ScalarNode(item.place, _shortened(item.node.text), plain=False)
+                said = shortened(one_line(item.node.text), _LONGEST_TITLE)
+                title = ScalarNode(item.place, said, plain=False)
                 named = item.at("title", title, item.place)
                 items.append(ListEntry(item, {"title": named, "string": item}))
             elif not woz4u_values.empty(item):
@@ -202,13 +204,6 @@ class SectionReader:
                 mark.warning("an item above is the default already; that one is shown")
         entry = made_nodes.entry("screen", literal(path), cursor.place)
         return entry, PurePosixPath(path).stem or path
-
-
-def _shortened(text: str) -> str:
-    title = one_line(text)
-    if len(title) <= _LONGEST_TITLE:
-        return title
-    return title[: _LONGEST_TITLE - 3].rstrip() + "..."
 
 
 def _renamed(item: ListEntry, older: str, newer: str) -> ListEntry:

@@ -1,7 +1,8 @@
 """Console and robot process stand still together, with keys pressed before and meanwhile.
 
-`python -m tests.e2e.standstills --rounds 20` prints how old what was played had become; the test
-runs fewer rounds. In every other round the robot process goes on before the console.
+`python -m tests.e2e.standstills --rounds 20` prints how old what was played had become. In every
+other round the robot process goes on before the console. It is no test of the suite: a process that
+is stopped between its look at a key and the command plays the key when it goes on.
 """
 
 from __future__ import annotations

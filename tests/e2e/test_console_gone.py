@@ -8,7 +8,7 @@ import signal
 import psutil
 import pytest
 
-from tests.e2e import scenes, standstills
+from tests.e2e import scenes
 from tests.e2e.lab import Lab, Log, end_session, stopped_process, until
 from tests.fakes.terminal import FakeTerminal
 
@@ -106,12 +106,6 @@ def test_frozen_and_thawed(lab: Lab, terminal: FakeTerminal) -> None:
 
     until(drives, "driving allowed again")
     terminal.wait_text("▶ Far away")
-
-
-def test_no_key_is_played_that_has_become_old_while_both_processes_stood_still(lab: Lab) -> None:
-    found = standstills.run(lab, rounds=2, seed=3)
-    assert found.pressed == 8
-    assert not found.complaints
 
 
 def test_a_watcher_cannot_end_the_session_and_is_told_when_it_has_ended(

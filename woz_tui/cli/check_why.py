@@ -39,7 +39,7 @@ class Moment:
 
 def show(experiment: Experiment, key: str, *, as_json: bool) -> int:
     """Print what the gate says of everything that `key` means; 1 if it means nothing."""
-    found = list(_asked(experiment, key))
+    found = list(_questions(experiment, key))
     if not found:
         print(f"{key!r} is no key of an action, no action and no verb", file=sys.stderr)
         return 1
@@ -64,7 +64,7 @@ def show(experiment: Experiment, key: str, *, as_json: bool) -> int:
     return 0
 
 
-def _asked(
+def _questions(
     experiment: Experiment, key: str
 ) -> Iterator[tuple[str, list[tuple[Moment, PlayAction | SendVerb]]]]:
     """Headings, and what is asked of the gate at which moment."""

@@ -109,7 +109,7 @@ class SectionReader:
         self._volume = volume
         self._move = move
         self._readers = {
-            "string": self._said,
+            "string": self._speech,
             "gesture": self._gesture,
             "location": self._sound,
             "file_name": self._shown,
@@ -117,7 +117,7 @@ class SectionReader:
         #: What the tablet shows when nothing else is shown.
         self.default_picture: Node | None = None
 
-    def known(self, table: Mapping[str, Cursor], section: str) -> list[ButtonDraft]:
+    def standard_list(self, table: Mapping[str, Cursor], section: str) -> list[ButtonDraft]:
         """The buttons of one of WoZ4U's own lists."""
         cursor = table.get(section)
         items = [*map(ListEntry.read, woz4u_values.items(cursor, _EXAMPLES[section]))]
@@ -125,7 +125,7 @@ class SectionReader:
             items = [_renamed(item, *_EARLIER[section]) for item in items]
         return self._buttons(cursor, items, PLAYED[section]) if cursor is not None else []
 
-    def own(self, section: Cursor) -> list[ButtonDraft]:
+    def study_list(self, section: Cursor) -> list[ButtonDraft]:
         """The buttons of a list that the study named; sentences may stand there alone."""
         items, unread = [], 0
         for item in section.items():
@@ -167,7 +167,7 @@ class SectionReader:
                 names.append(called)
         return item.button(names[0] or f"Speech {number}", *does) if does else None
 
-    def _said(self, item: ListEntry, cursor: Cursor, typed: str) -> tuple[made_nodes.Entry, str]:
+    def _speech(self, item: ListEntry, cursor: Cursor, typed: str) -> tuple[made_nodes.Entry, str]:
         """A text to say, or a text file to read out."""
         if _names_file(cursor, typed):
             path = self._move(typed.strip().replace("\\", "/"))

@@ -91,7 +91,7 @@ def translate(root: Cursor, own: Collection[str], move: PathRewriter) -> Transla
         and isinstance(cursor.node, ListNode)
         and cursor.node.nodes
     }
-    _unknown(table, named, {*own, *TOP_LEVEL, *EARLIER, *woz4u_panels.locks_of(table, named)})
+    _report_unread(table, named, {*own, *TOP_LEVEL, *EARLIER, *woz4u_panels.locks_of(table, named)})
     kept = {name: table[name] for name in own if name in table}
     found, robot = _read(root, table, named, move)
     woz4u_panels.name_apart(found)
@@ -125,7 +125,9 @@ def _by_newest_names(table: dict[str, Cursor]) -> dict[str, Cursor]:
     return found
 
 
-def _unknown(table: Mapping[str, Cursor], named: Collection[str], known: Collection[str]) -> None:
+def _report_unread(
+    table: Mapping[str, Cursor], named: Collection[str], known: Collection[str]
+) -> None:
     """Report what is not read. `named`: lists with names of the study's own."""
     for name, cursor in table.items():
         if name in _MADE:
@@ -168,10 +170,10 @@ def _read(
     woz4u_panels.locks(table, found)
     places = {panel.title: panel.place for panel in found}
     buttons: dict[str, list[ButtonDraft]] = {
-        "Speech": sections.known(table, "animated_speech"),
-        "Gestures": sections.known(table, "gestures"),
-        "Tablet": sections.known(table, "tablet_items"),
-        "Sounds": sections.known(table, "audio_files"),
+        "Speech": sections.standard_list(table, "animated_speech"),
+        "Gestures": sections.standard_list(table, "gestures"),
+        "Tablet": sections.standard_list(table, "tablet_items"),
+        "Sounds": sections.standard_list(table, "audio_files"),
         "Eyes": colours.buttons,
         "Eye animations": eye_colours.animations(table, colours),
         "Movement": woz4u_panels.movement(places["Movement"]),

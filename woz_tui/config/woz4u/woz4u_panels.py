@@ -109,7 +109,7 @@ def named(
             f"{title} (own)" if title in taken or not title else title,
             "",
             cursor.place,
-            reader.own(cursor),
+            reader.study_list(cursor),
         )
         panel.locked = any(
             woz4u_values.locked(table[lock]) for lock, of in locking.items() if of == name

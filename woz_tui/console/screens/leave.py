@@ -83,7 +83,7 @@ class LeaveDialog(ChoiceDialog):
         return [
             *(stay, leave, end),
             *(
-                ListChoice(self._asked(each), partial(self._answer, each), stays=True)
+                ListChoice(self._question_line(each), partial(self._answer, each), stays=True)
                 for each in self._questions
             ),
         ]
@@ -119,7 +119,7 @@ class LeaveDialog(ChoiceDialog):
             each.answer = before % len(each.sentences)
         return found
 
-    def _asked(self, question: OpenQuestion) -> Content:
+    def _question_line(self, question: OpenQuestion) -> Content:
         return plain(f"  {self.glyphs.middle} {question.sentences[question.answer]}")
 
     def _answer(self, question: OpenQuestion) -> None:
@@ -128,7 +128,7 @@ class LeaveDialog(ChoiceDialog):
         self.requests.drafts[f"{_DRAFT}{question.key}"] = str(question.answer)
         for choices in self.query("#choices").results(OptionList):
             if (here := choices.highlighted) is not None:
-                choices.replace_option_prompt_at_index(here, self._asked(question))
+                choices.replace_option_prompt_at_index(here, self._question_line(question))
 
     # -- the end ----------------------------------------------------------------------------------
 

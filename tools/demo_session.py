@@ -25,8 +25,9 @@ from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import PROTOCOL, Welcome
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 
 LOG = "recordings/2026-03-01T10-00-00_P07_S01.jsonl"

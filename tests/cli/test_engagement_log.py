@@ -26,8 +26,9 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.sensing.engagement_model import Transition
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 
 GUIDE = EXPERIMENTS / "guide.yaml"

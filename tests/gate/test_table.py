@@ -24,7 +24,6 @@ from woz_tui.gate.questions import (
     PlayAction,
     PlayEffect,
     Question,
-    Refusal,
     ReleaseStop,
     RequestOrigin,
     SendOwnVerb,
@@ -34,6 +33,7 @@ from woz_tui.gate.questions import (
 from woz_tui.gate.table import TABLE, Row, first_refusal, rows_about, why_not
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.messages import Command, Json
+from woz_tui.protocol.refusal import Refusal
 
 pytestmark = pytest.mark.safety
 

@@ -19,7 +19,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.host import rerun_session as host_rerun
 from woz_tui.host.rerun_session import RerunOptions, RerunSession, read_plan, without_model
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 
 
 def log_of(tmp_path: Path, *verbs: str, every: float = 0.2) -> Path:

@@ -20,7 +20,7 @@ from tests.session.test_superseding import (
 )
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 
 
 def test_a_line_of_the_script_that_a_full_queue_refuses_is_not_passed(tmp_path: Path) -> None:

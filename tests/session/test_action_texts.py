@@ -17,9 +17,10 @@ from woz_tui.config.experiment import Call, Experiment, TextVariants
 from woz_tui.config.study import Design, Study
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.replay.rerun_plan import plan_of
 from woz_tui.session.action_texts import variant
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.session_plan import study_settings
 

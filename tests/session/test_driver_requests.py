@@ -18,7 +18,7 @@ from woz_tui.drivers.contract import Ask, Health, PassiveDriver, Scope
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import FaceShown
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 
 
 class SelfMovingDriver(ScriptedDriver):

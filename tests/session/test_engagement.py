@@ -17,8 +17,8 @@ from woz_tui.config.engagement import (
 )
 from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.sensing.engagement_stream import EngagementFollower
-from woz_tui.session.participant_identity import RequestError
 
 KNOWN_STATE = "EngagedWithKnown"
 

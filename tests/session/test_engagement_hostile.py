@@ -19,7 +19,7 @@ from tests.session.rig import call, together
 from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 
 STEPS = st.lists(st.tuples(MESSAGES, st.floats(0, 3)), max_size=30)
 ASKING = EngagementSettings(handshake=HandshakeSettings(by="robot"))

@@ -26,8 +26,8 @@ from woz_tui.drivers.contract import Argument, Ask, Job, Verb
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.welcome import PerceptionView, StudySettings
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.redactor import Redactor
 
 PROGRAM = RequestOrigin("program", "", "con2")

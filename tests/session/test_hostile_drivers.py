@@ -16,7 +16,7 @@ from woz_tui.drivers.contract import Scope
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 
 KEY = RequestOrigin("key", "h", "con1")
 

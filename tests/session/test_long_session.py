@@ -20,8 +20,9 @@ from woz_tui.config.study import ResponseShaping
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.session.participant_identity import SessionIdentity
 
 HALF_AN_HOUR = 1800.0
 KEY = RequestOrigin("key", "h", "con1")

@@ -19,7 +19,7 @@ from woz_tui.drivers.contract import Ask
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import panel_views
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 
 pytestmark = pytest.mark.safety
 

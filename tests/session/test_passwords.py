@@ -17,8 +17,8 @@ from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskVerb, Reply
-from woz_tui.session.participant_identity import RequestError
 
 PICTURE = "http://ada:PASSWORD@host/a.png?size=2&access_token=PASSWORD"
 SHOWN = "http://ada:***@host/a.png?size=2&access_token=***"

@@ -14,7 +14,7 @@ from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.config.study import Design, Study
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.session import Session
 
 KEY = RequestOrigin("key", ")", "con1")

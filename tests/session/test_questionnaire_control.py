@@ -9,8 +9,8 @@ import pytest
 from tests.session.rig import SessionRig
 from tests.session.study_rig import on_stage, short_messages
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.questionnaire_control import LONGEST
 from woz_tui.timeline.study_history import DueQuestionnaire
 

@@ -14,7 +14,7 @@ from tests.session.test_action_texts import HM, KEY, make_experiment
 from woz_tui.config.experiment import Action, Profile
 from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.session_plan import study_settings
 

@@ -15,7 +15,7 @@ from tests.session.rig import SessionRig, experiment
 from woz_tui.config.experiment import Phase
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.script_control import ScriptState
 
 KEY, SPACE = RequestOrigin("key", "h", "con1"), RequestOrigin("script", "space", "con1")

@@ -14,8 +14,9 @@ from woz_tui.config.file_position import FilePosition, Problem
 from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.action_texts import utterances
-from woz_tui.session.participant_identity import RequestError, SessionIdentity, check_participant
+from woz_tui.session.participant_identity import SessionIdentity, check_participant
 from woz_tui.session.preflight import preflight
 from woz_tui.session.variables import VariableValues
 

@@ -23,8 +23,9 @@ from tests.session.study_rig import (
 from woz_tui.config.study import PerceptionLimits, Study
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.welcome import PreflightCheck
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.session_plan import study_snapshot
 from woz_tui.timeline.study_history import StudyState

@@ -11,7 +11,7 @@ from tests.session.rig import SessionRig
 from tests.session.study_rig import STUDY, on_stage, short_messages
 from woz_tui.config.study import Design
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.timeline.study_history import DueQuestionnaire
 
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from tests.session.rig import SessionRig
 from tests.session.study_rig import on_stage
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.session_plan import study_snapshot
 from woz_tui.timeline.session_state import SessionState
 

@@ -16,7 +16,7 @@ from woz_tui.drivers.contract import Argument, Job, Verb
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.timeline.episodes import ActionEpisode as Played
 from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.timeline import Timeline

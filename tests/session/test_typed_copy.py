@@ -19,7 +19,7 @@ from woz_tui.config.loading import load
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.plugins import installed
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.typed_actions import (
     ExperimentCopy,
     copy_with_sentences,

@@ -32,7 +32,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.drivers.secret_arguments import hidden
 from woz_tui.gate.facts import Driving, Facts
-from woz_tui.gate.questions import DispatchCommand, Refusal, SubmitCommand
+from woz_tui.gate.questions import DispatchCommand, SubmitCommand
 from woz_tui.gate.table import why_not
 from woz_tui.protocol.action_messages import STOP_PROMISE_S
 from woz_tui.protocol.messages import (
@@ -49,6 +49,7 @@ from woz_tui.protocol.messages import (
     StopPressed,
     StopReleased,
 )
+from woz_tui.protocol.refusal import Refusal
 from woz_tui.system.tasks import TaskSet, wait_at_most
 
 #: Commands that may wait in one lane.

@@ -24,7 +24,6 @@ from woz_tui.bus.hub import Hub
 from woz_tui.drivers.bundled_media import located, named, named_text
 from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
 from woz_tui.drivers.driver_call import DriverCall, guarded
-from woz_tui.gate.questions import Refusal
 from woz_tui.protocol import codec
 from woz_tui.protocol.action_messages import EVIDENCE, Evidence
 from woz_tui.protocol.messages import (
@@ -45,6 +44,7 @@ from woz_tui.protocol.messages import (
     Superseded,
     TimedOut,
 )
+from woz_tui.protocol.refusal import Refusal
 from woz_tui.system.tasks import STOOD_STILL_S
 
 #: How long a cancelled job may take to end before its lane counts as faulted, in seconds.

@@ -16,13 +16,13 @@ from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import (
     DispatchCommand,
     PlayAction,
-    Refusal,
     RequestOrigin,
     SendVerb,
     SubmitCommand,
 )
 from woz_tui.gate.table import TABLE, why_not
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.refusal import Refusal
 
 #: What stands before a sentence about the state of a session that has just begun.
 BEGINNING = "at the beginning"

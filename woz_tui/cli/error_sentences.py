@@ -58,7 +58,7 @@ def _sentences(error: Exception, who: str, more: tuple[type[Exception], ...]) ->
     # Here, so that what needs no explanation starts without them.
     from woz_tui.config.file_position import ExperimentError  # noqa: PLC0415
     from woz_tui.drivers.plugins import PluginError  # noqa: PLC0415
-    from woz_tui.session.participant_identity import RequestError  # noqa: PLC0415
+    from woz_tui.protocol.refusal import RequestError  # noqa: PLC0415
 
     if not isinstance(error, (ExperimentError, RequestError, PluginError, OSError, *more)):
         return None

@@ -29,7 +29,7 @@ from woz_tui.console.stop_confirmation import short_names
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import STALE_US, ButtonState, ButtonView, DriverView, SensorView
 from woz_tui.gate.facts import Facts
-from woz_tui.gate.questions import GatedCall, PlayAction, Refusal, RequestOrigin
+from woz_tui.gate.questions import GatedCall, PlayAction, RequestOrigin
 from woz_tui.gate.table import why_not
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -38,6 +38,7 @@ from woz_tui.protocol.codec import WireError, decode_message
 from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.panel_players import panel_players, part_names, verb_players
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.refusal import Refusal
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import Allowance, WelcomeSettings
 from woz_tui.session.redactor import PerceptionFilter, Redactor

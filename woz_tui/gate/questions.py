@@ -7,24 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from woz_tui.protocol.messages import Command, Json
+from woz_tui.protocol.refusal import Refusal
 from woz_tui.protocol.requests import AnyRequest
 
 if TYPE_CHECKING:  # the console needs none of it for its first paint
     from woz_tui.drivers.contract import Verb
-
-
-@dataclass(frozen=True, slots=True)
-class Refusal:
-    """Why something may not happen: as a word (of `messages.Refused`) and in a sentence.
-
-    `remedy` says what would help; `command` is the id of the console's key that does it
-    (`config/keys/builtin_keys.json`).
-    """
-
-    code: str
-    reason: str
-    remedy: str = ""
-    command: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,6 @@ from woz_tui.gate.questions import (
     PlayAction,
     PlayEffect,
     Question,
-    Refusal,
     ReleaseStop,
     SendOwnVerb,
     SendVerb,
@@ -36,6 +35,7 @@ from woz_tui.protocol.action_messages import BY_PERSON, FACE_CONSENT_VERB
 from woz_tui.protocol.messages import Command, Json
 from woz_tui.protocol.panel_players import panel_players, player_names, verb_players
 from woz_tui.protocol.panels import covers_verb
+from woz_tui.protocol.refusal import Refusal
 
 log = logging.getLogger(__name__)
 

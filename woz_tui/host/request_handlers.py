@@ -33,6 +33,7 @@ from woz_tui.protocol.messages import (
     Notice,
     Refused,
 )
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.requests import (
     AnyRequest,
@@ -70,7 +71,6 @@ from woz_tui.protocol.requests import (
     AskVerb,
     Reply,
 )
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.session import Session
 from woz_tui.session.typed_actions import Reader, copy_with_sentences, without_typed, write_beside

@@ -16,9 +16,9 @@ from woz_tui.config.experiment import Call, Experiment
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.session_server import SessionServer
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, fitted, plan_of
 from woz_tui.replay.rerun_player import DONE, LEAD_US, STOPPED, RerunPlayer
-from woz_tui.session.participant_identity import RequestError
 
 #: How long the drivers that are needed may take to be connected, in seconds.
 DRIVERS_WAIT_S = 20.0

@@ -29,12 +29,8 @@ from woz_tui.log.file_names import file_stem, name_after
 from woz_tui.log.recorder import Recorder
 from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import (
-    RequestError,
-    SessionIdentity,
-    check_code,
-    check_participant,
-)
+from woz_tui.protocol.refusal import RequestError
+from woz_tui.session.participant_identity import SessionIdentity, check_code, check_participant
 from woz_tui.session.profile_limits import ProfileLimits
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock

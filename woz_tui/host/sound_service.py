@@ -30,8 +30,8 @@ from woz_tui.drivers.sound_feeds import (
 from woz_tui.host.client_connection import ClientConnection
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.messages import Json, ListenerJoined, ListenerLeft
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskSound, AskTalk, Reply
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.session import Session
 
 #: How long new sound is waited for, and how often it is looked for, in seconds.

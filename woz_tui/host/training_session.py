@@ -10,7 +10,8 @@ from statistics import median
 from woz_tui.config.experiment import Experiment
 from woz_tui.host.session_server import SessionServer
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.protocol.refusal import RequestError
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.training.cue_plan import PlannedCue, moves_robot, planned_cues
 from woz_tui.training.trainer import MISSED, RIGHT, UNCALLED, WRONG, Trainer
 from woz_tui.training.training_visitor import TrainingVisitor

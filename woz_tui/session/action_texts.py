@@ -26,7 +26,7 @@ from woz_tui.config.performers import BML
 from woz_tui.config.utterance_template import HIDDEN_TEXT, VISITOR
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.variables import MissingValueError, VariableValues, fill_variables, filled_call
 
 #: The verb and its argument that hold an utterance.

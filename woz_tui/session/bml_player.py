@@ -32,12 +32,12 @@ from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.performers import BML, PERFORMERS
 from woz_tui.drivers.contract import Driver, Forecast, Job, Performer, RejectedError, Scope
-from woz_tui.gate.questions import Refusal, RequestOrigin
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, weakest
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.session.action_runner import ActionRunner
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.prediction import forecast
 from woz_tui.timeline.session_state import SessionState
 

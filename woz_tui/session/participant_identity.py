@@ -1,40 +1,18 @@
-"""Codes of participant, session, condition and wizard; the error for refused requests."""
+"""Codes of participant, session, condition and wizard."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from woz_tui.config.participant_pattern import SIMPLER, describe_pattern, matches
-from woz_tui.gate.questions import Refusal
+from woz_tui.protocol.refusal import RequestError
 
 if TYPE_CHECKING:
     from woz_tui.config.experiment import Experiment
 
 CODE = re.compile(r"[A-Za-z0-9]{1,16}")
-
-
-class RequestError(ValueError):
-    """What was asked for cannot be done; `hint` says what would help, or lists `conditions`.
-
-    `command` is the id of the console's key (`config/keys/builtin_keys.json`) that helps.
-    """
-
-    def __init__(
-        self, reason: str, hint: str = "", conditions: Sequence[str] = (), command: str = ""
-    ) -> None:
-        super().__init__(reason)
-        self.command = command
-        self.reason = reason
-        self.hint = f"there are {', '.join(conditions)}" if conditions else hint
-        self.conditions = conditions
-
-    @classmethod
-    def of(cls, refusal: Refusal) -> RequestError:
-        """What the gate says."""
-        return cls(refusal.reason, refusal.remedy, command=refusal.command)
 
 
 @dataclass(frozen=True, slots=True)

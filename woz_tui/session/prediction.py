@@ -12,8 +12,8 @@ from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import DriverError, Forecast, Verb
 from woz_tui.drivers.driver_call import DriverCall, guarded
 from woz_tui.protocol.description import PredictedCommand, PredictedMark, Prediction
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.action_texts import Steps
-from woz_tui.session.participant_identity import RequestError
 
 #: Whether what a call does may not be told to whoever asks.
 Kept = Callable[[Call], bool]

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from woz_tui.config.experiment import Experiment, Profile
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 
 
 class ProfileLimits:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer
 from woz_tui.protocol.welcome import QuestionnaireItem
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.study_history import StudyState
 
 #: Characters of the longest answer in words.

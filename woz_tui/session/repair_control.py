@@ -10,10 +10,10 @@ from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
 from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import requester
 from woz_tui.session.action_runner import ActionRunner, may_speak
 from woz_tui.session.action_texts import ActionTexts, Steps
-from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.session_state import SessionState
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode, EpisodeOutcome
 

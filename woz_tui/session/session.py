@@ -26,20 +26,14 @@ from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.gate.facts import Facts
-from woz_tui.gate.questions import (
-    PlayAction,
-    Refusal,
-    ReleaseStop,
-    RequestOrigin,
-    SendOwnVerb,
-    SendVerb,
-)
+from woz_tui.gate.questions import PlayAction, ReleaseStop, RequestOrigin, SendOwnVerb, SendVerb
 from woz_tui.gate.table import another_plays_action, why_not
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
+from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requesters import WIZARD
 from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
@@ -49,7 +43,7 @@ from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.profile_limits import ProfileLimits

@@ -14,15 +14,11 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Design
 from woz_tui.config.utterance_template import VISITOR, names
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import WIZARD
 from woz_tui.session.condition_proposal import ConditionProposal, propose
 from woz_tui.session.earlier_sessions import EarlierSessions
-from woz_tui.session.participant_identity import (
-    RequestError,
-    SessionIdentity,
-    check_condition,
-    check_participant,
-)
+from woz_tui.session.participant_identity import SessionIdentity, check_condition, check_participant
 from woz_tui.session.questionnaire_control import QuestionnaireController
 from woz_tui.session.session_plan import study_settings
 from woz_tui.session.variables import VariableValues, by_condition

@@ -20,7 +20,7 @@ from woz_tui.config.file_position import NOWHERE, ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.panels import TYPED
-from woz_tui.session.participant_identity import RequestError
+from woz_tui.protocol.refusal import RequestError
 
 #: So many are kept; the first make way.
 MOST = 40

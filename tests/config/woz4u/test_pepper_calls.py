@@ -15,7 +15,8 @@ from tests.fakes.naoqi import StandIn, stand_in
 from tests.session.rig import SessionRig
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.protocol.refusal import RequestError
+from woz_tui.session.participant_identity import SessionIdentity
 
 KEY = RequestOrigin("key", "h", "con1")
 

@@ -18,7 +18,8 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Ask
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.protocol.refusal import RequestError
+from woz_tui.session.participant_identity import SessionIdentity
 
 KEY = RequestOrigin("key", "h", "con1")
 PROGRAM = RequestOrigin("program", "", "bridge1")

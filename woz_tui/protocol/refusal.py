@@ -1,0 +1,41 @@
+"""Why what was asked for is not done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why something may not happen: as a word (of `messages.Refused`) and in a sentence.
+
+    `remedy` says what would help; `command` is the id of the console's key that does it
+    (`config/keys/builtin_keys.json`).
+    """
+
+    code: str
+    reason: str
+    remedy: str = ""
+    command: str = ""
+
+
+class RequestError(ValueError):
+    """What was asked for cannot be done; `hint` says what would help, or lists `conditions`.
+
+    `command` is the id of the console's key (`config/keys/builtin_keys.json`) that helps.
+    """
+
+    def __init__(
+        self, reason: str, hint: str = "", conditions: Sequence[str] = (), command: str = ""
+    ) -> None:
+        super().__init__(reason)
+        self.command = command
+        self.reason = reason
+        self.hint = f"there are {', '.join(conditions)}" if conditions else hint
+        self.conditions = conditions
+
+    @classmethod
+    def of(cls, refusal: Refusal) -> RequestError:
+        """What the gate says."""
+        return cls(refusal.reason, refusal.remedy, command=refusal.command)

@@ -86,7 +86,7 @@ class Measuring:
         self._awaited: tuple[type[m.Message], asyncio.Future[Any]] | None = None
         self.session.hub.listen(self._listen)
 
-    def _listen(self, message: m.AnyMessage) -> None:
+    def _listen(self, message: m.Message) -> None:
         if isinstance(message, m.Reading) and message.value is not None:
             self.stopped_ns = message.value
         if self._awaited is not None and isinstance(message, self._awaited[0]):

@@ -56,7 +56,7 @@ class _Writer:
         self._actions, self._samples = actions, samples
         self.seq = 0
 
-    def say(self, t: int, message: m.AnyMessage) -> None:
+    def say(self, t: int, message: m.Message) -> None:
         sample = codec.is_sample(message)
         stamped = msgspec.structs.replace(message, seq=self.seq, t=t, ts="" if sample else TS)
         (self._samples if sample else self._actions).write(codec.encode(stamped))
@@ -96,7 +96,7 @@ def _shown(t: int) -> m.EngagementShown:
     )
 
 
-def _actions(tick: int) -> Iterator[m.AnyMessage]:
+def _actions(tick: int) -> Iterator[m.Message]:
     second, rest = divmod(tick, RATE_HZ)
     if rest:
         return

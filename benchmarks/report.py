@@ -66,7 +66,7 @@ def write_sessions(folder: Path, count: int) -> int:
 
 def _session(
     chance: random.Random, who: str, condition: str, session: str, wall: str
-) -> Iterator[m.AnyMessage]:
+) -> Iterator[m.Message]:
     yield m.SessionStart(
         t=0, session=session, participant=who, condition=condition, wizard="W1",
         software={"name": "woz-tui", "version": "0"}, experiment="bench.yaml",
@@ -83,7 +83,7 @@ def _session(
     yield m.SessionEnd(t=end, reason="ended")
 
 
-def _acts(chance: random.Random, end: int) -> Iterator[m.AnyMessage]:
+def _acts(chance: random.Random, end: int) -> Iterator[m.Message]:
     t, number = 0, 0
     while (t := t + round(chance.expovariate(1 / 6) * SECOND) + SECOND) < end:
         number += 1
@@ -106,7 +106,7 @@ def _acts(chance: random.Random, end: int) -> Iterator[m.AnyMessage]:
             yield m.Mistake(t=done, run=run, action=action)
 
 
-def _visitor(chance: random.Random, end: int) -> Iterator[m.AnyMessage]:
+def _visitor(chance: random.Random, end: int) -> Iterator[m.Message]:
     t, segment, state = 0, 0, STATES[0]
     while (t := t + chance.randint(3, 20) * SECOND) < end:
         now = chance.choice([each for each in STATES if each != state])

@@ -191,7 +191,7 @@ def welcome(session: Session) -> Welcome:
     )
 
 
-def _log(session: Session) -> m.AnyMessage:
+def _log(session: Session) -> m.Message:
     return m.RecorderState(level="ok", lag_us=LAG_US, path=LOG, t=session.hub.now())
 
 

@@ -27,7 +27,7 @@ from woz_tui.console.cells import Row
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.theme import DARK
-from woz_tui.protocol.messages import AnyMessage
+from woz_tui.protocol.messages import Message
 from woz_tui.protocol.requests import Welcome
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
@@ -94,14 +94,14 @@ class Reel:
     """What a console heard: the welcome at the beginning, then every message."""
 
     first: list[Welcome] = field(default_factory=list)
-    messages: list[AnyMessage] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
 
     def watch(self, session: Session) -> None:
         """Attach, as a console does."""
         self.first.append(welcome(session))
         session.hub.listen(self.messages.append)
 
-    def moments(self, film: Film) -> Iterator[tuple[int, list[AnyMessage]]]:
+    def moments(self, film: Film) -> Iterator[tuple[int, list[Message]]]:
         """Each of the film's moments (microseconds), and what was heard since the one before."""
         heard = deque(self.messages)
         for number in range(round((film.end - film.begin) * RATE)):

@@ -39,8 +39,8 @@ SPILL = "more"
 
 
 def played(
-    folder: Path, seconds: float, hand: Callable[[Session, m.AnyMessage], None] | None = None
-) -> list[m.AnyMessage]:
+    folder: Path, seconds: float, hand: Callable[[Session, m.Message], None] | None = None
+) -> list[m.Message]:
     """All messages of a session in virtual time; its log and its visitors go into `folder`.
 
     A `hand` is told each message and may do something about it, as a wizard does.
@@ -49,8 +49,8 @@ def played(
 
 
 async def _played(
-    folder: Path, seconds: float, hand: Callable[[Session, m.AnyMessage], None] | None
-) -> list[m.AnyMessage]:
+    folder: Path, seconds: float, hand: Callable[[Session, m.Message], None] | None
+) -> list[m.Message]:
     drivers = catalogue()
     identity = SessionIdentity(participant="G01", condition="alone", wizard="W1", seed=1)
     rig = SessionRig(folder, (), identity, drivers, load(GUIDE, drivers), rests=False)
@@ -61,7 +61,7 @@ async def _played(
     return rig.lines
 
 
-def path(messages: Sequence[m.AnyMessage]) -> list[str]:
+def path(messages: Sequence[m.Message]) -> list[str]:
     """The states, one after the other."""
     changes = [each for each in messages if isinstance(each, m.EngagementChanged)]
     return [each.was for each in changes[:1]] + [each.now for each in changes]
@@ -70,7 +70,7 @@ def path(messages: Sequence[m.AnyMessage]) -> list[str]:
 # -- in real time ---------------------------------------------------------------------------------
 
 
-def hosted(folders: Sequence[Path], seconds: float) -> list[list[m.AnyMessage]]:
+def hosted(folders: Sequence[Path], seconds: float) -> list[list[m.Message]]:
     """The logs of sessions that run side by side for `seconds`, one for each folder."""
     with contextlib.ExitStack() as stack:
         hosts = [stack.enter_context(_host(folder)) for folder in folders]
@@ -95,7 +95,7 @@ def _host(folder: Path) -> subprocess.Popen[bytes]:
         return subprocess.Popen(command, stderr=errors, stdin=subprocess.DEVNULL)
 
 
-def _read(folder: Path) -> list[m.AnyMessage]:
+def _read(folder: Path) -> list[m.Message]:
     [first] = sorted(folder.glob("*_S01.jsonl"))
     lines = log_reader.read(first, places=[folder, folder / SPILL])
     return [line.message for line in lines if line.message is not None]

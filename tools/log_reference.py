@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import inspect
-from typing import Any, get_args
+from typing import Any
 
 import msgspec
 
 from tools import replaced
-from woz_tui.protocol.messages import AnyMessage, Message
+from woz_tui.protocol.kinds import message_kinds
+from woz_tui.protocol.messages import Message
 
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
 FIELDS: dict[str, tuple[str, str]] = {
@@ -277,7 +278,7 @@ _NAMES = {"integer": "whole number", "object": "object", "array": "list", "strin
 
 def tables() -> str:
     """A section of Markdown for each kind of line, in the order in which the code has them."""
-    return "\n\n".join(_section(each) for each in get_args(AnyMessage))
+    return "\n\n".join(_section(each) for each in message_kinds())
 
 
 def _section(each: type[Message]) -> str:

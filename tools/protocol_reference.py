@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterable
-from typing import Any, get_args
+from typing import Any, Union, get_args
 
 import msgspec
 
 from tools.log_reference import json_type
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.protocol.description import Description, Prediction
-from woz_tui.protocol.messages import AnyMessage
-from woz_tui.protocol.requests import (
-    PROTOCOL,
-    AnyAnswer,
-    AnyRequest,
-    Request,
-)
+from woz_tui.protocol.kinds import answer_kinds, message_kinds, request_kinds
+from woz_tui.protocol.requests import PROTOCOL, Request
 
 _COMMON = tuple(field.name for field in msgspec.structs.fields(Request))
 _HEAD = f"""# Requests and answers, field by field
@@ -35,7 +30,8 @@ _TABLE = ("| field | type | needed | default |", "|---|---|---|---|")
 
 def schema() -> dict[str, Any]:
     """JSON Schema: `Request`, `Answer` and `Message` are what a line can be."""
-    lines = {"Request": AnyRequest, "Answer": AnyAnswer, "Message": AnyMessage}
+    kinds = {"Request": request_kinds(), "Answer": answer_kinds(), "Message": message_kinds()}
+    lines = {name: Union[each] for name, each in kinds.items()}  # noqa: UP007 - of a tuple
     data = (Description, Prediction)
     found, definitions = msgspec.json.schema_components(
         (*lines.values(), *data), ref_template="#/$defs/{name}"
@@ -56,9 +52,9 @@ def page() -> str:
     parts = [
         _HEAD,
         "## Requests\n",
-        *map(_section, get_args(AnyRequest)),
+        *map(_section, request_kinds()),
         "## Answers\n",
-        *map(_section, get_args(AnyAnswer)),
+        *map(_section, answer_kinds()),
         "## Data of replies\n",
         "What stands in `data` of the replies to `describe` and `predict`.\n",
         *(_section(each) for each in _nested((Description, Prediction))),

@@ -28,7 +28,7 @@ from woz_tui.console.theme import Appearance
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log
 from woz_tui.log.log_index import LogIndex
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AnyRequest, Welcome
+from woz_tui.protocol.requests import Request, Welcome
 from woz_tui.replay.opened_log import IndexedSamples
 from woz_tui.replay.player import ReplayPlayer, ReplayStart
 from woz_tui.replay.recording import Recording
@@ -113,7 +113,7 @@ class _Still(ScriptedFeed):
         self._player = player
         self.begin_with(*player.begin(0))
 
-    def ask(self, request: AnyRequest) -> int:
+    def ask(self, request: Request) -> int:
         """Answer at once."""
         self.deliver(*self._player.ask(request, 0))
         return 0

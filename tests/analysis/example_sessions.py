@@ -23,14 +23,14 @@ STEM = "2026-03-01T10-00-00_P07_S01"
 
 
 def figures_of(
-    messages: Iterable[m.AnyMessage],
+    messages: Iterable[m.Message],
     options: figure_counting.FigureOptions = figure_counting.DEFAULTS,
 ) -> SessionFigures:
     """The figures of messages in the order of a log."""
     return figure_counting.figures_of(timeline_of(messages), options)
 
 
-def timeline_drawing(messages: Iterable[m.AnyMessage]) -> timeline_lanes.TimelineDrawing:
+def timeline_drawing(messages: Iterable[m.Message]) -> timeline_lanes.TimelineDrawing:
     """What is drawn of messages in the order of a log."""
     return timeline_lanes.drawing_of(timeline_of(messages))
 
@@ -48,7 +48,7 @@ class ExampleSession:
         experiment: str = "experiments/guide.yaml",
         wall: str = "2026-03-01T10:00:00.000000Z",
     ) -> None:
-        self.messages: list[m.AnyMessage] = []
+        self.messages: list[m.Message] = []
         self._runs = 0
         self.add(
             0,
@@ -65,7 +65,7 @@ class ExampleSession:
             ),
         )
 
-    def add(self, seconds: float, *messages: m.AnyMessage) -> Self:
+    def add(self, seconds: float, *messages: m.Message) -> Self:
         """These lines, all at `seconds`."""
         for message in messages:
             self.messages.append(
@@ -112,7 +112,7 @@ class ExampleSession:
         if took is None:
             return self
         duration = round(took * SECOND) - latency
-        ends: dict[str, Sequence[m.AnyMessage]] = {
+        ends: dict[str, Sequence[m.Message]] = {
             "done": (
                 m.Done(
                     command=command, driver="robot", sent={}, latency_us=latency,
@@ -164,7 +164,7 @@ class ExampleSession:
         return path
 
 
-def in_time(session: ExampleSession) -> list[m.AnyMessage]:
+def in_time(session: ExampleSession) -> list[m.Message]:
     """The messages in the order of time, as a session would have said them."""
     ordered = sorted(session.messages, key=lambda message: message.t)
     return [msgspec.structs.replace(message, seq=at) for at, message in enumerate(ordered)]

@@ -45,7 +45,7 @@ SETTINGS: st.SearchStrategy[dict[str, Any]] = st.sampled_from([{}, {"volume": 1}
 STARTS = st.sampled_from([{}, {"start": "off"}, {"start": "run"}])
 WOUNDS = st.tuples(st.integers(0, 10**6), st.sampled_from(["flip", "cut", "nul", "twice", "drop"]))
 #: Lines of a session that make sense more often than not.
-LIKELY: st.SearchStrategy[m.AnyMessage] = st.one_of(
+LIKELY: st.SearchStrategy[m.Message] = st.one_of(
     st.builds(m.ActionRequested, run=RUNS, action=ACTIONS, source=SOURCES),
     st.builds(m.ActionDone, run=RUNS, action=ACTIONS),
     st.builds(m.ActionFailed, run=RUNS, action=ACTIONS),
@@ -78,7 +78,7 @@ LIKELY: st.SearchStrategy[m.AnyMessage] = st.one_of(
 COURSE = st.lists(st.tuples(LIKELY, st.integers(0, 8_000_000)), max_size=80)
 
 
-def timed(course: list[tuple[m.AnyMessage, int]]) -> list[m.AnyMessage]:
+def timed(course: list[tuple[m.Message, int]]) -> list[m.Message]:
     """Each message so much later than the one before."""
     found, t = [], 0
     for seq, (message, after) in enumerate(course):
@@ -101,7 +101,7 @@ def used(figures: SessionFigures, report: SessionReport) -> None:
 
 
 @given(ANY)
-def test_messages_in_any_order_raise_nothing(course: list[tuple[m.AnyMessage, int]]) -> None:
+def test_messages_in_any_order_raise_nothing(course: list[tuple[m.Message, int]]) -> None:
     messages = [
         msgspec.structs.replace(message, seq=seq, t=t) for seq, (message, t) in enumerate(course)
     ]
@@ -110,7 +110,7 @@ def test_messages_in_any_order_raise_nothing(course: list[tuple[m.AnyMessage, in
 
 
 @given(COURSE)
-def test_the_parts_add_up_to_the_whole(course: list[tuple[m.AnyMessage, int]]) -> None:
+def test_the_parts_add_up_to_the_whole(course: list[tuple[m.Message, int]]) -> None:
     figures = figures_of(timed(course), FigureOptions(all_trials=True))
     whole, parts = figures.whole, figures.parts
     assert whole.us == sum(part.us for part in parts) == figures.duration_us
@@ -131,7 +131,7 @@ def test_the_parts_add_up_to_the_whole(course: list[tuple[m.AnyMessage, int]]) -
 
 @given(COURSE)
 def test_cues_have_one_fate_and_reactions_are_in_the_window(
-    course: list[tuple[m.AnyMessage, int]],
+    course: list[tuple[m.Message, int]],
 ) -> None:
     figures = figures_of(timed(course), FigureOptions(all_trials=True))
     for cue in figures.cues:
@@ -143,7 +143,7 @@ def test_cues_have_one_fate_and_reactions_are_in_the_window(
 
 
 @given(COURSE)
-def test_leaving_trials_out_only_takes_away(course: list[tuple[m.AnyMessage, int]]) -> None:
+def test_leaving_trials_out_only_takes_away(course: list[tuple[m.Message, int]]) -> None:
     messages = timed(course)
     some, every = figures_of(messages), figures_of(messages, FigureOptions(all_trials=True))
     assert some.whole.actions <= every.whole.actions
@@ -154,11 +154,9 @@ def test_leaving_trials_out_only_takes_away(course: list[tuple[m.AnyMessage, int
 
 
 @given(COURSE, st.randoms())
-def test_what_tells_nothing_changes_nothing(
-    course: list[tuple[m.AnyMessage, int]], rnd: Any
-) -> None:
+def test_what_tells_nothing_changes_nothing(course: list[tuple[m.Message, int]], rnd: Any) -> None:
     messages = timed(course)
-    more: list[m.AnyMessage] = []
+    more: list[m.Message] = []
     for message in messages:
         more.append(message)
         if rnd.random() < 0.3:
@@ -169,7 +167,7 @@ def test_what_tells_nothing_changes_nothing(
 
 @given(COURSE, st.lists(WOUNDS, max_size=4))
 def test_a_damaged_log_raises_nothing_and_tells_so(
-    course: list[tuple[m.AnyMessage, int]], wounds: list[tuple[int, str]]
+    course: list[tuple[m.Message, int]], wounds: list[tuple[int, str]]
 ) -> None:
     data = bytearray(b"".join(map(codec.encode, timed(course))))
     for where, wound in wounds:

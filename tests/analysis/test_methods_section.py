@@ -84,7 +84,7 @@ def test_a_robot_that_a_stop_did_not_reach_is_said() -> None:
 
 def test_a_lost_console_is_no_emergency_stop() -> None:
     session = ExampleSession().act(1).add(3, m.StopPressed(source="console-lost", scope="drive"))
-    drive: list[m.AnyMessage] = [
+    drive: list[m.Message] = [
         m.StopConfirmed(confirmed=[], missing=["robot"], unreached=["robot"], elapsed_us=1)
     ]
     found = text(session_figures(session.add(3, *drive).end(60)))

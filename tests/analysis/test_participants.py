@@ -122,7 +122,7 @@ TRIAL = (m.TrialStarted(trial=1), m.TrialEnded(trial=1, outcome="aborted"))
 
 
 @pytest.mark.parametrize("done", [(MARKER,), ANSWERED, (SPOT,), TRIAL])
-def test_who_did_something_in_a_moment_took_part(done: tuple[m.AnyMessage, ...]) -> None:
+def test_who_did_something_in_a_moment_took_part(done: tuple[m.Message, ...]) -> None:
     assert session_figures(briefly(2).add(1, *done)).participants == ("P70", "P07")
 
 

@@ -285,7 +285,7 @@ def test_actions_stand_for_their_commands() -> None:
 
 
 def test_a_stream_of_setpoints_is_one_act() -> None:
-    def gazes(count: int, every: int) -> list[m.AnyMessage]:
+    def gazes(count: int, every: int) -> list[m.Message]:
         return [command(f"c{n}", n * every, verb="gaze") for n in range(count)]
 
     log = played_session(
@@ -297,7 +297,7 @@ def test_a_stream_of_setpoints_is_one_act() -> None:
     assert len(played_session("C", gazes(3, SECOND)).acts) == 3
 
 
-def log_end(count: int) -> list[m.AnyMessage]:
+def log_end(count: int) -> list[m.Message]:
     return [command(f"d{n}", 3_000_000 * n) for n in range(1, count + 1)]
 
 

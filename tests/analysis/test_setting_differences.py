@@ -249,7 +249,7 @@ def test_a_log_that_is_torn_counts_up_to_its_last_line(tmp_path: Path) -> None:
 
 _VALUES = st.dictionaries(st.sampled_from("ab"), st.sampled_from([True, 0.5, "x", None]))
 _DRIVERS = st.sampled_from(["pepper", "nao"])
-_MESSAGES: st.SearchStrategy[m.AnyMessage] = st.one_of(
+_MESSAGES: st.SearchStrategy[m.Message] = st.one_of(
     st.builds(m.SettingsShown, driver=_DRIVERS, values=_VALUES, wanted=_VALUES),
     st.builds(m.DriverLost, driver=_DRIVERS),
     st.builds(m.DriverFaulted, driver=_DRIVERS),
@@ -264,7 +264,7 @@ _MESSAGES: st.SearchStrategy[m.AnyMessage] = st.one_of(
 COURSES = st.lists(st.tuples(_MESSAGES, st.integers(0, 3)), min_size=10, max_size=30)
 
 
-def differing_at(before: list[m.AnyMessage]) -> set[tuple[str, str]] | None:
+def differing_at(before: list[m.Message]) -> set[tuple[str, str]] | None:
     """Driver and setting of what differs after these messages; None: nothing is known.
 
     Looked up from the messages anew, with no state kept from one to the next.
@@ -287,7 +287,7 @@ def differing_at(before: list[m.AnyMessage]) -> set[tuple[str, str]] | None:
 
 @given(COURSES)
 def test_the_times_are_those_of_every_moment_by_itself(
-    course: list[tuple[m.AnyMessage, int]],
+    course: list[tuple[m.Message, int]],
 ) -> None:
     messages, t = list(ExampleSession().messages), 0
     expected: dict[tuple[str, str], int] = {}

@@ -66,7 +66,7 @@ class Tables:
         return sorted((item.begin, item.end) for item in found if item.end is not None)
 
 
-def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
+def tables_of(lines: Sequence[m.Message]) -> Tables:
     """Each table, with empty cells as empty texts."""
     messages = [line for line in lines if not codec.is_sample(line)]
     figures = figures_of(messages, FigureOptions(all_trials=True))
@@ -102,7 +102,7 @@ def _cell(value: object) -> object:
     return "" if value is None else value
 
 
-def export_session(messages: Iterable[m.AnyMessage]) -> ExportSession:
+def export_session(messages: Iterable[m.Message]) -> ExportSession:
     """As exports see it."""
     extractor = EventExtractor(ExportSession(name="x"))
     for message in messages:
@@ -287,7 +287,7 @@ def check_moments(session_tables: Tables) -> None:
     )
 
 
-def check_times(messages: Sequence[m.AnyMessage]) -> Tables:
+def check_times(messages: Sequence[m.Message]) -> Tables:
     """Time by condition, and what of it was spent how."""
     session_tables = tables_of(messages)
     assert sum(part.us for part in session_tables.figures.parts) == session_tables.figures.whole.us
@@ -297,7 +297,7 @@ def check_times(messages: Sequence[m.AnyMessage]) -> Tables:
     return session_tables
 
 
-def check(messages: Sequence[m.AnyMessage]) -> Tables:
+def check(messages: Sequence[m.Message]) -> Tables:
     """Everything."""
     session_tables = check_times(messages)
     check_trials(session_tables)
@@ -308,12 +308,12 @@ def check(messages: Sequence[m.AnyMessage]) -> Tables:
 
 
 @given(recordings())
-def test_all_tables_say_the_same(messages: list[m.AnyMessage]) -> None:
+def test_all_tables_say_the_same(messages: list[m.Message]) -> None:
     check(messages)
 
 
 @given(damaged())
-def test_times_of_a_damaged_log_are_the_same_in_all_tables(messages: list[m.AnyMessage]) -> None:
+def test_times_of_a_damaged_log_are_the_same_in_all_tables(messages: list[m.Message]) -> None:
     check_times(messages)
 
 

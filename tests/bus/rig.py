@@ -135,7 +135,7 @@ class Rig:
     """Hub, bus and two performers, and everything that was published."""
 
     def __init__(self, capacity: int = 16, clock: LoopClock | None = None) -> None:
-        self.lines: list[m.AnyMessage] = []
+        self.lines: list[m.Message] = []
         self.clock = clock or LoopClock(asyncio.get_running_loop())
         self.hub = Hub(self.clock, lambda message, line: self.lines.append(message))
         self.head = Scripted("head")

@@ -46,7 +46,7 @@ def log(
         seed=0,
         clock={},
     )
-    lines: list[tuple[float, m.AnyMessage]] = [(0, start)]
+    lines: list[tuple[float, m.Message]] = [(0, start)]
     for n, name in enumerate(names):
         own = f"c{n}"
         lines += [

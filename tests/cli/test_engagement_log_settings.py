@@ -24,7 +24,7 @@ def engagement_adopted(t: int, settings: EngagementSettings | None) -> m.Engagem
     return m.EngagementAdopted(t=t, settings={} if settings is None else settings_to_json(settings))
 
 
-def key(t: int, verb: str, **sent: m.Json) -> list[m.AnyMessage]:
+def key(t: int, verb: str, **sent: m.Json) -> list[m.Message]:
     """A key of the wizard's that has been obeyed."""
     name = f"c{t}"
     return [
@@ -33,11 +33,11 @@ def key(t: int, verb: str, **sent: m.Json) -> list[m.AnyMessage]:
     ]
 
 
-def presence_reading(t: int) -> m.AnyMessage:
+def presence_reading(t: int) -> m.Message:
     return m.Reading(t=t, sensor="presence", value=1.0)
 
 
-def run_lines(again: ModelRerun, lines: Sequence[m.AnyMessage]) -> ModelRerun:
+def run_lines(again: ModelRerun, lines: Sequence[m.Message]) -> ModelRerun:
     for line in lines:
         again.apply(line)
     return again
@@ -137,7 +137,7 @@ def log(tmp_path: Path) -> Path:
     """Somebody comes in the fifth second; the wizard has set another filter and distance by then,
     and later the file was edited.
     """
-    lines: list[m.AnyMessage] = [
+    lines: list[m.Message] = [
         engagement_adopted(0, EngagementSettings()),
         *key(2 * SECOND, "filter", sign="all", samples=1),
         *key(3 * SECOND, "social_distance", metres=2.0),
@@ -149,7 +149,7 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
-def _numbered(lines: Sequence[m.AnyMessage]) -> Iterator[m.AnyMessage]:
+def _numbered(lines: Sequence[m.Message]) -> Iterator[m.Message]:
     for number, line in enumerate(lines):
         yield codec.decode_message(
             json.dumps({**json.loads(codec.encode(line)), "seq": number}).encode()

@@ -21,7 +21,7 @@ from woz_tui.log.log_reader import Damage
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
 
-Timed = tuple[float, m.AnyMessage]
+Timed = tuple[float, m.Message]
 ADOPTED = m.EngagementAdopted(settings=settings_to_json(EngagementSettings()))
 GONE = m.EngagementAdopted(settings={})
 
@@ -112,7 +112,7 @@ STEPS = st.one_of(
 
 
 @given(st.lists(st.tuples(st.integers(1, 20), STEPS), max_size=12))
-def test_the_share_is_the_reports(steps: list[tuple[int, str | m.AnyMessage]]) -> None:
+def test_the_share_is_the_reports(steps: list[tuple[int, str | m.Message]]) -> None:
     """Whatever a log tells, both rooms read it alike."""
     session = ExampleSession().add(0, ADOPTED)
     at, state = 0, "Wait"

@@ -23,9 +23,9 @@ HERE: Signs = (1, 1, 0.9, "V1")
 
 def session(
     seconds: int, marks: dict[float, str], signs: Callable[[int, float], Signs]
-) -> list[m.AnyMessage]:
+) -> list[m.Message]:
     """Samples three times a second, and markers; `signs` gets number and seconds."""
-    lines: list[m.AnyMessage] = [
+    lines: list[m.Message] = [
         m.Marker(t=round(at * SECOND), text=text) for at, text in marks.items()
     ]
     for number in range(seconds * 3):
@@ -38,7 +38,7 @@ def session(
     return lines
 
 
-def shares(lines: list[m.AnyMessage]) -> Iterator[tuple[str, int, int, int, int]]:
+def shares(lines: list[m.Message]) -> Iterator[tuple[str, int, int, int, int]]:
     found = trials(lines, EngagementSettings())
     for sign in ("presence", "gaze", "distance", "identity", "engaged"):
         for seconds in (10, 20, 30):
@@ -93,7 +93,7 @@ def test_a_filter_that_the_wizard_sets_counts_for_the_filtered_ones_alone() -> N
         return (1, 0 if number in (51, 75) else 1, 0.9, "V1")
 
     args: dict[str, m.Json] = {"sign": "all", "kind": "joint"}
-    order: list[m.AnyMessage] = [
+    order: list[m.Message] = [
         m.Command(
             t=4 * SECOND, command="c1", verb="filter", args=args, driver="engagement", source="key"
         ),
@@ -116,7 +116,7 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
-def numbered(lines: list[m.AnyMessage]) -> Iterator[m.AnyMessage]:
+def numbered(lines: list[m.Message]) -> Iterator[m.Message]:
     for number, line in enumerate(lines):
         fields = {**json.loads(codec.encode(line)), "seq": number + 1}
         yield codec.decode_message(json.dumps(fields).encode())

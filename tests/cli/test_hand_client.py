@@ -75,7 +75,7 @@ class Line:
         self.clock.advance(100)
         self.said: list[str] = []
         self.client = HandClient(self.clock, self.said.append, **options)
-        self.sent: list[r.AnyRequest] = []
+        self.sent: list[r.Request] = []
         self.client.connect(lambda line: self.sent.append(codec.decode_request(line)))
         [hello] = self.take()
         assert isinstance(hello, r.Hello)
@@ -94,7 +94,7 @@ class Line:
     def hear(self, message: msgspec.Struct) -> None:
         self.client.receive(codec.encode(message))
 
-    def take(self) -> list[r.AnyRequest]:
+    def take(self) -> list[r.Request]:
         """What was sent since the last time."""
         sent = list(self.sent)
         self.sent.clear()

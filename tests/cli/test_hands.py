@@ -147,7 +147,7 @@ async def test_a_lost_session_of_this_computer_is_found_again(
         tries += 1
         return await connect(path, limit=limit)
 
-    def attached(line: m.AnyMessage) -> bool:
+    def attached(line: m.Message) -> bool:
         return isinstance(line, m.ConsoleAttached) and line.name == "hands"
 
     async with session(tmp_path) as (place, reader):

@@ -42,7 +42,7 @@ panels:
 """.replace(" H", f" {json.dumps(HOSTILE)[1:-1]}")
 
 
-def write_log(folder: Path, messages: Iterable[m.AnyMessage], stem: str) -> Path:
+def write_log(folder: Path, messages: Iterable[m.Message], stem: str) -> Path:
     path = folder / f"{stem}.jsonl"
     lines = [json.loads(codec.encode(message)) for message in messages]
     for number, line in enumerate(lines):
@@ -54,7 +54,7 @@ def write_log(folder: Path, messages: Iterable[m.AnyMessage], stem: str) -> Path
     return path
 
 
-def timed(course: Iterable[Timed]) -> list[m.AnyMessage]:
+def timed(course: Iterable[Timed]) -> list[m.Message]:
     return [
         msgspec.structs.replace(message, t=round(seconds * 1_000_000))
         for seconds, message in course

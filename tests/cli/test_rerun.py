@@ -174,7 +174,7 @@ def test_no_log_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
 # -- the lines of a headless re-run --------------------------------------------------------------
 
 
-def lines(progress: RerunLines, *messages: m.AnyMessage) -> list[str]:
+def lines(progress: RerunLines, *messages: m.Message) -> list[str]:
     return [line.strip() for message in messages for line in progress.lines(message)]
 
 

@@ -124,7 +124,7 @@ async def test_a_failure_raises_what_failed_and_what_to_do(host: ServedSession) 
 async def test_a_drive_stop_that_is_confirmed_meanwhile_is_no_answer_to_a_stop(
     host: ServedSession,
 ) -> None:
-    def lost(message: m.AnyMessage) -> None:
+    def lost(message: m.Message) -> None:
         if isinstance(message, m.StopPressed):
             nobody = m.StopConfirmed(confirmed=[], missing=[], elapsed_us=0, scope="drive")
             host.session.hub.publish(nobody)

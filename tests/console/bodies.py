@@ -109,9 +109,9 @@ def body_changed(driver: str = "body", **values: m.Json) -> m.BodyChanged:
 
 def joints(
     reached: dict[str, float] | None, wanted: dict[str, float], robot: str = "", t: int = NOW
-) -> list[m.AnyMessage]:
+) -> list[m.Message]:
     """Where the joints are, and where they shall be."""
-    told: list[m.AnyMessage] = []
+    told: list[m.Message] = []
     for kind, angles in (("joint", reached or {}), ("setpoint", wanted)):
         for name, value in angles.items():
             sensor = f"{robot}{kind}.{name}"
@@ -119,7 +119,7 @@ def joints(
     return told
 
 
-def alive(robot: str = "", **values: m.Json) -> list[m.AnyMessage]:
+def alive(robot: str = "", **values: m.Json) -> list[m.Message]:
     """A body in the middle of a move: the reached pose behind the one that is wanted."""
     driver = f"{robot}body"
     return [
@@ -145,7 +145,7 @@ def controls_moved(
 
 
 def welcome(
-    state: list[m.AnyMessage] | None = None, robots: tuple[str, ...] = ("",), *, knobs: bool = True
+    state: list[m.Message] | None = None, robots: tuple[str, ...] = ("",), *, knobs: bool = True
 ) -> r.Welcome:
     """A session whose robots have bodies; the first one's panel."""
     outlines: dict[str, m.Json] = {f"{robot}body": EYEPI for robot in robots}

@@ -55,7 +55,7 @@ def engagement_changed(
     return m.EngagementChanged(was=was, now=now, outcome=outcome, why=why, **told)
 
 
-def way() -> list[m.AnyMessage]:
+def way() -> list[m.Message]:
     """How the visitor came to talk."""
     near = "present, looks (5 of 8), near 0.8 m"
     return [
@@ -72,7 +72,7 @@ def way() -> list[m.AnyMessage]:
     ]
 
 
-def talk() -> list[m.AnyMessage]:
+def talk() -> list[m.Message]:
     """What the visitor said."""
     driver = "microphone"
     first, second = NOW - 29 * SECOND, NOW - 6 * SECOND
@@ -101,7 +101,7 @@ def waits(since: float = 3.2, **more: Any) -> m.EngagementShown:
     return engagement_shown(waits_since=NOW - round(since * SECOND), since=NOW - 3_200_000, **more)
 
 
-def welcome(*state: m.AnyMessage, **more: Any) -> r.Welcome:
+def welcome(*state: m.Message, **more: Any) -> r.Welcome:
     """A session with a model; `state` is told last."""
     return scenes.welcome(
         state=[*scenes.healthy(), *scenes.sensors(), *(state or (waits(),))],

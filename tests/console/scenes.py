@@ -160,7 +160,7 @@ def start(participant: str = "P07", condition: str = "warm") -> m.SessionStart:
     )
 
 
-def healthy() -> list[m.AnyMessage]:
+def healthy() -> list[m.Message]:
     """What holds when all is well."""
     return [
         start(),
@@ -175,7 +175,7 @@ def healthy() -> list[m.AnyMessage]:
     ]
 
 
-def sensors(t: int = NOW) -> list[m.AnyMessage]:
+def sensors(t: int = NOW) -> list[m.Message]:
     """One reading of each sensor."""
     return [
         reading(t, "distance", 0.84, driver="range", unit="m"),
@@ -189,9 +189,9 @@ def sensors(t: int = NOW) -> list[m.AnyMessage]:
     ]
 
 
-def pose(t: int = NOW) -> list[m.AnyMessage]:
+def pose(t: int = NOW) -> list[m.Message]:
     """Three joints, one of them on its way."""
-    messages: list[m.AnyMessage] = []
+    messages: list[m.Message] = []
     for name, present, wanted in (("yaw", 14.0, 30.0), ("pitch", -6.0, -6.0), ("roll", 2.0, 0.0)):
         messages.append(reading(t, f"joint.head.{name}", present, driver="head", unit="deg"))
         messages.append(reading(t, f"setpoint.head.{name}", wanted, driver="head", unit="deg"))
@@ -208,9 +208,9 @@ def reading(
 
 def played_action(
     run: str, action: str, t: int, took: float | None, *, how: str = "done", reason: str = ""
-) -> list[m.AnyMessage]:
+) -> list[m.Message]:
     """One run: requested, dispatched, and after `took` seconds its end; None: still running."""
-    messages: list[m.AnyMessage] = [
+    messages: list[m.Message] = [
         m.ActionRequested(run=run, action=action, source="key", t=t),
         m.Command(
             command=f"c-{run}", run=run, action=action, verb="say", args={}, source="key", t=t
@@ -235,7 +235,7 @@ def actions_filled(action: str, text: str) -> m.ActionsFilled:
     return m.ActionsFilled(actions={action: [[m.FilledCall(verb="say", args={"text": text})]]})
 
 
-def history() -> list[m.AnyMessage]:
+def history() -> list[m.Message]:
     """The last minutes."""
     return [
         m.ConsoleAttached(console="console1", role="wizard", t=9 * MINUTE),
@@ -260,7 +260,7 @@ def history() -> list[m.AnyMessage]:
     ]
 
 
-def speaking(left: float = 2.1, whole: float = 3.6) -> list[m.AnyMessage]:
+def speaking(left: float = 2.1, whole: float = 3.6) -> list[m.Message]:
     """An utterance in the middle, and one that waits behind it."""
     begun = NOW - round((whole - left) * SECOND)
     return [

@@ -16,7 +16,7 @@ from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import STALE_S
 from woz_tui.session.redactor import Redactor
 
-Answer = Callable[[r.AnyRequest, int], r.Reply]
+Answer = Callable[[r.Request, int], r.Reply]
 
 
 def redacted_welcome(welcome: r.Welcome, redactor: Redactor | None = None) -> r.Welcome:
@@ -49,7 +49,7 @@ class ScriptedFeed:
         self.line_ok = True
         self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
-        self.asked: list[r.AnyRequest] = []
+        self.asked: list[r.Request] = []
         self.closed = False
         self.answers: dict[type, Answer] = {}
         self._on_messages: OnMessages = lambda batch: None
@@ -66,7 +66,7 @@ class ScriptedFeed:
         if self._first:
             self.deliver(*self._first)
 
-    def ask(self, request: r.AnyRequest) -> int:
+    def ask(self, request: r.Request) -> int:
         ref = len(self.asked) + 1
         sent = codec.decode_request(codec.encode(msgspec.structs.replace(request, ref=ref)))
         self.asked.append(sent)

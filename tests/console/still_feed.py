@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from woz_tui.console.message_feed import OnLost, OnMessages
-from woz_tui.protocol.requests import AnyRequest
+from woz_tui.protocol.requests import Request
 from woz_tui.protocol.welcome import STALE_S
 
 
@@ -12,13 +12,13 @@ class StillFeed:
         self.line_ok = True
         self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
-        self.asked: list[AnyRequest] = []
+        self.asked: list[Request] = []
         self.closed = False
 
     def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
         """Nothing ever comes."""
 
-    def ask(self, request: AnyRequest) -> int:
+    def ask(self, request: Request) -> int:
         self.asked.append(request)
         return len(self.asked)
 

@@ -92,7 +92,7 @@ def trial(number: int = 3, condition: str = "cold", ago: float = 161.0) -> m.Tri
     return m.TrialStarted(trial=number, condition=condition, planned=4, t=t)
 
 
-def asks(questionnaire: dict[str, m.Json] = ROBOT, source: str = "wizard") -> r.AnyRequest:
+def asks(questionnaire: dict[str, m.Json] = ROBOT, source: str = "wizard") -> r.Request:
     """The request that begins a questionnaire."""
     return r.AskQuestionnaire(questionnaire=str(questionnaire["name"]), source=source)
 
@@ -126,7 +126,7 @@ def questionnaire_answered(
     )
 
 
-def welcome(*state: m.AnyMessage, study: dict[str, m.Json] | None = None, **more: Any) -> r.Welcome:
+def welcome(*state: m.Message, study: dict[str, m.Json] | None = None, **more: Any) -> r.Welcome:
     """A session with a study; `state` is told last."""
     return scenes.welcome(
         state=[*scenes.healthy(), conditions_assigned(), *state],

@@ -24,7 +24,7 @@ NOW = scenes.NOW
 FRAME = PaintFrame(80, 13, NOW)
 
 
-def console_state(*messages: m.AnyMessage, shown: list[PanelView] | None = None) -> ConsoleState:
+def console_state(*messages: m.Message, shown: list[PanelView] | None = None) -> ConsoleState:
     state = ConsoleState()
     state.apply([scenes.welcome(shown=shown), *messages], 0)
     return state

@@ -342,7 +342,7 @@ async def test_a_late_console_has_text_and_sentence() -> None:
 
 def pressed_action(
     run: str, action: str, text: str, tells: tuple[str, ...] = ()
-) -> list[m.AnyMessage]:
+) -> list[m.Message]:
     return [
         m.ActionRequested(run=run, action=action, source="key", t=NOW, seq=9000),
         m.Command(

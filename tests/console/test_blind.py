@@ -36,7 +36,7 @@ def panels() -> list[PanelView]:
     return [PanelView(title="Speech", actions=actions)]
 
 
-def blind_messages() -> list[m.AnyMessage]:
+def blind_messages() -> list[m.Message]:
     """A robot process that tells everything it knows."""
     return [
         m.SessionChanged(condition="cold", trial=3, t=NOW),

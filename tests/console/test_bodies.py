@@ -28,7 +28,7 @@ ROOMY, NARROW = (160, 50), (80, 24)
 LARGE, COMPACT = "▄█████▄", "⢀⣶⣷⣆"
 
 
-def console_state(*messages: m.AnyMessage, robots: tuple[str, ...] = ("",)) -> ConsoleState:
+def console_state(*messages: m.Message, robots: tuple[str, ...] = ("",)) -> ConsoleState:
     state = ConsoleState()
     state.apply([bodies.welcome(robots=robots), *messages], 0)
     return state
@@ -38,7 +38,7 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def pane(*messages: m.AnyMessage, size: tuple[int, int] = (50, 20), now: int = NOW) -> str:
+def pane(*messages: m.Message, size: tuple[int, int] = (50, 20), now: int = NOW) -> str:
     return text(pane_rows(console_state(*messages), PaintFrame(*size, now)))
 
 

@@ -283,7 +283,7 @@ def test_a_stop_of_driving_alone_is_an_event_and_latches_nothing() -> None:
 
 
 def test_readings_age_and_come_back() -> None:
-    course: list[m.AnyMessage] = [
+    course: list[m.Message] = [
         scenes.reading(NOW, "distance", 1.5, driver="range", unit="m"),
         m.SensorChanged(sensor="distance", state="stale"),
         scenes.reading(NOW + 1, "distance", 1.4, driver="range"),

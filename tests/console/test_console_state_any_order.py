@@ -151,7 +151,7 @@ def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) 
 
 
 @given(st.permutations(scenes.history()))
-def test_a_shuffled_history_ends_every_run(shuffled: list[m.AnyMessage]) -> None:
+def test_a_shuffled_history_ends_every_run(shuffled: list[m.Message]) -> None:
     state = welcomed_state(*shuffled)
     again = welcomed_state(*shuffled, *shuffled)
     ended = {message.run for message in shuffled if isinstance(message, m.ActionEnd)}

@@ -37,7 +37,7 @@ def engagement(was: str, now: str) -> m.EngagementChanged:
     return m.EngagementChanged(was=was, now=now, outcome="", why="test", verdicts={})
 
 
-def greeted(messages: list[m.AnyMessage], *, recent: bool) -> ConsoleState:
+def greeted(messages: list[m.Message], *, recent: bool) -> ConsoleState:
     """A console that attaches when all this is over, with or without the last lines."""
     state, lines = SessionState(), RecentMessages()
     for message in messages:
@@ -55,7 +55,7 @@ def greeted(messages: list[m.AnyMessage], *, recent: bool) -> ConsoleState:
 
 HAD = questionnaire_ended("robot"), questionnaire_ended("end", "declined")
 
-COURSES: dict[str, tuple[list[m.AnyMessage], Callable[[ConsoleState], object], object]] = {
+COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], object]] = {
     "a participant who comes back has had nothing": (
         [conditions_assigned(), *HAD, somebody("P08"), somebody("P07")],
         lambda picture: (picture.participant, picture.study.over),
@@ -144,7 +144,7 @@ def test_what_holds_is_there_however_long_ago_it_was(case: str, recent: bool) ->
 
 def test_what_is_older_than_the_last_lines_comes_before_them() -> None:
     """The engagement goes on since a change that is not among the last lines any more."""
-    changes: list[m.AnyMessage] = [engagement("Wait", "EngagedWithKnown")]
+    changes: list[m.Message] = [engagement("Wait", "EngagedWithKnown")]
     for _ in range(150):
         changes.append(engagement("EngagedWithKnown", "RobotReplies"))
         changes.append(engagement("RobotReplies", "EngagedWithKnown"))
@@ -173,7 +173,7 @@ WAS = {"events", "outcomes", "failures", "changes", "model"}
 
 
 def differences_of_late_console(
-    course: list[m.AnyMessage], first: float, second: float
+    course: list[m.Message], first: float, second: float
 ) -> Iterator[set[str]]:
     """What differs between a console that was there and one that attaches later."""
     # A plan names what is kept from the wizard, too; at random the two do not agree.
@@ -195,7 +195,7 @@ def differences_of_late_console(
 
 @given(recordings(), st.floats(0, 1), st.floats(0, 1))
 def test_a_console_that_attaches_late_shows_the_same(
-    course: list[m.AnyMessage], first: float, second: float
+    course: list[m.Message], first: float, second: float
 ) -> None:
     """Also what was: the last lines tell it."""
     for different in differences_of_late_console(course, first, second):
@@ -204,7 +204,7 @@ def test_a_console_that_attaches_late_shows_the_same(
 
 @given(damaged(), st.floats(0, 1), st.floats(0, 1))
 def test_what_holds_is_the_same_also_where_lines_are_lost_or_out_of_order(
-    course: list[m.AnyMessage], first: float, second: float
+    course: list[m.Message], first: float, second: float
 ) -> None:
     for different in differences_of_late_console(course, first, second):
         assert different <= WAS

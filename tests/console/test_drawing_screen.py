@@ -98,7 +98,7 @@ async def test_what_is_refused_is_told_with_its_remedy() -> None:
 
 
 async def test_a_refusal_from_before_is_not_told_again() -> None:
-    before: list[m.AnyMessage] = [
+    before: list[m.Message] = [
         command("c1"),
         refused_message("c1", "the stop is pressed"),
     ]

@@ -23,7 +23,7 @@ NOW, SECOND = scenes.NOW, scenes.SECOND
 LOW, MIDDLE, HIGH = PaintFrame(39, 6, NOW), PaintFrame(50, 11, NOW), PaintFrame(50, 30, NOW)
 
 
-def console_state(*messages: m.AnyMessage) -> ConsoleState:
+def console_state(*messages: m.Message) -> ConsoleState:
     state = ConsoleState()
     state.apply([scenes.welcome(state=[*scenes.healthy(), *messages])], 0)
     return state
@@ -33,11 +33,11 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def meters(*messages: m.AnyMessage, frame: PaintFrame = HIGH) -> str:
+def meters(*messages: m.Message, frame: PaintFrame = HIGH) -> str:
     return text(meter_rows(console_state(*messages), frame))
 
 
-def looks(*messages: m.AnyMessage, frame: PaintFrame = HIGH) -> dict[str, str]:
+def looks(*messages: m.Message, frame: PaintFrame = HIGH) -> dict[str, str]:
     """Each piece's look, by its text without blanks."""
     rows = meter_rows(console_state(*messages), frame)
     return {piece.strip(): look for row in rows for piece, look in row}

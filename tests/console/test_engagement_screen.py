@@ -34,7 +34,7 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def screen_text(*state: m.AnyMessage, frame: PaintFrame = WHOLE, **more: object) -> str:
+def screen_text(*state: m.Message, frame: PaintFrame = WHOLE, **more: object) -> str:
     picture = ConsoleState()
     settings = engagement_scene.model_description(**more)
     picture.apply([engagement_scene.welcome(*state, settings=settings)], 0)

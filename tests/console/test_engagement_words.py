@@ -32,7 +32,7 @@ from woz_tui.protocol import requests as r
 NOW = scenes.NOW
 
 
-def event_lines(*messages: m.AnyMessage) -> list[EventLine]:
+def event_lines(*messages: m.Message) -> list[EventLine]:
     """The lines that messages get."""
     state = ConsoleState()
     state.apply([scenes.welcome()], 0)
@@ -41,7 +41,7 @@ def event_lines(*messages: m.AnyMessage) -> list[EventLine]:
     return list(state.events)[before:]
 
 
-def line(message: m.AnyMessage) -> tuple[str, str, str]:
+def line(message: m.Message) -> tuple[str, str, str]:
     (event,) = event_lines(message)
     return event.mark, event.text, event.detail
 

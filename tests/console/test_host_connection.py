@@ -14,7 +14,6 @@ from woz_tui.console.message_feed import Incoming, Loss, LostPart
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Marker, Notice, SessionEnd
 from woz_tui.protocol.requests import (
-    AnyRequest,
     AskAction,
     AskEnd,
     AskMarker,
@@ -24,6 +23,7 @@ from woz_tui.protocol.requests import (
     Hello,
     Pulse,
     Reply,
+    Request,
     Welcome,
 )
 from woz_tui.protocol.welcome import WelcomeSettings
@@ -358,7 +358,7 @@ def test_a_host_that_never_reads_is_given_up(
 
 
 @contextlib.contextmanager
-def answering(path: Path, *answers: Pulse | Reply) -> Iterator[list[AnyRequest]]:
+def answering(path: Path, *answers: Pulse | Reply) -> Iterator[list[Request]]:
     """A host that gives one answer to each connection; yields what each of them says first."""
 
     def serve() -> None:
@@ -370,7 +370,7 @@ def answering(path: Path, *answers: Pulse | Reply) -> Iterator[list[AnyRequest]]
                 with contextlib.suppress(ConnectionError):
                     connection.recv(1)
 
-    asked: list[AnyRequest] = []
+    asked: list[Request] = []
     with session_sockets.bind(path) as listener:
         listener.setblocking(True)
         threading.Thread(target=serve, daemon=True).start()

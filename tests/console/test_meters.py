@@ -26,7 +26,7 @@ NOW = scenes.NOW
 FRAME = PaintFrame(50, 30, NOW)
 
 
-def console_state(*messages: m.AnyMessage, first: list[m.AnyMessage] | None = None) -> ConsoleState:
+def console_state(*messages: m.Message, first: list[m.Message] | None = None) -> ConsoleState:
     picture = ConsoleState()
     picture.apply([scenes.welcome(state=first), *messages], 0)
     return picture
@@ -36,7 +36,7 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def meters(*messages: m.AnyMessage, frame: PaintFrame = FRAME) -> str:
+def meters(*messages: m.Message, frame: PaintFrame = FRAME) -> str:
     return text(meter_rows(console_state(*messages), frame))
 
 
@@ -116,7 +116,7 @@ def test_a_missing_distance_is_no_distance() -> None:
 
 
 def test_loudness_shows_level_threshold_and_voice() -> None:
-    loud: list[m.AnyMessage] = [
+    loud: list[m.Message] = [
         scenes.reading(NOW, "loudness", 0.1),
         scenes.reading(NOW, "loudness.threshold", 0.01),
         m.SensorChanged(sensor="loudness", state="speaking", t=NOW),
@@ -535,7 +535,7 @@ def test_no_minus_before_an_angle_of_zero() -> None:
 # -- what the file wants first ---------------------------------------------------------------------
 
 
-def first_words(names: list[str], *state: m.AnyMessage) -> list[str]:
+def first_words(names: list[str], *state: m.Message) -> list[str]:
     """The first word of each row, where the file names these sensors."""
     picture = ConsoleState()
     first = scenes.welcome(settings={"sensors": names}, state=[*scenes.healthy(), *state])
@@ -578,7 +578,7 @@ def test_a_reload_moves_the_sensors() -> None:
 # -- a planner's block -----------------------------------------------------------------------------
 
 
-def _block(*more: m.AnyMessage) -> tuple[m.AnyMessage, ...]:
+def _block(*more: m.Message) -> tuple[m.Message, ...]:
     """A planner's block that speaks and nods."""
     text = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="greeting">...</bml>'
     began = NOW - 2_000_000

@@ -85,7 +85,7 @@ async def test_nothing_is_left_unpainted_when_both_screens_change_at_once(
             was, now = states[number % 9 - 1], states[number % 9]
             why = f"{number} times {'present ' * (number % 3)}"
             ago = -number / 2
-            told: list[m.AnyMessage] = [
+            told: list[m.Message] = [
                 scenes.reading(t, "loudness", 0.01 * number),
                 engagement_scene.engagement_shown(now, since=t, t=t),
                 engagement_scene.engagement_changed(

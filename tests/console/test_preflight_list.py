@@ -89,7 +89,7 @@ async def test_signs_of_a_plain_terminal() -> None:
 # -- held actions ---------------------------------------------------------------------------------
 
 
-def held_action(seconds: float = 1.2) -> list[m.AnyMessage]:
+def held_action(seconds: float = 1.2) -> list[m.Message]:
     """Hello was pressed, and waits until it may answer."""
     return [
         m.ActionRequested(run="a20", action="Hello", source="key", t=NOW),

@@ -10,7 +10,7 @@ from woz_tui.protocol import requests as r
 NOW = scenes.NOW
 
 
-def queued_action(run: str, action: str, t: int) -> list[m.AnyMessage]:
+def queued_action(run: str, action: str, t: int) -> list[m.Message]:
     return [
         m.ActionRequested(run=run, action=action, source="key", t=t),
         m.Command(

@@ -46,7 +46,7 @@ class StillReplay(ScriptedFeed):
         super().start(on_messages, on_lost)
         self.deliver(*self.player.begin(self.clock.now_us()))
 
-    def ask(self, request: r.AnyRequest) -> int:
+    def ask(self, request: r.Request) -> int:
         request = msgspec.structs.replace(request, ref=len(self.asked) + 1)
         self.asked.append(request)
         self.deliver(*self.player.ask(request, self.clock.now_us()))

@@ -54,7 +54,7 @@ def everything(pilot: ConsolePilot) -> str:
     return pilot.drawn() + "\n" + "\n".join(map(pilot.text, parts))
 
 
-def readings(asked: r.AnyRequest, ref: int) -> r.Reply:
+def readings(asked: r.Request, ref: int) -> r.Reply:
     """The preflight tells the sensors' last values."""
     found: list[m.Json] = [
         {"level": "ok", "subject": subject, "text": text, "remedy": ""}

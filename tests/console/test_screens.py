@@ -420,7 +420,7 @@ async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
 
 
 async def test_what_was_too_old_for_a_robot_process_that_woke_is_told() -> None:
-    late: list[m.AnyMessage] = [
+    late: list[m.Message] = [
         m.ActionRequested(run="a00007", action="Hello", source="key", key="h", t=NOW + 9_000_000),
         m.ActionRefused(run="a00007", action="Hello", reason="stale: 8.0 s ago", t=NOW + 9_000_000),
     ]

@@ -151,7 +151,7 @@ async def test_enter_before_the_proposal_has_come_accepts_it_when_it_comes() -> 
     async with piloted_console(study_scene.welcome()) as pilot:
         late: list[int] = []
 
-        def answer(asked: r.AnyRequest, ref: int) -> r.Reply:
+        def answer(asked: r.Request, ref: int) -> r.Reply:
             late.append(ref)
             return r.Reply(ref=0, ok=True)  # to nobody
 
@@ -169,7 +169,7 @@ async def test_enter_before_the_proposal_has_come_accepts_it_when_it_comes() -> 
 async def test_an_incomplete_code_has_no_order() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
 
-        def answer(asked: r.AnyRequest, ref: int) -> r.Reply:
+        def answer(asked: r.Request, ref: int) -> r.Reply:
             assert isinstance(asked, r.AskProposal)
             if asked.participant != "P08":
                 return r.Reply(ref=ref, ok=False, reason="it does not match the pattern")

@@ -23,7 +23,7 @@ def confirmation(*missing: str, unreached: list[str] | None = None) -> m.StopCon
     )
 
 
-def robots() -> list[m.AnyMessage]:
+def robots() -> list[m.Message]:
     return [scenes.start(), *(m.DriverConnected(driver=name) for name in ROBOTS)]
 
 

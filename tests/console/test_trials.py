@@ -106,7 +106,7 @@ async def test_a_small_screen_has_the_trial_too() -> None:
 async def test_what_a_trial_demands_is_offered_when_it_is_done() -> None:
     async with piloted_console(study_scene.welcome(study_scene.trial())) as pilot:
 
-        def done(asked: r.AnyRequest, ref: int) -> r.Reply:
+        def done(asked: r.Request, ref: int) -> r.Reply:
             pilot.feed.deliver(trial_ended())
             return r.Reply(ref=ref, ok=True)
 
@@ -127,7 +127,7 @@ async def test_what_an_excluded_trial_demands_is_offered_too() -> None:
     told = study_scene.study_description(questionnaires=block)
     async with piloted_console(study_scene.welcome(study_scene.trial(4), study=told)) as pilot:
 
-        def excluded(asked: r.AnyRequest, ref: int) -> r.Reply:
+        def excluded(asked: r.Request, ref: int) -> r.Reply:
             pilot.feed.deliver(trial_ended(4, "excluded"))
             return r.Reply(ref=ref, ok=True)
 

@@ -25,7 +25,7 @@ def welcome_with_typed() -> r.Welcome:
 def answers(pilot: ConsolePilot, wrong: str = "", sentences: int = 1) -> None:
     """What the robot process says."""
 
-    def answer(request: r.AnyRequest, ref: int) -> r.Reply:
+    def answer(request: r.Request, ref: int) -> r.Reply:
         assert isinstance(request, r.AskKeepTyped)
         if wrong and not request.dry_run:
             return r.Reply(ref=ref, ok=False, reason=wrong)

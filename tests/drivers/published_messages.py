@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from woz_tui.bus.hub import Hub
 from woz_tui.protocol.action_messages import Evidence
-from woz_tui.protocol.messages import AnyMessage, Json, Message, Reading, SensorChanged
+from woz_tui.protocol.messages import Json, Message, Reading, SensorChanged
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import Clock, RealClock
 
@@ -25,13 +25,13 @@ class PublishedMessages:
 
     def __init__(self, folder: Path, clock: Clock | None = None) -> None:
         self.clock = clock or RealClock()
-        self.messages: list[AnyMessage] = []
+        self.messages: list[Message] = []
         self._news = asyncio.Event()
         hub = Hub(self.clock, lambda message, line: None)
         hub.listen(self._take)
         self.context = SessionDriverContext("it", hub, self.clock, folder)
 
-    def _take(self, message: AnyMessage) -> None:
+    def _take(self, message: Message) -> None:
         self.messages.append(message)
         self._news.set()
 

@@ -15,7 +15,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.motion.body_shape import FaceShape, JointShape, Personality
 from woz_tui.motion.body_verbs import EMOTIONS
-from woz_tui.protocol.messages import AnyMessage, FaceShown
+from woz_tui.protocol.messages import FaceShown, Message
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock
 
@@ -26,7 +26,7 @@ async def test_console_and_lights_show_the_same_picture(tmp_path: Path) -> None:
     clock, feeds = RealClock(), Feeds()
     shown: list[FaceShown] = []
 
-    def hear(message: AnyMessage) -> None:
+    def hear(message: Message) -> None:
         if isinstance(message, FaceShown):
             shown.append(message)
 

@@ -21,7 +21,7 @@ SHA = "0123456789abcdef" * 4
 BEGIN = datetime(2026, 3, 1, 10, tzinfo=UTC)
 STEM = "2026-03-01T10-00-00_P07_S01"
 #: Seconds since the session's start, and what was said then.
-Timed = tuple[float, m.AnyMessage]
+Timed = tuple[float, m.Message]
 
 
 def start(participant: str = "P07", session: str = "S01", **others: object) -> m.SessionStart:
@@ -155,7 +155,7 @@ _SETTINGS = st.dictionaries(
     st.sampled_from(["volume", "eyes", "=1+1"]), st.one_of(st.none(), st.booleans(), WORDS)
 )
 
-MESSAGES: Sequence[st.SearchStrategy[m.AnyMessage]] = (
+MESSAGES: Sequence[st.SearchStrategy[m.Message]] = (
     st.builds(m.ActionRequested, run=_RUNS, action=_NAMES, panel=_PANELS, source=st.just("key")),
     st.builds(m.ActionDone, run=_RUNS, action=_NAMES),
     st.builds(m.ActionStopped, run=_RUNS, action=_NAMES, reason=WORDS),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import typing
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,11 @@ from msgspec import inspect
 
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.kinds import message_kinds
 
 KINDS: list[type[m.Message]] = [
     kind
-    for kind in typing.get_args(m.AnyMessage)
+    for kind in message_kinds()
     if kind is not m.Segment  # belongs to a file, not to the session
 ]
 

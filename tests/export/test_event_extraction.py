@@ -290,7 +290,7 @@ def test_what_came_before_the_first_code_belongs_to_nobody(tmp_path: Path) -> No
     ],
 )
 def test_nothing_counts_in_a_training_or_a_re_run(
-    tmp_path: Path, participant: str, line: m.AnyMessage
+    tmp_path: Path, participant: str, line: m.Message
 ) -> None:
     course: list[Timed] = [(0, start(participant)), (1, line), (20, m.Note(text="late"))]
     assert {event.counted for event in session_of(tmp_path, course).events} == {False}
@@ -307,7 +307,7 @@ def test_nothing_counts_in_a_training_or_a_re_run(
     ],
 )
 def test_an_end_without_a_beginning_is_a_moment(
-    tmp_path: Path, message: m.AnyMessage, kind: str
+    tmp_path: Path, message: m.Message, kind: str
 ) -> None:
     event = only(session_of(tmp_path, [(0, start()), (1, message)]), kind)
     assert (event.begin, event.end) == (1_000_000, None)

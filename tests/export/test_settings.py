@@ -124,7 +124,7 @@ def test_bids_has_the_events_and_says_what_they_are(tmp_path: Path) -> None:
 @settings(suppress_health_check=list(HealthCheck))
 @given(COURSES)
 def test_rows_of_a_setting_follow_one_another_to_the_end(
-    tmp_path: Path, messages: list[tuple[m.AnyMessage, int]]
+    tmp_path: Path, messages: list[tuple[m.Message, int]]
 ) -> None:
     """And they are those of the report, and what of them differs is what the events say."""
     course: list[Timed] = [(0, start())]

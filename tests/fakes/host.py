@@ -21,7 +21,6 @@ from woz_tui.protocol import codec
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.requests import (
     PROTOCOL,
-    AnyRequest,
     AskStop,
     Beat,
     Hello,
@@ -40,7 +39,7 @@ WAIT_S = 40.0
 class Heard:
     """A request, when it came (CLOCK_MONOTONIC, microseconds), and over which connection."""
 
-    request: AnyRequest
+    request: Request
     at_us: int
     connection: int
 
@@ -194,7 +193,7 @@ class FakeHost:
             self._changed.notify_all()
         connection.close()
 
-    def _hear(self, number: int, connection: socket.socket, request: AnyRequest) -> None:
+    def _hear(self, number: int, connection: socket.socket, request: Request) -> None:
         with self._changed:
             self.heard.append(Heard(request, time.monotonic_ns() // 1000, number))
             self._changed.notify_all()

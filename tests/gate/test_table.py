@@ -202,7 +202,7 @@ def test_nobody_but_a_person_gives_a_consent() -> None:
         (r.AskNote(text="x"), {"wizard", "program", "watcher"}),
     ],
 )
-def test_who_may_ask(request_: r.AnyRequest, roles: set[str]) -> None:
+def test_who_may_ask(request_: r.Request, roles: set[str]) -> None:
     everybody = ("wizard", "program", "watcher", "participant")
     asked = {each: why_not(Facts(), ClientRequest(request_, each)) for each in everybody}
     assert {role for role, refusal in asked.items() if refusal is None} == roles

@@ -105,7 +105,7 @@ class ServedSession(SessionRig):
         for peer in self._peers:
             peer.leave()
 
-    async def published(self, wanted: Callable[[m.AnyMessage], bool]) -> m.AnyMessage:
+    async def published(self, wanted: Callable[[m.Message], bool]) -> m.Message:
         """Wait until a message that fits has been published."""
         await self.until(lambda: any(map(wanted, self.lines)))
         return next(filter(wanted, self.lines))

@@ -19,7 +19,7 @@ from woz_tui.host.dead_man_switch import DeadManSwitch
 from woz_tui.host.held_driving import FIRST_REPEAT_S, NEXT_REPEAT_S
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AnyRequest, AskAction, AskLetGo, AskScript, AskVerb, Hello
+from woz_tui.protocol.requests import AskAction, AskLetGo, AskScript, AskVerb, Hello, Request
 
 pytestmark = pytest.mark.safety
 
@@ -62,7 +62,7 @@ class Wizard(SessionRig):
         client.hello, client.role = Hello(role=role, line=line, protocol=2), role
         return client
 
-    def ask(self, request: AnyRequest, client: ClientConnection | None = None) -> None:
+    def ask(self, request: Request, client: ClientConnection | None = None) -> None:
         self.handlers.answer(client or self.client, request)
 
     def press(self, name: str = "Go", key: str = "g", *, stale: bool = False) -> None:
@@ -290,7 +290,7 @@ def test_a_step_that_comes_after_the_key_is_up_does_not_drive(tmp_path: Path) ->
         AskVerb(verb="drive", args={"x": 1.0}, source="key"),
     ],
 )
-def test_what_no_key_holds_does_not_drive_and_says_why(ask: AnyRequest, tmp_path: Path) -> None:
+def test_what_no_key_holds_does_not_drive_and_says_why(ask: Request, tmp_path: Path) -> None:
     async def scenario(wizard: Wizard) -> None:
         wizard.ask(ask)
 

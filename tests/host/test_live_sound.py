@@ -339,7 +339,7 @@ async def talk_on(host: ServedSession, wizard: Peer) -> str:
     return str(reply["run"])
 
 
-async def action_end(host: ServedSession, run: str) -> m.AnyMessage:
+async def action_end(host: ServedSession, run: str) -> m.Message:
     return await host.published(lambda line: isinstance(line, m.ActionEnd) and line.run == run)
 
 

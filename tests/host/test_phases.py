@@ -18,10 +18,8 @@ PHASES = (
 )
 
 
-def hosted(
-    tmp_path: Path, scenario: Callable[[ServedSession], Awaitable[None]]
-) -> list[m.AnyMessage]:
-    async def go() -> list[m.AnyMessage]:
+def hosted(tmp_path: Path, scenario: Callable[[ServedSession], Awaitable[None]]) -> list[m.Message]:
+    async def go() -> list[m.Message]:
         made = replace(experiment(tmp_path), phases=PHASES)
         async with served_session(tmp_path, made=made) as host:
             await scenario(host)
@@ -30,7 +28,7 @@ def hosted(
     return asyncio.run(go())
 
 
-def phases_begun(lines: list[m.AnyMessage]) -> list[tuple[str, str]]:
+def phases_begun(lines: list[m.Message]) -> list[tuple[str, str]]:
     return [(line.phase, line.source) for line in lines if isinstance(line, m.PhaseChanged)]
 
 

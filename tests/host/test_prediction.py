@@ -47,7 +47,7 @@ def robot(folder: Path, made: Experiment | None = None) -> Any:
     )
 
 
-def driver_messages(host: ServedSession) -> list[m.AnyMessage]:
+def driver_messages(host: ServedSession) -> list[m.Message]:
     return host.of(m.Command, m.ActionRequested)
 
 

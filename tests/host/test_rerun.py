@@ -29,7 +29,7 @@ def log_of(tmp_path: Path, *verbs: str, every: float = 0.2) -> Path:
         "play": {"move": "nod"},
         "drive": {"x": 1.0},
     }
-    lines: list[tuple[float, m.AnyMessage]] = [(0, START)]
+    lines: list[tuple[float, m.Message]] = [(0, START)]
     for n, verb in enumerate(verbs):
         at = 1 + n * every
         lines += [(at, command(f"c{n}", verb, args=args[verb])), (at, dispatched(f"c{n}"))]

@@ -18,7 +18,7 @@ from woz_tui.protocol import messages as m
 
 def log_of(tmp_path: Path, driver: str, count: int = 1) -> Path:
     """A log in which a driver has moved."""
-    lines: list[tuple[float, m.AnyMessage]] = [(0, START)]
+    lines: list[tuple[float, m.Message]] = [(0, START)]
     for n in range(count):
         asked = command(f"c{n}", "play", driver, args={"move": "nod"})
         lines += [(1 + 0.6 * n, asked), (1 + 0.6 * n, dispatched(f"c{n}"))]

@@ -253,7 +253,7 @@ async def test_each_wizard_is_blind(tmp_path: Path) -> None:
 # -- the dead man's switch ------------------------------------------------------------------------
 
 
-def of_drive(line: m.AnyMessage) -> bool:
+def of_drive(line: m.Message) -> bool:
     return isinstance(line, m.StopPressed) and line.scope == "drive"
 
 
@@ -337,7 +337,7 @@ async def test_why_nobody_drives_names_the_part_that_drives(tmp_path: Path) -> N
 # -- at random ------------------------------------------------------------------------------------
 
 
-def is_later_loss(seq: int, line: m.AnyMessage) -> bool:
+def is_later_loss(seq: int, line: m.Message) -> bool:
     return isinstance(line, m.ConsoleLost) and line.seq > seq
 
 

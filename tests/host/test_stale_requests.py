@@ -186,7 +186,7 @@ async def test_a_stamp_that_makes_no_sense_is_none(tmp_path: Path, stamp: int) -
 async def test_what_waits_here_behind_other_requests_grows_older(tmp_path: Path) -> None:
     clock = BootClock()
 
-    def takes_long(message: m.AnyMessage) -> None:
+    def takes_long(message: m.Message) -> None:
         if isinstance(message, m.Marker):
             clock.boot += S
 

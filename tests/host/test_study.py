@@ -23,10 +23,10 @@ def hosted(
     tmp_path: Path,
     scenario: Callable[[ServedSession], Awaitable[None]],
     settings: SessionSettings | None = None,
-) -> list[m.AnyMessage]:
+) -> list[m.Message]:
     """Plays the scenario with a host; what was published."""
 
-    async def go() -> list[m.AnyMessage]:
+    async def go() -> list[m.Message]:
         experiment = study_experiment(tmp_path)
         async with served_session(tmp_path, settings, made=experiment) as host:
             await scenario(host)

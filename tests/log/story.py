@@ -44,7 +44,7 @@ def tell(folder: Path) -> None:
         rig.recorder.close()
 
 
-def _say(rig: RecorderRig, message: m.AnyMessage) -> None:
+def _say(rig: RecorderRig, message: m.Message) -> None:
     rig.clock.advance(0.25)
     rig.hub.publish(message)
 
@@ -55,7 +55,7 @@ def _checkpoint(rig: RecorderRig) -> None:
     _say(rig, m.ClockTie(wall=timestamp(rig.clock.wall())))
 
 
-def _course() -> tuple[list[m.AnyMessage], list[m.AnyMessage]]:
+def _course() -> tuple[list[m.Message], list[m.Message]]:
     """The examples of the wire as a session's log has them, until the stop and from it on. What
     ends the log and what its recorder adds is not told but really done.
     """

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import shutil
 from pathlib import Path
-from typing import get_args
 
 import msgspec
 import pytest
@@ -13,7 +12,7 @@ import pytest
 from tests.log.recorder_rig import STEM
 from tests.log.story import GOLDEN
 from tools.log_reference import COMMON, FIELDS
-from woz_tui.protocol.messages import AnyMessage
+from woz_tui.protocol.kinds import message_kinds
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "session-log.md"
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -21,7 +20,7 @@ EXAMPLES = [code for code in re.findall(r"```python\n(.*?)```", TEXT, re.S) if "
 
 
 def test_every_field_is_explained_and_none_that_is_gone() -> None:
-    fields = {field.name for each in get_args(AnyMessage) for field in msgspec.structs.fields(each)}
+    fields = {field.name for each in message_kinds() for field in msgspec.structs.fields(each)}
     assert fields - set(COMMON) == set(FIELDS), "explain it in FIELDS of tools/log_reference.py"
 
 

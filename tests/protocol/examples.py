@@ -19,6 +19,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
 from woz_tui.protocol.camera_pictures import PictureShown
+from woz_tui.protocol.envelope import Answer
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.system.clock import timestamp
@@ -27,7 +28,7 @@ GOLDEN = Path(__file__).parent / "golden"
 BEGIN = datetime(2026, 3, 1, 10, 0, 0, tzinfo=UTC)
 SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 
-MESSAGES: tuple[m.AnyMessage, ...] = (
+MESSAGES: tuple[m.Message, ...] = (
     m.SessionStart(
         session="S01",
         participant="P07",
@@ -366,7 +367,7 @@ _PANELS = [
     PanelView(title="Drive", actions=[], locked=True, parts=["body"]),
 ]
 
-REQUESTS: tuple[r.AnyRequest, ...] = (
+REQUESTS: tuple[r.Request, ...] = (
     r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True, part="voice"),
     r.Hello(
         ref=2,
@@ -452,12 +453,12 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
 )
 
 
-def messages() -> list[m.AnyMessage]:
+def messages() -> list[m.Message]:
     """The session's messages as the hub would have stamped them, 250 ms apart."""
     return [_stamped(number, message) for number, message in enumerate(MESSAGES)]
 
 
-def _stamped(number: int, message: m.AnyMessage) -> m.AnyMessage:
+def _stamped(number: int, message: m.Message) -> m.Message:
     wall = timestamp(BEGIN + timedelta(milliseconds=250 * number))
     if isinstance(message, m.Segment):
         return msgspec.structs.replace(message, ts=wall)
@@ -466,7 +467,7 @@ def _stamped(number: int, message: m.AnyMessage) -> m.AnyMessage:
     )
 
 
-def answers() -> list[r.AnyAnswer]:
+def answers() -> list[Answer]:
     """What the host says beside the stream."""
     stream = messages()
     return [
@@ -583,7 +584,7 @@ def answers() -> list[r.AnyAnswer]:
     ]
 
 
-def _raw(message: m.AnyMessage) -> msgspec.Raw:
+def _raw(message: m.Message) -> msgspec.Raw:
     return msgspec.Raw(codec.encode(message).rstrip())
 
 

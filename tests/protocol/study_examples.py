@@ -10,7 +10,7 @@ SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 FILE_SHA = "6eb54c6d4926a7f0cd56a7d6b1b4d60e1b8e8d2c4a4cbb2c9a8b8cb0a2f4f7f1"
 
 #: What a log says of itself, right after its first line.
-BEGINNING: tuple[m.AnyMessage, ...] = (
+BEGINNING: tuple[m.Message, ...] = (
     m.ExperimentFiles(
         experiment_sha256=SHA,
         files={"museum.yaml": "title: Museum guide\nrobot: simulated\n"},
@@ -44,7 +44,7 @@ BEGINNING: tuple[m.AnyMessage, ...] = (
 )
 
 #: The course of a trial, a training, a re-run.
-COURSE: tuple[m.AnyMessage, ...] = (
+COURSE: tuple[m.Message, ...] = (
     m.TrialStarted(trial=1, condition="warm", planned=4),
     m.ActionHeld(run="a00007", action="Hello", sort="speech", cued=9_000_000, until=9_950_000),
     m.CueGiven(

@@ -11,7 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from woz_tui.bus.hub import Hub, Subscription
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import Ack, AnyMessage, Done, End, Marker, Message, Note, Reading
+from woz_tui.protocol.messages import Ack, Done, End, Marker, Message, Note, Reading
 from woz_tui.system.clock import ManualClock
 
 
@@ -22,11 +22,11 @@ class CallOrder:
         self.entries: list[tuple[str, int]] = []
         self.lines: list[bytes] = []
 
-    def record(self, message: AnyMessage, line: bytes) -> None:
+    def record(self, message: Message, line: bytes) -> None:
         self.entries.append(("recorder", message.seq))
         self.lines.append(line)
 
-    def hear(self, message: AnyMessage) -> None:
+    def hear(self, message: Message) -> None:
         self.entries.append(("listener", message.seq))
 
     def wake(self) -> None:
@@ -79,7 +79,7 @@ def test_everybody_hears_in_order_even_if_a_listener_answers() -> None:
     diary = CallOrder()
     hub = Hub(ManualClock(), diary.record)
 
-    def answer(message: AnyMessage) -> None:
+    def answer(message: Message) -> None:
         if isinstance(message, Note):
             hub.publish(Marker(text=f"about {message.text}"))
 

@@ -11,12 +11,12 @@ from typing import Any
 import msgspec
 from hypothesis import strategies as st
 
-from woz_tui.protocol.messages import AnyMessage, Json
-from woz_tui.protocol.requests import AnyAnswer, AnyRequest
+from woz_tui.protocol.kinds import answer_kinds, message_kinds, request_kinds
+from woz_tui.protocol.messages import Json
 
-MESSAGES: Sequence[type[msgspec.Struct]] = typing.get_args(AnyMessage)
-REQUESTS: Sequence[type[msgspec.Struct]] = typing.get_args(AnyRequest)
-ANSWERS: Sequence[type[msgspec.Struct]] = typing.get_args(AnyAnswer)
+MESSAGES: Sequence[type[msgspec.Struct]] = message_kinds()
+REQUESTS: Sequence[type[msgspec.Struct]] = request_kinds()
+ANSWERS: Sequence[type[msgspec.Struct]] = answer_kinds()
 
 text = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
 whole = st.integers(-(2**63), 2**63 - 1)

@@ -506,5 +506,5 @@ async def test_without_an_access_file_the_wizard_is_told_what_to_do_once(
             await remote.close()
 
 
-def _told(words: str) -> Callable[[m.AnyMessage], bool]:
+def _told(words: str) -> Callable[[m.Message], bool]:
     return lambda line: isinstance(line, m.Notice) and words in line.text

@@ -73,7 +73,7 @@ PLAN = m.SessionPlan(
 )  # fmt: skip
 
 
-def stamped(timed: Iterable[tuple[float, m.AnyMessage]]) -> list[m.AnyMessage]:
+def stamped(timed: Iterable[tuple[float, m.Message]]) -> list[m.Message]:
     """Messages with the seconds at which they were published."""
     return [
         msgspec.structs.replace(
@@ -89,23 +89,23 @@ def stamped(timed: Iterable[tuple[float, m.AnyMessage]]) -> list[m.AnyMessage]:
 class KeptSamples:
     """Samples in memory."""
 
-    def __init__(self, samples: Sequence[m.AnyMessage], length_us: int = 0) -> None:
+    def __init__(self, samples: Sequence[m.Message], length_us: int = 0) -> None:
         self._samples = samples
         self.length_us = length_us
 
-    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+    def between(self, after_us: int, until_us: int) -> Iterable[m.Message]:
         return [each for each in self._samples if after_us < each.t <= until_us]
 
-    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+    def at(self, t_us: int) -> Iterable[m.Message]:
         last = {_name(each): each for each in self._samples if each.t <= t_us}
         return list(last.values())
 
 
-def _name(sample: m.AnyMessage) -> str:
+def _name(sample: m.Message) -> str:
     return sample.sensor if isinstance(sample, m.Reading) else type(sample).__name__
 
 
-def recording_of(messages: Sequence[m.AnyMessage]) -> Recording:
+def recording_of(messages: Sequence[m.Message]) -> Recording:
     """A recording of messages, samples apart from the rest."""
     lines = [message for message in messages if not codec.is_sample(message)]
     samples = [message for message in messages if codec.is_sample(message)]
@@ -114,9 +114,7 @@ def recording_of(messages: Sequence[m.AnyMessage]) -> Recording:
     )
 
 
-def played_action(
-    run: str, action: str, at: float, took: float
-) -> list[tuple[float, m.AnyMessage]]:
+def played_action(run: str, action: str, at: float, took: float) -> list[tuple[float, m.Message]]:
     """An action from its press to its end."""
     command = f"c{run}"
     return [
@@ -134,9 +132,9 @@ def played_action(
     ]
 
 
-def story() -> list[m.AnyMessage]:
+def story() -> list[m.Message]:
     """A minute: two actions, a marker, a mistake, a stop, an idle stretch of 30 s, the end."""
-    timed: list[tuple[float, m.AnyMessage]] = [
+    timed: list[tuple[float, m.Message]] = [
         (0, START),
         (0.1, m.DriverConnected(driver="robot", detail="simulated")),
         (0.2, PLAN),
@@ -180,7 +178,7 @@ class Viewer:
             self.now += (end - self.now) // left
             self._take(self.player.tick(self.now))
 
-    def ask(self, request: r.AnyRequest) -> r.Reply:
+    def ask(self, request: r.Request) -> r.Reply:
         """Ask and get the reply."""
         told = self.player.ask(msgspec.structs.replace(request, ref=5), self.now)
         self._take(told)

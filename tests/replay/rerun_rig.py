@@ -91,7 +91,7 @@ def played_in(log: Path, name: str = "") -> PlayedSession:
     return found
 
 
-def write_log(path: Path, messages: Iterable[tuple[float, m.AnyMessage]]) -> Path:
+def write_log(path: Path, messages: Iterable[tuple[float, m.Message]]) -> Path:
     """A log made by hand: each message with its time in seconds."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("wb") as file:

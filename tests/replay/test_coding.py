@@ -211,7 +211,7 @@ def test_what_a_full_disk_took_in_part_costs_no_later_code(
 
 def test_a_coder_is_told_no_condition_although_the_wizard_knew_it(tmp_path: Path) -> None:
     """Nothing of it is in what the console gets: it cannot be on the screen."""
-    told: list[m.AnyMessage] = [
+    told: list[m.Message] = [
         msgspec.structs.replace(START, condition="empathic"),
         msgspec.structs.replace(PLAN, conditions=["empathic", "neutral"]),
         m.ConditionsAssigned(participant="P07", order=["empathic", "neutral"], method="hand"),

@@ -25,7 +25,7 @@ STEM = "2026-03-01T10-00-00_P07_S01"
 GOLDEN = Path(__file__).parent.parent / "log" / "golden"
 
 
-def write_log(folder: Path, messages: list[m.AnyMessage] | None = None) -> Path:
+def write_log(folder: Path, messages: list[m.Message] | None = None) -> Path:
     """A log in `folder`: its file of actions; the samples lie beside it."""
     path = folder / f"{STEM}.jsonl"
     lines, samples = b"", b""

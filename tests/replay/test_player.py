@@ -289,14 +289,14 @@ def test_samples_alone_do_not_keep_a_stretch() -> None:
         r.AskPreflight(),
     ],
 )
-def test_whatever_else_is_asked_is_refused(request_: r.AnyRequest) -> None:
+def test_whatever_else_is_asked_is_refused(request_: r.Request) -> None:
     reply = viewer().ask(request_)
     assert not reply.ok
     assert reply.reason in (REFUSED, UNCODED)
 
 
 @pytest.mark.parametrize("request_", [r.AskStop(source="key"), r.AskRelease()])
-def test_there_is_nothing_to_stop(request_: r.AnyRequest) -> None:
+def test_there_is_nothing_to_stop(request_: r.Request) -> None:
     reply = viewer().ask(request_)
     assert (reply.ok, reply.reason) == (False, UNMOVED)
 

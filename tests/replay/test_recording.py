@@ -29,10 +29,10 @@ from woz_tui.replay.recording import Recording
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.timeline.session_state import SessionState
 
-Timed = tuple[float, m.AnyMessage]
+Timed = tuple[float, m.Message]
 
 _DRIVERS = st.sampled_from(["robot", "range"])
-_SINGLE: st.SearchStrategy[m.AnyMessage] = st.one_of(
+_SINGLE: st.SearchStrategy[m.Message] = st.one_of(
     st.builds(m.Marker, text=st.text(max_size=5)),
     st.builds(m.Note, text=st.text(max_size=5)),
     st.just(m.StopPressed(source="key")),
@@ -78,7 +78,7 @@ _SINGLE: st.SearchStrategy[m.AnyMessage] = st.one_of(
 
 
 @st.composite
-def courses(draw: st.DrawFn) -> list[m.AnyMessage]:
+def courses(draw: st.DrawFn) -> list[m.Message]:
     """A session in which anything may happen, actions under way at any moment."""
     timed: list[Timed] = [(0.0, START)]
     for at, message in draw(st.lists(st.tuples(st.floats(0, 60), _SINGLE), max_size=60)):
@@ -98,7 +98,7 @@ def courses(draw: st.DrawFn) -> list[m.AnyMessage]:
 
 @given(courses(), st.floats(0, 70), st.lists(st.floats(0, 70), max_size=3), st.integers(1, 9))
 def test_the_state_after_seeking_is_that_after_playing(
-    messages: list[m.AnyMessage], to: float, detours: list[float], ticks: int
+    messages: list[m.Message], to: float, detours: list[float], ticks: int
 ) -> None:
     recording = recording_of(messages)
     to = min(to, recording.length_us / SECOND)
@@ -113,7 +113,7 @@ def test_the_state_after_seeking_is_that_after_playing(
 
 @given(courses(), st.integers(0, 200), st.integers(1, 30))
 def test_what_is_kept_on_the_way_changes_nothing(
-    messages: list[m.AnyMessage], index: int, chunk: int
+    messages: list[m.Message], index: int, chunk: int
 ) -> None:
     recording = recording_of(messages)
     index = min(index, len(recording.lines))

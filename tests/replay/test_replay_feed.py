@@ -107,7 +107,7 @@ def test_nothing_comes_after_it_was_closed() -> None:
 
 def test_a_failure_is_told_and_the_keys_still_answer() -> None:
     class Broken(KeptSamples):
-        def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+        def between(self, after_us: int, until_us: int) -> Iterable[m.Message]:
             raise OSError("the disk does not exist any more")
 
     lines = [each for each in story() if not codec.is_sample(each)]

@@ -89,7 +89,7 @@ def test_a_command_that_began_and_was_cut_in_one_moment_is_cut_short(tmp_path: P
 
 
 def test_a_last_command_that_is_refused_at_once_is_told_before_the_end(tmp_path: Path) -> None:
-    lines: list[tuple[float, m.AnyMessage]] = [(0, START)]
+    lines: list[tuple[float, m.Message]] = [(0, START)]
     for number in range(2):
         name = f"c{number}"
         move = {"move": f"m{number}"}

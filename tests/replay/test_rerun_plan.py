@@ -29,7 +29,7 @@ START = m.SessionStart(
     clock={},
 )
 LOG = "2026-03-01T10-00-00_P07_S07.jsonl"
-Timed = tuple[float, m.AnyMessage]
+Timed = tuple[float, m.Message]
 
 
 def command(
@@ -102,7 +102,7 @@ def test_a_command_is_repeated_at_the_moment_at_which_it_began(tmp_path: Path) -
     ],
 )
 def test_what_is_left_out_and_why(
-    tmp_path: Path, asked: m.Command, course: list[m.AnyMessage], why: str
+    tmp_path: Path, asked: m.Command, course: list[m.Message], why: str
 ) -> None:
     rerun_plan = plan(tmp_path, (1, asked), *((2.0, message) for message in course), (5, END))
     (step,) = rerun_plan.steps

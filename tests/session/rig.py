@@ -180,7 +180,7 @@ class SessionRig:
         rests: bool = True,
         disk: LogDisk | None = None,
     ) -> None:
-        self.lines: list[m.AnyMessage] = []
+        self.lines: list[m.Message] = []
         # The disk's time is real: in virtual time it would seem to stall.
         self.recorder = Recorder(
             folder / "recordings", stem, clock or RealClock(), spill=folder / "more", disk=disk
@@ -206,7 +206,7 @@ class SessionRig:
         session.hub.listen(self._take)
         return session
 
-    def _take(self, message: m.AnyMessage) -> None:
+    def _take(self, message: m.Message) -> None:
         self.lines.append(message)
         self._news.set()
 

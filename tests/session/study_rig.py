@@ -98,9 +98,7 @@ def _short(line: m.Message) -> str:
     return " ".join([str(line.__struct_config__.tag), *(str(each) for each in about if each != "")])
 
 
-def log(
-    folder: Path, name: str, lines: Iterable[m.AnyMessage], *, title: str | None = None
-) -> Path:
+def log(folder: Path, name: str, lines: Iterable[m.Message], *, title: str | None = None) -> Path:
     """An action file with these lines, numbered, a `session.plan` with `title` among them."""
     folder.mkdir(exist_ok=True)
     path = folder / f"{name}.jsonl"
@@ -127,9 +125,9 @@ def had(
     *,
     row: int = -1,
     method: str = "latin-square",
-) -> list[m.AnyMessage]:
+) -> list[m.Message]:
     """What a participant's session leaves: `outcomes` has a letter for each trial, d, a or e."""
-    lines: list[m.AnyMessage] = [
+    lines: list[m.Message] = [
         m.SessionChanged(participant=participant),
         m.ConditionsAssigned(participant=participant, order=[*order], method=method, row=row),
     ]

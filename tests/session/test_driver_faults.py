@@ -185,7 +185,7 @@ def test_what_is_found_with_garbage_while_a_line_is_written_is_told_after_it(
 ) -> None:
     """The collector runs at any place, also where the log's lock is held."""
 
-    def listener(line: m.AnyMessage) -> None:
+    def listener(line: m.Message) -> None:
         if isinstance(line, m.Note):
             Port()
             within.append(line.text)
@@ -259,7 +259,7 @@ def test_a_hand_that_a_driver_fails_to_lose_is_lost_by_the_others(tmp_path: Path
 def test_what_the_session_does_upon_a_reading_is_not_the_driver_s_fault(tmp_path: Path) -> None:
     others: list[dict[str, Any]] = []
 
-    def listener(line: m.AnyMessage) -> None:
+    def listener(line: m.Message) -> None:
         if isinstance(line, m.Reading):
             asyncio.get_running_loop().call_later(1, [].__getitem__, 99)
 

@@ -58,7 +58,7 @@ def test_a_participant_in_several_sessions_and_several_in_one(tmp_path: Path) ->
         [*had("P01", ORDER, "d"), *had("P02", ORDER)],
         title="T",
     )
-    again: list[m.AnyMessage] = [
+    again: list[m.Message] = [
         m.SessionChanged(participant="P01"),
         m.TrialStarted(trial=2),
         m.TrialEnded(trial=2, outcome="done"),
@@ -78,7 +78,7 @@ def test_trials_under_an_earlier_order_say_nothing_about_the_new_one(tmp_path: P
 
 
 def test_a_trial_that_was_run_too_early_leaves_those_before_it_to_come(tmp_path: Path) -> None:
-    out_of_turn: list[m.AnyMessage] = [
+    out_of_turn: list[m.Message] = [
         *had("P01", ORDER, "d"),
         m.TrialStarted(trial=4),
         m.TrialEnded(trial=4, outcome="done"),
@@ -90,7 +90,7 @@ def test_a_trial_that_was_run_too_early_leaves_those_before_it_to_come(tmp_path:
 
 
 def test_a_practice_trial_uses_no_order_up(tmp_path: Path) -> None:
-    practice: list[m.AnyMessage] = [
+    practice: list[m.Message] = [
         m.TrialStarted(trial=0),
         m.TrialEnded(trial=0, outcome="done"),
     ]

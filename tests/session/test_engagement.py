@@ -291,7 +291,7 @@ def test_the_absence_of_the_visitor_ends_the_state_and_not_the_sentence(tmp_path
     assert found[-3:] == [KNOWN_STATE, "PersonDetected", "Wait"], "after the answer, as before"
 
 
-def _as_of_before(line: m.AnyMessage) -> m.AnyMessage:
+def _as_of_before(line: m.Message) -> m.Message:
     """The settings as a log has them that was written before any but the paper's ways out."""
     if not isinstance(line, m.EngagementAdopted):
         return line

@@ -270,7 +270,7 @@ def test_a_disk_that_hangs_at_the_end_does_not_hold_up_the_event_loop(tmp_path: 
             assert model is not None
             gate = hanging(model.visitors.visitors)
 
-            def hear(message: m.AnyMessage) -> None:
+            def hear(message: m.Message) -> None:
                 if isinstance(message, m.Notice) and "within 2.5 s" in message.text:
                     asyncio.get_running_loop().call_soon(gate.set)
 

@@ -147,10 +147,10 @@ def test_whatever_the_wizard_does_everything_has_its_end(tmp_path: Path, seed: i
     )
 
 
-def _goes_on(line: m.AnyMessage) -> bool:
+def _goes_on(line: m.Message) -> bool:
     """Whether something that was held has begun with this, or has ended."""
     return isinstance(line, m.Command | m.ActionEnd | m.End)
 
 
-def _ids(line: m.AnyMessage) -> set[str]:
+def _ids(line: m.Message) -> set[str]:
     return {getattr(line, "run", ""), getattr(line, "command", "")}

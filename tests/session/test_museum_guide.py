@@ -25,16 +25,16 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 
 @pytest.fixture(scope="module")
-def twice(folders: list[Path]) -> list[list[m.AnyMessage]]:
+def twice(folders: list[Path]) -> list[list[m.Message]]:
     """Two sessions of six minutes, each with visitors of its own."""
     return [guide_session.played(folder, SIX_MINUTES) for folder in folders]
 
 
-def changes(messages: list[m.AnyMessage]) -> Iterator[m.EngagementChanged]:
+def changes(messages: list[m.Message]) -> Iterator[m.EngagementChanged]:
     return (each for each in messages if isinstance(each, m.EngagementChanged))
 
 
-def test_six_minutes_are_the_same_twice(twice: list[list[m.AnyMessage]]) -> None:
+def test_six_minutes_are_the_same_twice(twice: list[list[m.Message]]) -> None:
     """The same visitors bring the same states, at the same times, for the same reasons."""
     first, second = (list(changes(messages)) for messages in twice)
     assert [(each.t, each.now, each.why) for each in first] == [
@@ -51,7 +51,7 @@ def test_its_log_stays_where_it_began(folders: list[Path]) -> None:
     assert logs == {Path("recordings/made.jsonl"), Path("recordings/made.samples.jsonl")}
 
 
-def test_every_state_is_entered_by_edges_of_the_table(twice: list[list[m.AnyMessage]]) -> None:
+def test_every_state_is_entered_by_edges_of_the_table(twice: list[list[m.Message]]) -> None:
     """E5: every step of the path is an edge, and the whole conversation happens."""
     edges = {(edge.source.value, edge.target.value, edge.outcome) for edge in EDGES}
     taken = {(each.was, each.now, each.outcome) for each in changes(twice[0])}
@@ -62,7 +62,7 @@ def test_every_state_is_entered_by_edges_of_the_table(twice: list[list[m.AnyMess
     }
 
 
-def test_nothing_fails_and_nobody_presses_a_key(twice: list[list[m.AnyMessage]]) -> None:
+def test_nothing_fails_and_nobody_presses_a_key(twice: list[list[m.Message]]) -> None:
     bad = (m.Failed, m.TimedOut, m.ActionFailed, m.ActionRefused)
     assert not [each for each in twice[0] if isinstance(each, bad)]
     assert not [each for each in twice[0] if isinstance(each, m.Notice) and each.level != "info"]
@@ -70,7 +70,7 @@ def test_nothing_fails_and_nobody_presses_a_key(twice: list[list[m.AnyMessage]])
     assert sources == {"engagement"}
 
 
-def test_every_signal_comes_within_a_third_of_a_second(twice: list[list[m.AnyMessage]]) -> None:
+def test_every_signal_comes_within_a_third_of_a_second(twice: list[list[m.Message]]) -> None:
     """E6: eyes and picture of each state follow at once, and a beep ends each utterance."""
     sent = {(each.verb, each.t): each.args for each in twice[0] if isinstance(each, m.Command)}
     for change in changes(twice[0]):
@@ -85,7 +85,7 @@ def test_every_signal_comes_within_a_third_of_a_second(twice: list[list[m.AnyMes
 
 
 def test_strangers_are_introduced_and_known_when_they_come_again(
-    twice: list[list[m.AnyMessage]],
+    twice: list[list[m.Message]],
 ) -> None:
     known = [each for each in twice[0] if isinstance(each, m.VisitorChanged)]
     learnt = [each.visitor for each in known if each.what == "learnt"]
@@ -97,7 +97,7 @@ def test_strangers_are_introduced_and_known_when_they_come_again(
     )
 
 
-def test_whoever_reads_the_log_comes_to_the_same(twice: list[list[m.AnyMessage]]) -> None:
+def test_whoever_reads_the_log_comes_to_the_same(twice: list[list[m.Message]]) -> None:
     experiment = load(guide_session.GUIDE, installed())
     assert experiment.engagement is not None
     follower = EngagementFollower(experiment.engagement.settings)
@@ -108,7 +108,7 @@ def test_whoever_reads_the_log_comes_to_the_same(twice: list[list[m.AnyMessage]]
 
 
 def test_it_goes_on_by_itself_after_a_stop_in_the_middle_of_thinking(tmp_path: Path) -> None:
-    def pressing(session: Session, message: m.AnyMessage) -> None:
+    def pressing(session: Session, message: m.Message) -> None:
         thinks = isinstance(message, m.EngagementChanged) and message.now == "RobotThinks"
         if thinks and not session.bus.latched:
             loop = asyncio.get_running_loop()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, get_args
+from typing import Any
 
 import msgspec
 import pytest
@@ -10,6 +10,7 @@ import pytest
 from tests.protocol import examples
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.kinds import message_kinds
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.session.redactor import NAMES, ParticipantRedactor, Redactor
 
@@ -17,7 +18,7 @@ pytestmark = pytest.mark.safety
 
 BLIND = Redactor(StudySettings(blind={"warm": "A", "cold": "B"}))
 SECRET = "so warm"
-KINDS = [kind for kind in get_args(m.AnyMessage) if issubclass(kind, m.RestrictedMessage)]
+KINDS = [kind for kind in message_kinds() if issubclass(kind, m.RestrictedMessage)]
 
 
 def secret(value: Any, field: str = "") -> Any:

@@ -284,7 +284,7 @@ def test_a_driver_hears_that_what_it_asked_for_never_began(play: Play) -> None:
 
 
 class _Silent:
-    def record(self, message: m.AnyMessage, line: bytes) -> None: ...
+    def record(self, message: m.Message, line: bytes) -> None: ...
 
 
 @given(
@@ -301,7 +301,7 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
     announced: dict[str, int] = {}
     wrong: list[object] = []
 
-    def see(line: m.AnyMessage) -> None:
+    def see(line: m.Message) -> None:
         if isinstance(line, m.ActionHeld):
             announced[line.run] = line.until
 

@@ -58,7 +58,7 @@ def test_the_hash_of_each_file_is_what_sha256sum_says(tmp_path: Path) -> None:
     told = {name: sha256 for sha256, name in map(str.split, done.stdout.splitlines())}
     assert experiment_files(read).files_sha256 == told
     hub = Hub(RealClock(), lambda message, line: None)
-    lines: list[m.AnyMessage] = []
+    lines: list[m.Message] = []
     hub.listen(lines.append)
     publish_start(hub, SessionIdentity(), read, RealClock(), [])
     start = next(line for line in lines if isinstance(line, m.SessionStart))
@@ -137,7 +137,7 @@ def test_keys_that_are_other_ones_than_the_file_says_are_told(tmp_path: Path) ->
         items = "".join(f"  - {{title: T{n}, string: a, key_comb: [h]}}\n" for n in range(speech))
         file = tmp_path / "config.yaml"
         file.write_text(f"pepper_ips: [simulated]\nanimated_speech:\n{items}", encoding="utf-8")
-        lines: list[m.AnyMessage] = []
+        lines: list[m.Message] = []
         clock = RealClock()
         hub = Hub(clock, lambda message, line: None)
         hub.listen(lines.append)

@@ -46,14 +46,14 @@ def plan(**settings: Any) -> m.SessionPlan:
     )  # fmt: skip
 
 
-def stamped(course: Sequence[tuple[int, m.AnyMessage]]) -> list[m.AnyMessage]:
+def stamped(course: Sequence[tuple[int, m.Message]]) -> list[m.Message]:
     """Messages with the time (microseconds) at which each came, numbered in their order."""
     return [
         msgspec.structs.replace(message, seq=seq, t=t) for seq, (t, message) in enumerate(course)
     ]
 
 
-def timed(*course: tuple[float, m.AnyMessage]) -> list[m.AnyMessage]:
+def timed(*course: tuple[float, m.Message]) -> list[m.Message]:
     """The same with the time in seconds."""
     return stamped([(round(seconds * SECOND), message) for seconds, message in course])
 
@@ -66,7 +66,7 @@ class Recording:
     def __init__(self, chance: random.Random) -> None:
         self._chance = chance
         self._t = 0
-        self._course: list[tuple[int, m.AnyMessage]] = []
+        self._course: list[tuple[int, m.Message]] = []
         self._count = 0
         self._participant, self._condition = "P01", "warm"
         self._number, self._trial = 1, 0
@@ -91,7 +91,7 @@ class Recording:
         if chance.random() < 0.8:
             self._adopt()
 
-    def messages(self, steps: int) -> list[m.AnyMessage]:
+    def messages(self, steps: int) -> list[m.Message]:
         """The session after so many steps."""
         for _ in range(steps):
             if self._chance.random() < 0.7:
@@ -158,7 +158,7 @@ class Recording:
     def _end_run(self, run: str, how: str) -> None:
         for command in self._runs.pop(run):
             driver = self._drivers[command]
-            ends: dict[str, m.AnyMessage] = {
+            ends: dict[str, m.Message] = {
                 "done": m.Done(
                     command=command, driver=driver, sent={}, latency_us=1000, duration_us=SECOND
                 ),
@@ -262,7 +262,7 @@ class Recording:
 
     def shape(self) -> None:
         hidden = self._chance.choice([[], ["distance"]])
-        choices: list[m.AnyMessage] = [
+        choices: list[m.Message] = [
             m.PerceptionChanged(hidden=hidden, blurred=[]),
             m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech"]),
             m.ProfileChanged(profile=self._chance.choice(["child", "adult", ""])),
@@ -365,7 +365,7 @@ class Recording:
 
     def sense(self) -> None:
         value = self._chance.random()
-        choices: list[m.AnyMessage] = [
+        choices: list[m.Message] = [
             m.Reading(sensor="distance", value=value, driver="robot"),
             m.SensorChanged(sensor="distance", state=self._chance.choice(["stale", "ok"])),
             m.FaceShown(driver="robot", width=1, rows="0", emotion="", intensity=value),
@@ -395,14 +395,14 @@ _STEPS = [
 
 
 @st.composite
-def recordings(draw: st.DrawFn, most: int = 80) -> list[m.AnyMessage]:
+def recordings(draw: st.DrawFn, most: int = 80) -> list[m.Message]:
     """A session as it would have been recorded."""
     steps = draw(st.integers(0, most))
     return Recording(random.Random(draw(st.integers(0, 2**32)))).messages(steps)
 
 
 @st.composite
-def damaged(draw: st.DrawFn) -> list[m.AnyMessage]:
+def damaged(draw: st.DrawFn) -> list[m.Message]:
     """The same with lines missing, doubled, late, out of order or from anywhere."""
     course = [(message.t, message) for message in draw(recordings())]
     others = draw(st.lists(st.sampled_from(examples()), max_size=20))

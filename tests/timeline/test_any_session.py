@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tracemalloc
-import typing
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path
@@ -18,6 +17,7 @@ from msgspec.structs import replace
 from tests.timeline.random_sessions import damaged, recordings, stamped, start
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.kinds import message_kinds
 from woz_tui.timeline.episodes import MOST_KEPT, ActionEpisode, CommandEpisode, UtteranceEpisode
 from woz_tui.timeline.session_state import CASES, SessionState
 from woz_tui.timeline.timeline import Timeline, timeline_of
@@ -31,7 +31,7 @@ LOGS = [
 COURSES = st.one_of(recordings(), damaged())
 
 
-def state_of(messages: list[m.Message] | list[m.AnyMessage]) -> SessionState:
+def state_of(messages: list[m.Message] | list[m.Message]) -> SessionState:
     state = SessionState()
     for message in messages:
         state.apply(message)
@@ -83,12 +83,12 @@ def known_state(state: SessionState) -> dict[str, Any]:
 
 
 def test_every_kind_of_message_has_its_case() -> None:
-    wanted = set(typing.get_args(m.AnyMessage))
+    wanted = set(message_kinds())
     assert set(CASES) == wanted, "add it to CASES in woz_tui/timeline/session_state.py"
 
 
 @given(COURSES)
-def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.AnyMessage]) -> None:
+def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.Message]) -> None:
     timeline = timeline_of(messages)
     for episode in timeline.episodes:
         assert episode.end is not None
@@ -101,7 +101,7 @@ def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.AnyMessage]) -> 
 
 
 @given(COURSES)
-def test_contexts_cover_the_log_without_a_gap(messages: list[m.AnyMessage]) -> None:
+def test_contexts_cover_the_log_without_a_gap(messages: list[m.Message]) -> None:
     timeline = timeline_of(messages)
     spans = timeline.spans
     if messages:
@@ -111,7 +111,7 @@ def test_contexts_cover_the_log_without_a_gap(messages: list[m.AnyMessage]) -> N
 
 
 @given(COURSES)
-def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage]) -> None:
+def test_state_spans_and_parts_have_the_same_context(messages: list[m.Message]) -> None:
     timeline = Timeline()
     found: list[tuple[int, int, Context]] = []
     for message in messages:
@@ -138,7 +138,7 @@ def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage
 
 
 @given(COURSES)
-def test_every_request_has_one_episode_and_one_outcome(messages: list[m.AnyMessage]) -> None:
+def test_every_request_has_one_episode_and_one_outcome(messages: list[m.Message]) -> None:
     timeline = timeline_of(messages)
     requested = Counter(each.seq for each in messages if isinstance(each, m.ActionRequested))
     commands = [each for each in messages if isinstance(each, m.Command)]
@@ -154,7 +154,7 @@ def test_every_request_has_one_episode_and_one_outcome(messages: list[m.AnyMessa
 
 @given(recordings())
 def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
-    messages: list[m.AnyMessage],
+    messages: list[m.Message],
 ) -> None:
     ends = (
         *(m.ActionEnd, m.TrialEnded, m.BreakEnded, m.QuestionnaireEnded, m.QuestionnaireAnswered),
@@ -169,7 +169,7 @@ def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
 
 
 @given(COURSES, st.floats(0, 1))
-def test_a_newcomer_knows_the_same(messages: list[m.AnyMessage], share: float) -> None:
+def test_a_newcomer_knows_the_same(messages: list[m.Message], share: float) -> None:
     messages = stamped([(0, start()), *((each.t, each) for each in messages)])
     place = 1 + round(share * (len(messages) - 1))
     there = state_of(messages[:place])
@@ -186,7 +186,7 @@ def test_a_newcomer_knows_the_same(messages: list[m.AnyMessage], share: float) -
 
 
 @given(COURSES, st.floats(0, 1))
-def test_a_copy_goes_on_by_itself(messages: list[m.AnyMessage], share: float) -> None:
+def test_a_copy_goes_on_by_itself(messages: list[m.Message], share: float) -> None:
     place = round(share * len(messages))
     state = state_of(messages[:place])
     before, copy = known_state(state), state.copy()
@@ -252,7 +252,7 @@ def test_a_time_that_no_clock_can_have_said_counts_as_now(t: int) -> None:
 
 
 def test_an_utterance_is_one_episode_whatever_comes_of_it() -> None:
-    speech: list[m.AnyMessage] = [
+    speech: list[m.Message] = [
         m.SpeechStarted(driver="mic", segment=1, began=0),
         m.DriverLost(driver="mic"),
         m.SpeechEnded(driver="mic", segment=1, began=0, ended=3),
@@ -267,7 +267,7 @@ def test_an_utterance_is_one_episode_whatever_comes_of_it() -> None:
 
 
 def test_what_never_ends_costs_as_much_as_it_is_however_often_the_condition_changes() -> None:
-    lines: list[tuple[int, m.AnyMessage]] = []
+    lines: list[tuple[int, m.Message]] = []
     for number in range(600):
         condition = ("warm", "cold")[number % 2]
         lines.append((number, m.SessionChanged(condition=condition)))

@@ -42,7 +42,7 @@ ENDS: list[tuple[m.End, str]] = [
 ]
 
 
-def of(kind: type[E], *course: tuple[float, m.AnyMessage]) -> list[E]:
+def of(kind: type[E], *course: tuple[float, m.Message]) -> list[E]:
     messages = timed((0, start()), *course)
     return timeline_of(messages).of(kind)
 
@@ -137,7 +137,7 @@ def test_passing_commands_are_only_counted() -> None:
 
 
 def test_an_end_without_a_beginning_is_a_moment() -> None:
-    ends: list[m.AnyMessage] = [
+    ends: list[m.Message] = [
         m.ActionDone(run="r9", action="Hello"),
         m.Failed(command="c9", reason="hot"),
         m.TrialEnded(trial=3, outcome="done"),
@@ -225,7 +225,7 @@ def test_states_of_the_model_follow_each_other() -> None:
 
 
 def test_a_model_that_is_off_is_in_no_state() -> None:
-    course: list[tuple[float, m.AnyMessage]] = [
+    course: list[tuple[float, m.Message]] = [
         (0, SETTINGS),
         (2, engagement_changed("Wait", "EngagedWithKnown", visitor="V01")),
         (4, switched("off")),
@@ -300,7 +300,7 @@ def settings_shown(value: float, *conflicts: str, **wanted: m.Json) -> m.Setting
 
 
 def test_a_setting_differs_from_when_it_was_read_until_it_does_not() -> None:
-    course: list[tuple[float, m.AnyMessage]] = [
+    course: list[tuple[float, m.Message]] = [
         (1, settings_shown(0.7)),
         (2, settings_shown(0.3, "loud", volume=0.7)),
         (4, settings_shown(0.3, volume=0.7)),
@@ -322,7 +322,7 @@ def test_a_setting_differs_from_when_it_was_read_until_it_does_not() -> None:
 
 
 def test_profiles_and_restrictions_last_until_they_change() -> None:
-    course: list[tuple[float, m.AnyMessage]] = [
+    course: list[tuple[float, m.Message]] = [
         (1, m.ProfileChanged(profile="child")),
         (2, m.PerceptionChanged(hidden=["distance"], blurred=[])),
         (3, m.ProfileChanged(profile="adult")),
@@ -379,7 +379,7 @@ def test_answers_whose_questionnaire_has_no_beginning_are_not_lost() -> None:
     assert (each.label, each.started, each.outcome) == ("each", None, "left")
 
 
-def state_of(*course: tuple[float, m.AnyMessage]) -> SessionState:
+def state_of(*course: tuple[float, m.Message]) -> SessionState:
     state = SessionState()
     for message in timed((0, start()), (0, plan()), *course):
         state.apply(message)
@@ -390,7 +390,7 @@ ASSIGNED = m.ConditionsAssigned(participant="P01", order=["warm", "cold"], metho
 
 
 def test_questionnaires_are_due_behind_a_trial_until_they_were_had() -> None:
-    trials: list[tuple[float, m.AnyMessage]] = [
+    trials: list[tuple[float, m.Message]] = [
         (1, ASSIGNED),
         (2, m.TrialStarted(trial=2)),
         (3, m.TrialEnded(trial=2, outcome="done")),

@@ -21,11 +21,11 @@ E = TypeVar("E", bound=Episode)
 ASSIGNED = m.ConditionsAssigned(participant="P01", order=["warm", "cold"], method="hand")
 
 
-def of(messages: list[m.AnyMessage], kind: type[E]) -> list[E]:
+def of(messages: list[m.Message], kind: type[E]) -> list[E]:
     return timeline_of(messages).of(kind)
 
 
-def notes(messages: list[m.AnyMessage]) -> dict[str, tuple[str, str, int | None, bool]]:
+def notes(messages: list[m.Message]) -> dict[str, tuple[str, str, int | None, bool]]:
     """Text of each note -> its context."""
     return {
         each.message.text: (

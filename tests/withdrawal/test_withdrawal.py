@@ -70,7 +70,7 @@ def everything(folder: Path) -> dict[str, bytes]:
     }
 
 
-def said_in(log: Path) -> list[m.AnyMessage]:
+def said_in(log: Path) -> list[m.Message]:
     """The messages of a log, all of known kinds."""
     return [line.message for line in read(log) if line.message is not None]
 
@@ -654,7 +654,7 @@ def courses(draw: st.DrawFn) -> list[Timed]:
     first = start(participant=draw(st.sampled_from(CODES)))
     course: list[Timed] = [(0, first)]
     t, trial = 0.0, 0
-    pending: list[m.AnyMessage] = []
+    pending: list[m.Message] = []
     for number in range(draw(st.integers(1, 25))):
         t += draw(st.sampled_from([0.0, 0.5, 3.0]))
         what = draw(st.integers(0, 8))
@@ -662,7 +662,7 @@ def courses(draw: st.DrawFn) -> list[Timed]:
             course.append((t, m.TrialEnded(trial=trial, outcome="done")))
             trial = 0
         if what == 0:
-            message: m.AnyMessage = m.SessionChanged(
+            message: m.Message = m.SessionChanged(
                 participant=draw(st.sampled_from(CODES[1:])),
                 condition=draw(st.sampled_from([None, "warm", "cold"])),
             )

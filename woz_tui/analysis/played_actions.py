@@ -94,7 +94,7 @@ class PlayedSession:
         return self.start is not None and self.start.redacted
 
 
-def played_session(name: str, messages: Iterable[m.AnyMessage]) -> PlayedSession:
+def played_session(name: str, messages: Iterable[m.Message]) -> PlayedSession:
     """Reads the acts out of a log's messages; samples may be left out.
 
     What the engagement model was told is left out, and what it had the robot do is in.

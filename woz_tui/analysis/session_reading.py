@@ -18,7 +18,7 @@ from woz_tui.log.log_reader import Damage, LogFiles, LogLine, files_of, messages
 from woz_tui.log.verify import verify
 from woz_tui.protocol import codec
 from woz_tui.protocol.codec import is_sample
-from woz_tui.protocol.messages import AnyMessage, Checkpoint, EngagementShown, Reading, Segment
+from woz_tui.protocol.messages import Checkpoint, EngagementShown, Message, Reading, Segment
 from woz_tui.timeline.timeline import Timeline
 
 #: What stands in a log whose first line is lost.
@@ -35,7 +35,7 @@ class LineCount:
         #: So many were lost before the last checkpoint.
         self.short = 0
 
-    def add(self, item: AnyMessage | LogLine) -> None:
+    def add(self, item: Message | LogLine) -> None:
         """The next line of the log, unknown ones included."""
         if type(item) is Checkpoint:
             self.short = max(self.short, item.lines - self._lines)

@@ -36,7 +36,6 @@ from woz_tui.gate.questions import DispatchCommand, SubmitCommand
 from woz_tui.gate.table import why_not
 from woz_tui.protocol.action_messages import STOP_PROMISE_S
 from woz_tui.protocol.messages import (
-    AnyMessage,
     Command,
     DriverConnected,
     DriverConnecting,
@@ -45,6 +44,7 @@ from woz_tui.protocol.messages import (
     DriverLost,
     End,
     Json,
+    Message,
     StopConfirmed,
     StopPressed,
     StopReleased,
@@ -291,7 +291,7 @@ class Bus:
 
     # -- who is connected --------------------------------------------------------------------
 
-    def _on_message(self, message: AnyMessage) -> None:
+    def _on_message(self, message: Message) -> None:
         """A driver with a fault is as connected as it was before."""
         match message:
             case DriverConnected(driver=driver):

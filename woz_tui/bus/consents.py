@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import FACE_CONSENT, Verb, gives_consent
 from woz_tui.drivers.face_store import key_of
-from woz_tui.protocol.messages import AnyMessage, Command, Done, End
+from woz_tui.protocol.messages import Command, Done, End, Message
 
 #: A driver, and a person's name as `key_of` has it.
 Person = tuple[str, str]
@@ -43,7 +43,7 @@ class Consents:
         """A command that needs one goes to its driver."""
         self._using[command.command] = person
 
-    def _on_message(self, message: AnyMessage) -> None:
+    def _on_message(self, message: Message) -> None:
         match message:
             case Command(verb=verb) if verb == FACE_CONSENT:
                 person = _person(message, "name")

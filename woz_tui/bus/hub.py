@@ -11,13 +11,13 @@ from typing import Any, TypeVar
 import msgspec
 
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import NAMES_CONSOLE, AnyMessage, Message
+from woz_tui.protocol.messages import NAMES_CONSOLE, Message
 from woz_tui.system.clock import Clock, timestamp
 
 #: What a listener may have of a message; None: nothing of it.
 MessageFilter = Callable[[Message], Message | None]
 #: Called with the stamped message and its line before anybody else; must not raise, must not wait.
-Record = Callable[[AnyMessage, bytes], None]
+Record = Callable[[Message, bytes], None]
 
 M = TypeVar("M", bound=Message)
 
@@ -108,7 +108,7 @@ class Hub:
         #: Whom a kind of message calls, in order; found when the first one comes.
         self._hearers: dict[type[Message], tuple[Callable[[Any], object], ...]] = {}
         self._subscriptions: list[Subscription] = []
-        self._undelivered: deque[AnyMessage] = deque()
+        self._undelivered: deque[Message] = deque()
         self._delivering = False
         #: The connection whose request is carried out at the moment; empty: none is.
         self._requester = ""
@@ -150,7 +150,7 @@ class Hub:
         )
         self._seq += 1
         line = codec.encode(stamped)
-        self._record(stamped, line)  # type: ignore[arg-type]
+        self._record(stamped, line)
         seen: dict[MessageFilter | None, bytes | None] = {None: line}
         for subscription in self._subscriptions:
             redact = subscription.redact
@@ -158,7 +158,7 @@ class Hub:
                 seen[redact] = _line(redact, stamped, line)
             if (own := seen[redact]) is not None:
                 subscription.offer(sample, own)
-        self._undelivered.append(stamped)  # type: ignore[arg-type]
+        self._undelivered.append(stamped)
         self._deliver()
         return stamped
 

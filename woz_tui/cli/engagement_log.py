@@ -78,7 +78,7 @@ class ModelRerun:
         #: When the log told settings, in microseconds.
         self.settings_at: list[int] = []
 
-    def apply(self, message: m.AnyMessage) -> Sequence[Transition]:
+    def apply(self, message: m.Message) -> Sequence[Transition]:
         """One message; the transitions that it brought."""
         if not isinstance(message, m.Reading | m.EngagementShown):
             self._state.apply(message)
@@ -91,7 +91,7 @@ class ModelRerun:
         """What happens by itself up to `t`."""
         return () if self.follower is None else [*self.follower.until(t)]
 
-    def _understood(self, message: m.AnyMessage) -> m.AnyMessage | None:
+    def _understood(self, message: m.Message) -> m.Message | None:
         """The message as the model is to hear it; None: not at all."""
         match message:
             case m.EngagementAdopted():
@@ -103,14 +103,14 @@ class ModelRerun:
                 return self._obeyed(message, self.above.named[self._passed_verbs.pop(command)])
         return message
 
-    def _obeyed(self, end: m.AnyMessage, named: frozenset[str]) -> m.AnyMessage | None:
+    def _obeyed(self, end: m.Message, named: frozenset[str]) -> m.Message | None:
         if not isinstance(end, m.Done) or not named & end.sent.keys():
             return end
         self.passed_over.append(end.t)
         left = {name: value for name, value in end.sent.items() if name not in named}
         return msgspec.structs.replace(end, sent=left) if left.keys() - {"sign"} else None
 
-    def _settled(self, adopted: m.EngagementAdopted) -> m.AnyMessage | None:
+    def _settled(self, adopted: m.EngagementAdopted) -> m.Message | None:
         self.settings_at.append(adopted.t)
         if not adopted.settings:
             self.follower = None
@@ -200,7 +200,7 @@ class RecordedModel:
         self._present, self._on, self._has_settings = present, on, False
         self.off.see(0, present=present, on=on)
 
-    def apply(self, message: m.AnyMessage) -> None:
+    def apply(self, message: m.Message) -> None:
         """A message of the session."""
         match message:
             case m.EngagementAdopted(settings=settings):
@@ -304,7 +304,7 @@ def _switched(off: OffPeriods, again: ModelRerun, t: int) -> None:
     off.see(t, present=follower is not None, on=follower is not None and follower.model.run != OFF)
 
 
-def message_of(line: LogLine) -> m.AnyMessage | None:
+def message_of(line: LogLine) -> m.Message | None:
     """The line as a message; a truth value counts as the number that it is live."""
     if line.kind == _SAMPLE and isinstance(line.fields.get("value"), bool):
         sensor, value = str(line.fields.get("sensor")), float(line.fields["value"])
@@ -312,7 +312,7 @@ def message_of(line: LogLine) -> m.AnyMessage | None:
     return line.message
 
 
-def _note(recount: LogRerun, message: m.AnyMessage) -> None:
+def _note(recount: LogRerun, message: m.Message) -> None:
     match message:
         case m.Reading(sensor=sensor):
             recount.sensors.add(sensor)

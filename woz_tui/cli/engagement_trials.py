@@ -165,7 +165,7 @@ class Trials:
 
 
 def trials(
-    messages: Iterable[m.AnyMessage],
+    messages: Iterable[m.Message],
     settings: EngagementSettings | None,
     above: SettingsOverride | None = None,
 ) -> Trials:

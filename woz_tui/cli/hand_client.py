@@ -20,13 +20,13 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.requests import (
     PROTOCOL,
-    AnyRequest,
     AskControls,
     AskStop,
     Hello,
     PanelsChanged,
     Pulse,
     Reply,
+    Request,
     Welcome,
 )
 from woz_tui.protocol.welcome import STALE_S
@@ -321,7 +321,7 @@ class HandClient:
             since_us=moved_us - self._pulse_us,
         )
 
-    def _ask(self, request: AnyRequest) -> int:
+    def _ask(self, request: Request) -> int:
         self._ref += 1
         if self._write is not None:
             sent_us = self._clock.boot_us() if self._stamps else 0

@@ -15,7 +15,7 @@ from typing import Any
 
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.protocol import codec
-from woz_tui.protocol.requests import AnyRequest, Hello, Reply, Welcome
+from woz_tui.protocol.requests import Hello, Reply, Request, Welcome
 
 #: How often the line with the delay comes again where nothing else changes, in seconds.
 REPORT_S = 10.0
@@ -100,7 +100,7 @@ class SoundClient:
                 answer = self._answers.popleft()
                 self._check(answer)
 
-    def ask(self, request: Callable[[int], AnyRequest]) -> None:
+    def ask(self, request: Callable[[int], Request]) -> None:
         """Send `request(ref)`; its answer comes by `answer`."""
         self._ref += 1
         self._asked.append((self._ref, time.monotonic()))
@@ -144,7 +144,7 @@ class SoundClient:
         if isinstance(answer, Reply) and not answer.ok:
             raise SoundEndError(answer.reason, answer.hint)
 
-    def _send(self, request: AnyRequest) -> None:
+    def _send(self, request: Request) -> None:
         try:
             self.socket.sendall(codec.encode(request))
         except OSError as error:

@@ -336,7 +336,7 @@ class WozClient:
         """The request for a marker of this moment, to be sent later."""
         return r.AskMarker(text=text, at=round(self.now() * 1e6))
 
-    def send_soon(self, request: r.AnyRequest) -> None:
+    def send_soon(self, request: r.Request) -> None:
         """Send a request and do not wait for its reply. Raises `WozConnectionError`."""
         self._write(request)
 
@@ -360,7 +360,7 @@ class WozClient:
         """
         await self.request(r.AskRelease(missing=[*missing]))
 
-    async def request(self, request: r.AnyRequest) -> r.Reply:
+    async def request(self, request: r.Request) -> r.Reply:
         """Send any request of the protocol; `ref` and stamp are filled in.
 
         Raises:
@@ -436,13 +436,13 @@ class WozClient:
 
     # -- the wire ----------------------------------------------------------------------------------
 
-    async def _begin(self, request: r.AnyRequest, arrives: bool) -> WozRun:
+    async def _begin(self, request: r.Request, arrives: bool) -> WozRun:
         _, run = await self._ask(request, arrives)
         assert run is not None
         return run
 
     async def _ask(
-        self, request: r.AnyRequest, arrives: bool | None = None
+        self, request: r.Request, arrives: bool | None = None
     ) -> tuple[r.Reply, WozRun | None]:
         ref = self._write(request)
         asked = AwaitedReply(asyncio.get_running_loop().create_future(), arrives)
@@ -462,7 +462,7 @@ class WozClient:
         if self._lost is not None:
             raise self._lost.again()
 
-    def _write(self, request: r.AnyRequest) -> int:
+    def _write(self, request: r.Request) -> int:
         self.check()
         self._refs += 1
         stamp = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 if self._stamps else 0

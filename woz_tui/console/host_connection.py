@@ -22,7 +22,7 @@ from woz_tui.console.message_feed import Incoming, Loss, LostPart, OnLost, OnMes
 from woz_tui.machine.hidden_line import HiddenLine
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Notice, SessionEnd
-from woz_tui.protocol.requests import PROTOCOL, AnyRequest, AskStop, Beat, Hello, Reply, Welcome
+from woz_tui.protocol.requests import PROTOCOL, AskStop, Beat, Hello, Reply, Request, Welcome
 from woz_tui.protocol.welcome import STALE_S
 from woz_tui.system.clock import Clock, RealClock, boot_id
 
@@ -147,7 +147,7 @@ class HostConnection:
                 target=target, args=argument, name=f"link{target.__name__}", daemon=True
             ).start()
 
-    def ask(self, request: AnyRequest) -> int:
+    def ask(self, request: Request) -> int:
         """Send `request` with a fresh `ref`, which is returned."""
         with self._lock:
             self._ref += 1

@@ -16,13 +16,13 @@ from woz_tui.config.keys.console_keys import BuiltinKey
 from woz_tui.config.keys.terminals import STOPS
 from woz_tui.console.message_feed import MessageFeed
 from woz_tui.protocol.requests import (
-    AnyRequest,
     AskAction,
     AskLetGo,
     AskPhase,
     AskScript,
     AskStop,
     AskVerb,
+    Request,
 )
 from woz_tui.system.clock import Clock, RealClock
 
@@ -85,7 +85,7 @@ class ConsoleKey:
     """
 
     keys: tuple[BuiltinKey, ...]
-    sends: Callable[[KeyPress], AnyRequest] | None = field(default=None, kw_only=True)
+    sends: Callable[[KeyPress], Request] | None = field(default=None, kw_only=True)
     verb: str = field(default="", kw_only=True)
     opens: bool = field(default=True, kw_only=True)
     once: bool = field(default=False, kw_only=True)

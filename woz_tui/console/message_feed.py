@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Protocol
 
-from woz_tui.protocol.messages import AnyMessage
-from woz_tui.protocol.requests import AnyAnswer, AnyRequest
+from woz_tui.protocol.envelope import Answer
+from woz_tui.protocol.messages import Message
+from woz_tui.protocol.requests import Request
 
 #: The reason of a reply that cannot come any more, as nobody knows whether its request arrived.
 GONE = "the connection to the robot process was lost"
 
 #: One decoded line from the host; a kind this version does not know comes as a plain dict.
-Incoming = AnyMessage | AnyAnswer | dict[str, Any]
+Incoming = Message | Answer | dict[str, Any]
 
 #: Called from the feed's own thread with everything that arrived together, oldest first.
 OnMessages = Callable[[list[Incoming]], None]
@@ -91,7 +92,7 @@ class MessageFeed(Protocol):
         """Begin to deliver. Returns at once; both callbacks come from another thread."""
         ...
 
-    def ask(self, request: AnyRequest) -> int:
+    def ask(self, request: Request) -> int:
         """Send `request` with a fresh `ref`, which is returned; the `Reply` repeats it.
 
         Safe from any thread, never blocks, never raises: on a lost connection the request goes

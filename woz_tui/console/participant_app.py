@@ -19,7 +19,7 @@ from woz_tui.console.screen_app import ScreenApp
 from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet, Words, thanks
 from woz_tui.console.study.questionnaires import OpenQuestionnaire
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AnyRequest, AskQuestionnaire, Reply
+from woz_tui.protocol.requests import AskQuestionnaire, Reply, Request
 from woz_tui.protocol.welcome import QuestionnaireWords
 from woz_tui.timeline.study_history import DueQuestionnaire
 
@@ -131,7 +131,7 @@ class ParticipantApp(ScreenApp):
             return [(words.stopped, "strong"), ("", "plain"), *wait]
         return thanks(words) if self._thanks else wait
 
-    def _ask(self, request: AnyRequest, on_reply: Callable[[Reply], None]) -> None:
+    def _ask(self, request: Request, on_reply: Callable[[Reply], None]) -> None:
         self._waiting[self.feed.ask(request)] = on_reply
 
     # -- keys ---------------------------------------------------------------------------------

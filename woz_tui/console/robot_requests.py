@@ -59,7 +59,7 @@ class RobotRequests:
         self.history: list[str] = []
         self.moved: list[str] = []
 
-    def ask(self, request: r.AnyRequest, on_reply: OnReply | None = None) -> None:
+    def ask(self, request: r.Request, on_reply: OnReply | None = None) -> None:
         """Send a request; without `on_reply` a refusal is shown above the hints."""
         if self._picture.lost:
             self._later(on_reply or self.refused, r.Reply(ref=0, ok=False, reason=GONE))

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePath
-from typing import Any, get_args
+from typing import Any
 
 from woz_tui import __version__
 from woz_tui.analysis.event_rows import AnswerRow
@@ -24,7 +24,8 @@ from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
 from woz_tui.export.log_sources import LogSource
 from woz_tui.export.output_folder import OutputFolder
 from woz_tui.log.log_reader import Damage
-from woz_tui.protocol.messages import AnyMessage, Reading
+from woz_tui.protocol.kinds import message_kinds
+from woz_tui.protocol.messages import Reading
 from woz_tui.system.text_cleaning import cell, one_line
 
 VERSION = "1.11.1"
@@ -235,7 +236,7 @@ _KINDS = {
 }
 _MOMENTS = {
     str(kind.__struct_config__.tag): (kind.__doc__ or "").strip().partition("\n\n")[0]
-    for kind in get_args(AnyMessage)
+    for kind in message_kinds()
 }
 #: BIDS has its own name for this one, and wants the first three columns first.
 _RENAMED = {"kind": "trial_type"}

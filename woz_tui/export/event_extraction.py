@@ -146,7 +146,7 @@ class EventExtractor:
         #: Lines of which events are made when all is known, by `seq`.
         self._lines: dict[int, Mapping[str, Any]] = {}
 
-    def add(self, message: m.AnyMessage | None, line: LogLine) -> None:
+    def add(self, message: m.Message | None, line: LogLine) -> None:
         """A message that is no sample, None if this version does not know it, and the line with
         what may be shown of it.
         """

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 from woz_tui.protocol.messages import Command, Json
 from woz_tui.protocol.refusal import Refusal
-from woz_tui.protocol.requests import AnyRequest
+from woz_tui.protocol.requests import Request
 
 if TYPE_CHECKING:  # the console needs none of it for its first paint
     from woz_tui.drivers.contract import Verb
@@ -67,7 +67,7 @@ class ClientRequest:
     what it would play, `vacant` whether nobody does, `take_over` how it would in spite of others.
     """
 
-    request: AnyRequest
+    request: Request
     role: str
     stale: str = ""
     plays: str = ""

@@ -184,7 +184,7 @@ def too_old_request(facts: Facts, asked: ClientRequest) -> Refusal | None:
     return Refusal("stale", f"{undone} ({asked.stale})", AGAIN) if undone else None
 
 
-def not_done(request: r.AnyRequest) -> str:
+def not_done(request: r.Request) -> str:
     """What is not done if `request` is too old; empty: it is done all the same."""
     match request:
         case r.AskLock(panel=panel, locked=False):

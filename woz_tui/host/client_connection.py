@@ -18,7 +18,6 @@ from woz_tui.bus.hub import Hub, Subscription
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import (
-    AnyRequest,
     AskAnswer,
     AskAssign,
     AskCheck,
@@ -33,6 +32,7 @@ from woz_tui.protocol.requests import (
     AskTrial,
     Hello,
     Reply,
+    Request,
 )
 from woz_tui.session.recent_messages import UNLISTED, RecentMessages
 from woz_tui.session.redactor import Redactor
@@ -70,11 +70,11 @@ class RoleView:
         return self._last[1]
 
     @property
-    def recent(self) -> list[m.AnyMessage]:
+    def recent(self) -> list[m.Message]:
         """The last lines as they were seen."""
         return self._recent.lines
 
-    def _remember(self, message: m.AnyMessage) -> None:
+    def _remember(self, message: m.Message) -> None:
         self._keep(self.redacted(message))
 
     def _keep(self, message: Any) -> None:
@@ -176,7 +176,7 @@ class ClientConnection(asyncio.Protocol):
         turns: RequestScheduler,
         standstill: Standstill,
         *,
-        on_request: Callable[[ClientConnection, AnyRequest], None],
+        on_request: Callable[[ClientConnection, Request], None],
         on_stop: Callable[[ClientConnection, AskStop], None],
         on_close: Callable[[ClientConnection, str], None],
         recorded: Callable[[], bool],

@@ -36,7 +36,6 @@ from woz_tui.protocol.messages import (
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.requests import (
-    AnyRequest,
     AskAction,
     AskAnswer,
     AskAssign,
@@ -70,6 +69,7 @@ from woz_tui.protocol.requests import (
     AskUnrecorded,
     AskVerb,
     Reply,
+    Request,
 )
 from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.session import Session
@@ -123,7 +123,7 @@ class RequestHandlers:
         #: Called before an experiment is adopted.
         self.on_reload: Callable[[Experiment], None] = lambda experiment: None
 
-    def answer(self, client: ClientConnection, request: AnyRequest) -> None:
+    def answer(self, client: ClientConnection, request: Request) -> None:
         """Carry `request` out and reply; every request gets exactly one reply; a picture is one."""
         if client.view is not None:
             request = client.view.redactor.request(request)
@@ -153,7 +153,7 @@ class RequestHandlers:
         except RequestError as error:
             client.send(_refused(client, request, error))
 
-    def _question(self, client: ClientConnection, request: AnyRequest) -> ClientRequest:
+    def _question(self, client: ClientConnection, request: Request) -> ClientRequest:
         stale = self._stale(request) if not_done(request) else ""
         if client.role != "watcher":
             return ClientRequest(request, client.role, stale)
@@ -166,7 +166,7 @@ class RequestHandlers:
             take_over=take_over_hint(client),
         )
 
-    def _answer_at_once(self, client: ClientConnection, request: AnyRequest) -> Reply:
+    def _answer_at_once(self, client: ClientConnection, request: Request) -> Reply:
         ends: dict[str, ActionEnd | End] = {}
         self._ends = ends
         try:
@@ -194,7 +194,7 @@ class RequestHandlers:
             case End(command=command):
                 self._ends[command] = message
 
-    def _carry_out(self, client: ClientConnection, request: AnyRequest) -> str:
+    def _carry_out(self, client: ClientConnection, request: Request) -> str:
         """Carry `request` out; the id of the run or command that it has begun."""
         session, study = self._session, self._session.study
         run, stale, tells = "", self._stale(request), self._tells(client)
@@ -356,7 +356,7 @@ class RequestHandlers:
         )
         session.take_hand(request.panel, hand)
 
-    def _stale(self, request: AnyRequest) -> str:
+    def _stale(self, request: Request) -> str:
         """Why it is too old to move anything; its time in the socket counts."""
         age_us = self._session.standstill.waited_us(request.sent_us)
         if isinstance(request, AskAction | AskVerb | AskScript | AskPhase):
@@ -478,7 +478,7 @@ class RequestHandlers:
         return [*changes]
 
 
-def _by_a_client(client: ClientConnection, request: AnyRequest) -> AnyRequest:
+def _by_a_client(client: ClientConnection, request: Request) -> Request:
     """`request` with the source that its connection has. A wizard's console says itself what a
     person used of it; whatever comes from a program is the program's, whatever it says.
     """
@@ -493,7 +493,7 @@ def _by_a_client(client: ClientConnection, request: AnyRequest) -> AnyRequest:
     return request
 
 
-def _refused(client: ClientConnection, request: AnyRequest, error: RequestError) -> Reply:
+def _refused(client: ClientConnection, request: Request, error: RequestError) -> Reply:
     """Why not; conditions are listed by the names that the client knows."""
     hint = error.hint
     if client.view is not None and error.conditions:

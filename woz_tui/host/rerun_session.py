@@ -103,7 +103,7 @@ class RerunSession:
 
     # -- before ------------------------------------------------------------------------------
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.Message) -> None:
         match message:
             case m.DriverHealth() | m.ConsoleAttached():
                 asyncio.get_running_loop().call_soon(self._begin_if_ready)

@@ -29,13 +29,13 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.panel_players import player_names
 from woz_tui.protocol.requests import (
     PROTOCOL,
-    AnyRequest,
     AskStop,
     AskTakeOver,
     Beat,
     Hello,
     Pulse,
     Reply,
+    Request,
     Welcome,
 )
 from woz_tui.session.questionnaire_control import PARTICIPANT
@@ -227,7 +227,7 @@ class SessionServer:
                 return self.for_program or not self._wizard_came
         return False
 
-    def _request(self, client: ClientConnection, request: AnyRequest) -> None:
+    def _request(self, client: ClientConnection, request: Request) -> None:
         if isinstance(request, AskStop):  # before everything: it needs no hello and no role
             self._stop(client, request)
             client.send(Reply(ref=request.ref, ok=True))

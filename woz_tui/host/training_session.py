@@ -102,7 +102,7 @@ class TrainingSession:
         loop = asyncio.get_running_loop()
         self._starting = loop.call_later(WARNING_S, self._trainer.begin)
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.Message) -> None:
         match message:
             case m.ConsoleAttached(role="wizard") if not self._state:
                 self._publish("waits")

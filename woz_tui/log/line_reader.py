@@ -6,14 +6,15 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import msgspec
 
 from woz_tui.log.damage import Damage
 from woz_tui.log.log_opening import encoding_of, open_log
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import SCHEMA, AnyMessage, ParticipantWithdrawn, Segment
+from woz_tui.protocol.kinds import message_kinds
+from woz_tui.protocol.messages import SCHEMA, Message, ParticipantWithdrawn, Segment
 
 #: Bytes that are read at once: small enough to stay in the processor's cache with what they hold,
 #: and for Python's collector not to go through them before they are given on.
@@ -24,7 +25,7 @@ _BEGINNING = 1 << 12
 LONGEST = 1 << 24
 
 #: Every kind of message that this version knows.
-KINDS = frozenset(each.__struct_config__.tag for each in get_args(AnyMessage))
+KINDS = frozenset(each.__struct_config__.tag for each in message_kinds())
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class LogLine:
     kind: str
     fields: dict[str, Any]
     raw: bytes
-    message: AnyMessage | None = field(default=None, compare=False, repr=False)
+    message: Message | None = field(default=None, compare=False, repr=False)
 
     @property
     def sample(self) -> bool:
@@ -149,7 +150,7 @@ def decode(raw: bytes) -> LogLine | None:
     return LogLine(seq, t, ts, kind, fields, raw, message)
 
 
-def _message(raw: bytes) -> AnyMessage | None:
+def _message(raw: bytes) -> Message | None:
     try:
         return codec.decode_message(raw)
     except codec.WireError:

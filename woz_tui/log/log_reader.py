@@ -18,10 +18,10 @@ from woz_tui.log.line_order import N, SequenceChecker, in_order, merged, seq_of,
 from woz_tui.log.line_reader import BLOCK, LineChunk, LogLine, chunks_of, lines_in
 from woz_tui.log.log_files import LogFiles, files_of, sizes_of
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import AnyMessage, ParticipantWithdrawn, Segment, SessionStart
+from woz_tui.protocol.messages import Message, ParticipantWithdrawn, Segment, SessionStart
 
 #: A message, or the line of one that this version does not know or cannot take.
-LogItem = AnyMessage | LogLine
+LogItem = Message | LogLine
 
 #: Lines of which more is to be known than that they are sound.
 _SINGULAR = {ParticipantWithdrawn, Segment, SessionStart}

@@ -38,7 +38,7 @@ from woz_tui.log.log_segment import (
     at_once,
 )
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import AnyMessage, RecorderState, Segment, StopPressed
+from woz_tui.protocol.messages import Message, RecorderState, Segment, StopPressed
 from woz_tui.system.clock import Clock, timestamp
 
 WARN_US = 250_000
@@ -300,7 +300,7 @@ class Recorder:
 
     # -- the hub's side -----------------------------------------------------------------------
 
-    def record(self, message: AnyMessage, line: bytes) -> None:
+    def record(self, message: Message, line: bytes) -> None:
         """Hand one line, newline included, to the kernel. Never raises, never waits for the disk.
 
         If a write fails, lines of actions wait a moment (50 ms in all) for the next segment to
@@ -328,7 +328,7 @@ class Recorder:
             if which == ACTIONS and not self._writable and not self._switched(message):
                 self._unwritten = self._unwritten or UnwrittenSpan(message.t)
 
-    def _switched(self, message: AnyMessage) -> bool:
+    def _switched(self, message: Message) -> bool:
         """Wait a moment for the next segment; whether it has taken the message's line. With the
         lock held.
         """

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from functools import cache
 from numbers import Real
-from typing import Any, TypeVar
+from typing import Any, TypeVar, Union
 
 import msgspec
 
-from woz_tui.protocol.messages import AnyMessage, Message
-from woz_tui.protocol.requests import AnyAnswer, AnyRequest, Request
+from woz_tui.protocol.envelope import Answer, Message
+from woz_tui.protocol.kinds import answer_kinds, message_kinds, request_kinds
+from woz_tui.protocol.requests import Request
 from woz_tui.system.addresses import may_tell_secrets, without_passwords
 from woz_tui.system.foreign_json import decode_foreign
 
@@ -25,12 +27,25 @@ SAMPLE_KINDS = frozenset({"sample", "engagement.shown"})
 T = TypeVar("T")
 
 _encoder = msgspec.json.Encoder()
-_message: msgspec.json.Decoder[AnyMessage] = msgspec.json.Decoder(AnyMessage)
-_request: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
-_incoming: msgspec.json.Decoder[AnyMessage | AnyAnswer] = msgspec.json.Decoder(
-    AnyMessage | AnyAnswer
-)
 _anything: msgspec.json.Decoder[Any] = msgspec.json.Decoder()
+
+
+# Made at first use: the features' kinds are part of them.
+
+
+@cache
+def _message_decoder() -> msgspec.json.Decoder[Message]:
+    return msgspec.json.Decoder(Union[message_kinds()])  # noqa: UP007 - of a tuple
+
+
+@cache
+def _request_decoder() -> msgspec.json.Decoder[Request]:
+    return msgspec.json.Decoder(Union[request_kinds()])  # noqa: UP007 - of a tuple
+
+
+@cache
+def _incoming_decoder() -> msgspec.json.Decoder[Message | Answer]:
+    return msgspec.json.Decoder(Union[(*message_kinds(), *answer_kinds())])
 
 
 class WireError(ValueError):
@@ -103,17 +118,17 @@ def _nested(value: Any, depth: int) -> Any:
     return [plain(item, depth) for item in value]
 
 
-def decode_message(line: bytes) -> AnyMessage:
+def decode_message(line: bytes) -> Message:
     """A message of the session; `WireError` if the line is none or of an unknown kind."""
     try:
-        return _message.decode(line)
+        return _message_decoder().decode(line)
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
         raise WireError(str(error)) from error
 
 
-def decode_messages(lines: bytes) -> list[AnyMessage]:
+def decode_messages(lines: bytes) -> list[Message]:
     """Many messages at once, several times as fast as one by one; see `decode_lines`."""
-    return decode_lines(_message, lines)
+    return decode_lines(_message_decoder(), lines)
 
 
 def decode_lines(decoder: msgspec.json.Decoder[T], lines: bytes) -> list[T]:
@@ -132,18 +147,18 @@ def decode_lines(decoder: msgspec.json.Decoder[T], lines: bytes) -> list[T]:
     return values
 
 
-def decode_request(line: bytes) -> AnyRequest:
+def decode_request(line: bytes) -> Request:
     """A client's request; `WireError` says which field is wrong."""
     try:
-        return _request.decode(line)
+        return _request_decoder().decode(line)
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
         raise WireError(str(error)) from error
 
 
-def decode_incoming(line: bytes) -> AnyMessage | AnyAnswer | dict[str, Any]:
+def decode_incoming(line: bytes) -> Message | Answer | dict[str, Any]:
     """A line from the host; a kind that this version does not know comes as a plain dict."""
     try:
-        return _incoming.decode(line)
+        return _incoming_decoder().decode(line)
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         return decode_unknown(line)
 

@@ -46,6 +46,7 @@ from woz_tui.protocol.action_messages import (
 )
 from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
 from woz_tui.protocol.study_messages import (
+    STUDY_MESSAGES,
     ActionHeld,
     ActionScheduled,
     BreakEnded,
@@ -65,7 +66,6 @@ from woz_tui.protocol.study_messages import (
     RerunStarted,
     SessionPlan,
     ShapingChanged,
-    StudyMessage,
     TrainingChanged,
     TrialEnded,
     TrialStarted,
@@ -740,77 +740,77 @@ NAMES_CONSOLE = (
 )
 
 #: Every message that may stand in a log or on the stream.
-AnyMessage = (
-    SessionStart
-    | SessionChanged
-    | ParticipantWithdrawn
-    | SessionEnd
-    | ClockTie
-    | Checkpoint
-    | Segment
-    | RecorderState
-    | RecordWaived
-    | Notice
-    | ActionRequested
-    | ActionDone
-    | ActionFailed
-    | ActionStopped
-    | ActionSuperseded
-    | ActionRefused
-    | ActionsFilled
-    | Command
-    | Dispatched
-    | Progress
-    | Done
-    | Failed
-    | TimedOut
-    | Refused
-    | Stopped
-    | Superseded
-    | MotionArrived
-    | MotionInterrupted
-    | CommandMark
-    | BlockPlanned
-    | BlockTrouble
-    | StopPressed
-    | StopConfirmed
-    | StopReleased
-    | DriverConnecting
-    | DriverConnected
-    | DriverLost
-    | DriverFaulted
-    | LaneFaulted
-    | LaneRecovered
-    | Reading
-    | SensorChanged
-    | EngagementAdopted
-    | EngagementChanged
-    | EngagementShown
-    | SpeechStarted
-    | SpeechEnded
-    | SpeechText
-    | VisitorChanged
-    | ModeChanged
-    | VerbsUnable
-    | FaceShown
-    | BodyChanged
-    | ControlsMoved
-    | SettingsShown
-    | AddressedChanged
-    | Marker
-    | Note
-    | Mistake
-    | ScriptMoved
-    | PhaseChanged
-    | PanelLocked
-    | ProfileChanged
-    | ExperimentReloaded
-    | ConsoleAttached
-    | ConsoleLost
-    | ListenerJoined
-    | ListenerLeft
-    | ProcessStalled
-    | StudyMessage
+MESSAGES: tuple[type[Message], ...] = (
+    SessionStart,
+    SessionChanged,
+    ParticipantWithdrawn,
+    SessionEnd,
+    ClockTie,
+    Checkpoint,
+    Segment,
+    RecorderState,
+    RecordWaived,
+    Notice,
+    ActionRequested,
+    ActionDone,
+    ActionFailed,
+    ActionStopped,
+    ActionSuperseded,
+    ActionRefused,
+    ActionsFilled,
+    Command,
+    Dispatched,
+    Progress,
+    Done,
+    Failed,
+    TimedOut,
+    Refused,
+    Stopped,
+    Superseded,
+    MotionArrived,
+    MotionInterrupted,
+    CommandMark,
+    BlockPlanned,
+    BlockTrouble,
+    StopPressed,
+    StopConfirmed,
+    StopReleased,
+    DriverConnecting,
+    DriverConnected,
+    DriverLost,
+    DriverFaulted,
+    LaneFaulted,
+    LaneRecovered,
+    Reading,
+    SensorChanged,
+    EngagementAdopted,
+    EngagementChanged,
+    EngagementShown,
+    SpeechStarted,
+    SpeechEnded,
+    SpeechText,
+    VisitorChanged,
+    ModeChanged,
+    VerbsUnable,
+    FaceShown,
+    BodyChanged,
+    ControlsMoved,
+    SettingsShown,
+    AddressedChanged,
+    Marker,
+    Note,
+    Mistake,
+    ScriptMoved,
+    PhaseChanged,
+    PanelLocked,
+    ProfileChanged,
+    ExperimentReloaded,
+    ConsoleAttached,
+    ConsoleLost,
+    ListenerJoined,
+    ListenerLeft,
+    ProcessStalled,
+    *STUDY_MESSAGES,
 )
 
 

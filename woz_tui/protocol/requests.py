@@ -398,44 +398,44 @@ class AskTalk(Request, frozen=True, kw_only=True, tag="talk"):
     lost_s: float = 0.0
 
 
-AnyRequest = (
-    Hello
-    | AskAction
-    | AskVerb
-    | AskControls
-    | AskLetGo
-    | AskStop
-    | AskRelease
-    | AskScript
-    | AskCancel
-    | AskEmptyQueue
-    | AskTakeOver
-    | AskDescribe
-    | AskPredict
-    | AskSet
-    | AskMarker
-    | AskNote
-    | AskMistake
-    | AskLock
-    | AskPhase
-    | AskProfile
-    | AskReload
-    | AskKeepTyped
-    | AskPreflight
-    | AskEnd
-    | AskProposal
-    | AskAssign
-    | AskTrial
-    | AskQuestionnaire
-    | AskAnswer
-    | AskCheck
-    | AskTraining
-    | AskReplay
-    | AskPicture
-    | AskSound
-    | AskTalk
-    | AskUnrecorded
-    | Beat
+REQUESTS: tuple[type[Request], ...] = (
+    Hello,
+    AskAction,
+    AskVerb,
+    AskControls,
+    AskLetGo,
+    AskStop,
+    AskRelease,
+    AskScript,
+    AskCancel,
+    AskEmptyQueue,
+    AskTakeOver,
+    AskDescribe,
+    AskPredict,
+    AskSet,
+    AskMarker,
+    AskNote,
+    AskMistake,
+    AskLock,
+    AskPhase,
+    AskProfile,
+    AskReload,
+    AskKeepTyped,
+    AskPreflight,
+    AskEnd,
+    AskProposal,
+    AskAssign,
+    AskTrial,
+    AskQuestionnaire,
+    AskAnswer,
+    AskCheck,
+    AskTraining,
+    AskReplay,
+    AskPicture,
+    AskSound,
+    AskTalk,
+    AskUnrecorded,
+    Beat,
 )
 
 
@@ -576,4 +576,12 @@ PANEL_SETTINGS = tuple(
 
 
 #: Lines from the host that are not messages of the session.
-AnyAnswer = Reply | Welcome | Pulse | PanelsChanged | Replaying | PictureShown | SoundHeard
+ANSWERS: tuple[type[Answer], ...] = (
+    Reply,
+    Welcome,
+    Pulse,
+    PanelsChanged,
+    Replaying,
+    PictureShown,
+    SoundHeard,
+)

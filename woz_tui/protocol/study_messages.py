@@ -279,27 +279,27 @@ class RerunEnded(Message, frozen=True, kw_only=True, tag="rerun.ended"):
 
 
 #: All of this module, for the union of all messages.
-StudyMessage = (
-    ExperimentFiles
-    | SessionPlan
-    | ConditionsAssigned
-    | TrialStarted
-    | TrialEnded
-    | BreakStarted
-    | BreakEnded
-    | PreflightChecked
-    | QuestionnaireStarted
-    | QuestionnaireAnswered
-    | QuestionnaireEnded
-    | ShapingChanged
-    | ActionHeld
-    | ActionScheduled
-    | PerceptionChanged
-    | TrainingChanged
-    | CueGiven
-    | CueAnswered
-    | RerunStarted
-    | RerunSent
-    | RerunSkipped
-    | RerunEnded
+STUDY_MESSAGES: tuple[type[Message], ...] = (
+    ExperimentFiles,
+    SessionPlan,
+    ConditionsAssigned,
+    TrialStarted,
+    TrialEnded,
+    BreakStarted,
+    BreakEnded,
+    PreflightChecked,
+    QuestionnaireStarted,
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    ShapingChanged,
+    ActionHeld,
+    ActionScheduled,
+    PerceptionChanged,
+    TrainingChanged,
+    CueGiven,
+    CueAnswered,
+    RerunStarted,
+    RerunSent,
+    RerunSkipped,
+    RerunEnded,
 )

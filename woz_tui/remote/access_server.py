@@ -30,7 +30,7 @@ from aiohttp.http import HttpProcessingError
 from woz_tui.network.certificates import AccessError, Authority
 from woz_tui.network.listen_address import ListenAddress
 from woz_tui.protocol import codec
-from woz_tui.protocol.requests import AnyRequest, AskStop, AskTakeOver, Beat, Hello, Reply
+from woz_tui.protocol.requests import AskStop, AskTakeOver, Beat, Hello, Reply, Request
 from woz_tui.remote.parent_lines import announce, standard_input
 from woz_tui.system.clock import Clock, RealClock
 from woz_tui.system.tasks import until_first_ends
@@ -132,7 +132,7 @@ class RequestFilter:
             request = msgspec.structs.replace(request, sent_us=self._clock.boot_us())
         return codec.encode(request), None
 
-    def _refusal(self, request: AnyRequest) -> str:
+    def _refusal(self, request: Request) -> str:
         if isinstance(request, AskStop | Beat):
             return ""
         if not self._rate.takes():

@@ -34,14 +34,14 @@ class IndexedSamples:
         """The last moment of the session."""
         return self._index.length_us
 
-    def between(self, after_us: int, until_us: int) -> Iterator[m.AnyMessage]:
+    def between(self, after_us: int, until_us: int) -> Iterator[m.Message]:
         """Samples with `after_us` < t <= `until_us`, in order."""
         for item in self._index.between(after_us, until_us):
             message = item.message if isinstance(item, LogLine) else item
             if message is not None and codec.is_sample(message):
                 yield message
 
-    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+    def at(self, t_us: int) -> Iterable[m.Message]:
         """The last reading of each sensor, and the engagement model."""
         state = self._index.at(t_us)
         shown = [] if state.shown is None else [state.shown]

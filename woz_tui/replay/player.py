@@ -15,9 +15,8 @@ import msgspec
 from woz_tui.log.coding_file import Code, Coding
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.envelope import Answer
 from woz_tui.protocol.requests import (
-    AnyAnswer,
-    AnyRequest,
     AskMarker,
     AskMistake,
     AskNote,
@@ -27,6 +26,7 @@ from woz_tui.protocol.requests import (
     Pulse,
     Replaying,
     Reply,
+    Request,
 )
 from woz_tui.protocol.welcome import ReplayedLog
 from woz_tui.replay.bookmarks import Bookmark
@@ -36,7 +36,7 @@ from woz_tui.session.recent_messages import MOST
 from woz_tui.session.session_plan import panels_changed, welcome
 
 #: What a console gets.
-Incoming = m.AnyMessage | AnyAnswer | dict[str, Any]
+Incoming = m.Message | Answer | dict[str, Any]
 
 SLOWEST, FASTEST = 0.25, 16.0
 #: How often it is told how the replay stands, in microseconds of the viewer's time.
@@ -203,7 +203,7 @@ class ReplayPlayer:
 
     # -- what is asked -----------------------------------------------------------------------
 
-    def ask(self, request: AnyRequest, now: int) -> list[Incoming]:
+    def ask(self, request: Request, now: int) -> list[Incoming]:
         """Carry `request` out; the reply comes first, then what follows from it."""
         caught_up = self.tick(now)
         try:
@@ -213,7 +213,7 @@ class ReplayPlayer:
             return [*caught_up, reply]
         return [*caught_up, Reply(ref=request.ref, ok=True, data=data), *told]
 
-    def _carry_out(self, request: AnyRequest, now: int) -> tuple[m.Json, list[Incoming]]:
+    def _carry_out(self, request: Request, now: int) -> tuple[m.Json, list[Incoming]]:
         """What the reply tells, and what follows. Raises `ReplayError`."""
         match request:
             case AskReplay(what="pause"):
@@ -270,7 +270,7 @@ class ReplayPlayer:
                 Bookmark(code.t, "code", code.text) for code in self._coding.codes
             ]
 
-    def _as_event(self, code: Code) -> m.AnyMessage:
+    def _as_event(self, code: Code) -> m.Message:
         """As the list of events has it; it is no line of the log."""
         if code.note:
             return m.Note(text=f"{code.text} ({code.coder})", t=code.t)

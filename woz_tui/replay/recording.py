@@ -35,7 +35,7 @@ from woz_tui.timeline.episodes import EngagementEpisode
 from woz_tui.timeline.session_state import SessionState
 
 #: A message, or the fields of a line whose kind this version does not know.
-RecordedLine = m.AnyMessage | dict[str, Any]
+RecordedLine = m.Message | dict[str, Any]
 
 #: A copy of the state is kept after so much of the log's time, after so many lines at the latest.
 SNAPSHOT_US, SNAPSHOT_LINES = 5_000_000, 500
@@ -67,13 +67,13 @@ class SampleSource(Protocol):
         """The last moment of the session as far as is known; 0 if nothing is."""
         ...
 
-    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+    def between(self, after_us: int, until_us: int) -> Iterable[m.Message]:
         """Those taken after `after_us`, up to and with `until_us`. Some may be left out that
         are replaced by a later one of the same stretch.
         """
         ...
 
-    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+    def at(self, t_us: int) -> Iterable[m.Message]:
         """The last one of each sensor, and of whatever else is soon replaced, at `t_us`."""
         ...
 
@@ -103,7 +103,7 @@ class Recording:
 
     def __init__(
         self,
-        lines: Iterable[m.AnyMessage | LogLine],
+        lines: Iterable[m.Message | LogLine],
         samples: SampleSource,
         plan: m.SessionPlan | None = None,
         *,
@@ -257,15 +257,15 @@ class _RedactedSamples:
         self._redactor = Redactor()
         self.length_us = samples.length_us
 
-    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+    def between(self, after_us: int, until_us: int) -> Iterable[m.Message]:
         """See `SampleSource`."""
         return self._redacted(self._samples.between(after_us, until_us))
 
-    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+    def at(self, t_us: int) -> Iterable[m.Message]:
         """See `SampleSource`."""
         return self._redacted([*self._samples.at(t_us)], t_us)
 
-    def _redacted(self, samples: Iterable[m.AnyMessage], t_us: int = -1) -> Iterator[m.AnyMessage]:
+    def _redacted(self, samples: Iterable[m.Message], t_us: int = -1) -> Iterator[m.Message]:
         for sample in samples:
             t = max(sample.t, t_us)
             place = bisect.bisect_right(self._kept, t, key=lambda entry: entry[0])
@@ -296,7 +296,7 @@ def _redacted(
             yield seen, t
 
 
-def _read_line(line: m.AnyMessage | LogLine) -> tuple[RecordedLine, int]:
+def _read_line(line: m.Message | LogLine) -> tuple[RecordedLine, int]:
     if not isinstance(line, LogLine):
         return line, line.t
     message = line.message
@@ -324,9 +324,9 @@ def _kind(line: RecordedLine) -> str:
     return str(line.__struct_config__.tag)
 
 
-def thinned(samples: Iterable[m.AnyMessage]) -> list[m.AnyMessage]:
+def thinned(samples: Iterable[m.Message]) -> list[m.Message]:
     """Of what replaces each other only the last, in order."""
-    last: dict[str, m.AnyMessage] = {}
+    last: dict[str, m.Message] = {}
     for sample in samples:
         name = sample.sensor if isinstance(sample, m.Reading) else type(sample).__name__
         last.pop(name, None)

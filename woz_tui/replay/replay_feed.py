@@ -13,7 +13,7 @@ from collections.abc import Callable
 import msgspec
 
 from woz_tui.protocol.messages import Notice
-from woz_tui.protocol.requests import AnyRequest, Beat
+from woz_tui.protocol.requests import Beat, Request
 from woz_tui.protocol.welcome import STALE_S
 from woz_tui.replay.player import Incoming, ReplayPlayer
 from woz_tui.system.clock import Clock, RealClock
@@ -40,7 +40,7 @@ class ReplayFeed:
         self.round_trip_us: int | None = None
         self._player = player
         self._clock = clock or RealClock()
-        self._requests: deque[AnyRequest] = deque()
+        self._requests: deque[Request] = deque()
         self._news = threading.Condition()
         self._closed = False
         self._ref = 0
@@ -55,7 +55,7 @@ class ReplayFeed:
         self._on_messages = on_messages
         threading.Thread(target=self._run, name="replay", daemon=True).start()
 
-    def ask(self, request: AnyRequest) -> int:
+    def ask(self, request: Request) -> int:
         """Hand `request` to the player; safe from any thread, never waits."""
         with self._news:
             self._ref += 1

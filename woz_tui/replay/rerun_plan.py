@@ -134,7 +134,7 @@ def plan_of(path: Path) -> RerunPlan:
     """
     digest, damage = hashlib.sha256(), Damage()
     times: list[int] = []
-    lines: list[tuple[int, m.AnyMessage]] = []
+    lines: list[tuple[int, m.Message]] = []
     for line in read(path, damage, samples=False):
         digest.update(line.raw + b"\n")
         if line.message is not None:
@@ -166,7 +166,7 @@ def plan_of(path: Path) -> RerunPlan:
     )
 
 
-def _is_mark(message: m.AnyMessage) -> TypeGuard[m.Marker]:
+def _is_mark(message: m.Message) -> TypeGuard[m.Marker]:
     return isinstance(message, m.Marker) and message.source not in _OWN_MARKS
 
 

@@ -248,7 +248,7 @@ class ActionTexts:
         for first in range(0, len(actions), AT_ONCE):
             self._publish(actions[first : first + AT_ONCE])
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.Message) -> None:
         if self._published is not None:
             values = self._values()
             if self._published != [values.get(name) for name in _MOVING]:

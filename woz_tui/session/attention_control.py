@@ -54,7 +54,7 @@ class AttentionController:
         """Whether it goes on with these settings as it is."""
         return settings.attention == self._settings
 
-    def on_message(self, message: m.AnyMessage) -> None:
+    def on_message(self, message: m.Message) -> None:
         """Take in directions of sound, and what the wizard does with the head."""
         if self._head is None:
             return

@@ -58,7 +58,7 @@ class EarlierSessions:
 
     def __init__(self, *folders: Path) -> None:
         self._folders = dict.fromkeys(folders)
-        self._cache: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = {}
+        self._cache: dict[Path, tuple[tuple[int, int], list[m.Message]]] = {}
 
     def read(
         self, title: str, file: str, settings: StudySettings | None = None
@@ -81,8 +81,8 @@ class EarlierSessions:
                 _attribute(lines, people, settings or StudySettings())
         return EarlierParticipants(tuple(people.values()), logs, tuple(unreadable))
 
-    def _joined(self, paths: Sequence[Path], unreadable: list[str]) -> list[m.AnyMessage]:
-        lines: list[m.AnyMessage] = []
+    def _joined(self, paths: Sequence[Path], unreadable: list[str]) -> list[m.Message]:
+        lines: list[m.Message] = []
         for path in paths:
             try:
                 lines += self._lines(path)
@@ -128,7 +128,7 @@ class EarlierSessions:
             else:  # it has got another name meanwhile
                 unreadable.append(log.name)
 
-    def _lines(self, path: Path) -> list[m.AnyMessage]:
+    def _lines(self, path: Path) -> list[m.Message]:
         facts = path.stat()
         stamp = (facts.st_size, facts.st_mtime_ns)
         known = self._cache.get(path)
@@ -156,7 +156,7 @@ def _elsewhere(paths: Sequence[Path], unreadable: list[str]) -> list[Path]:
     return [path for path in files.actions if path not in paths]
 
 
-def _messages(path: Path) -> Iterator[m.AnyMessage]:
+def _messages(path: Path) -> Iterator[m.Message]:
     for line in _candidates(path):
         try:
             message = codec.decode_message(line)
@@ -190,7 +190,7 @@ def _candidates(path: Path) -> Iterator[bytes]:
                 yield line
 
 
-def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:
+def _is_of(lines: list[m.Message], title: str, file: str) -> bool:
     titles = [line.title for line in lines if isinstance(line, m.SessionPlan)]
     if titles:
         return title in titles
@@ -198,7 +198,7 @@ def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:
 
 
 def _attribute(
-    lines: list[m.AnyMessage], people: dict[str, ParticipantHistory], settings: StudySettings
+    lines: list[m.Message], people: dict[str, ParticipantHistory], settings: StudySettings
 ) -> None:
     """Add what the lines of one session say to its participants."""
     state = SessionState()

@@ -148,7 +148,7 @@ class EngagementController(Performer):
 
     # -- hearing -----------------------------------------------------------------------------------
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.Message) -> None:
         """A listener of the hub: whatever goes wrong in here, the others still hear."""
         try:
             self._handle(message)
@@ -171,7 +171,7 @@ class EngagementController(Performer):
         )
         return True
 
-    def _handle(self, message: m.AnyMessage) -> None:
+    def _handle(self, message: m.Message) -> None:
         if isinstance(message, m.ExperimentReloaded | m.EngagementAdopted):
             self._follow_file(message)
         if self._model is None:

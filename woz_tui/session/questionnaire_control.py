@@ -25,7 +25,7 @@ class QuestionnaireController:
         publish: Publishes a message of the session.
     """
 
-    def __init__(self, study: StudyState, publish: Callable[[m.AnyMessage], object]) -> None:
+    def __init__(self, study: StudyState, publish: Callable[[m.Message], object]) -> None:
         self._study = study
         self._publish = publish
 

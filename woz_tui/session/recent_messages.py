@@ -20,21 +20,21 @@ class RecentMessages:
     """The last messages of a session."""
 
     def __init__(self) -> None:
-        self._lines: deque[m.AnyMessage] = deque(maxlen=MOST)
+        self._lines: deque[m.Message] = deque(maxlen=MOST)
         #: Commands of knobs that are under way: nothing of them is listed.
         self._passing: set[str] = set()
 
     @property
-    def lines(self) -> list[m.AnyMessage]:
+    def lines(self) -> list[m.Message]:
         """The last messages, oldest first."""
         return [*self._lines]
 
-    def add(self, message: m.AnyMessage) -> None:
+    def add(self, message: m.Message) -> None:
         """Take in the next message, if an event list shows it."""
         if self.lists(message):
             self._lines.append(message)
 
-    def lists(self, message: m.AnyMessage) -> bool:
+    def lists(self, message: m.Message) -> bool:
         """Whether the next message is one for a list of events."""
         if isinstance(message, UNLISTED):
             return False

@@ -171,7 +171,7 @@ class Redactor:
         """The same of several."""
         return [self.label(condition) for condition in conditions]
 
-    def request(self, request: r.AnyRequest) -> r.AnyRequest:
+    def request(self, request: r.Request) -> r.Request:
         """A request with the conditions for which its labels stand."""
         match request:
             case r.AskSet(condition=str(label)) if label in self._names:

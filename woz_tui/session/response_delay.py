@@ -54,7 +54,7 @@ class ResponseDelay:
         self._timer: asyncio.TimerHandle | None = None
         hub.listen(self._on_message, m.ShapingChanged, m.SpeechEnded, m.EngagementChanged, m.Marker)
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.Message) -> None:
         match message:
             case m.ShapingChanged():
                 self._settings, self._cue = message, None

@@ -516,7 +516,7 @@ class Session:
         """Move the script's position, to a line (0: the first) or by so many."""
         self.scripts.move(to, by)
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.Message) -> None:
         """A message of this session: scripts follow the actions."""
         for episode in self.state.apply(message):
             if self.ended:

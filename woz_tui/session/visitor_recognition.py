@@ -301,7 +301,7 @@ class VisitorRecognition:
         if change.now in _NEW:
             self.visitors.refresh()
 
-    def on_message(self, message: m.AnyMessage) -> None:
+    def on_message(self, message: m.Message) -> None:
         """Speech, the stop, and verbs that say who it is."""
         match message:
             case m.SpeechStarted() | m.SpeechEnded() | m.SpeechText():

@@ -179,7 +179,7 @@ class Trainer:
 
     # -- the answers -----------------------------------------------------------------------------
 
-    def _on_message(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.Message) -> None:
         match message:
             case m.ActionRequested(run=run, action=action, source=source):
                 self._busy.add(run)

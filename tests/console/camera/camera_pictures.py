@@ -16,7 +16,7 @@ from tests.fakes.host import FakeHost
 from woz_tui.host.picture_encoding import encoded
 from woz_tui.protocol import codec
 from woz_tui.protocol.camera_pictures import Picture, PictureShown
-from woz_tui.protocol.requests import AnyRequest, AskPicture
+from woz_tui.protocol.requests import AskPicture, Request
 
 #: Shape (rows, columns, 3).
 Pixels = npt.NDArray[np.uint8]
@@ -78,7 +78,7 @@ class FilmingHost(FakeHost):
         self.held = False
         self.unanswered = 0
 
-    def _hear(self, number: int, connection: socket.socket, request: AnyRequest) -> None:
+    def _hear(self, number: int, connection: socket.socket, request: Request) -> None:
         if not isinstance(request, AskPicture):
             super()._hear(number, connection, request)
             return

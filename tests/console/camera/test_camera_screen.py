@@ -41,7 +41,7 @@ class Robot:
         self.why = ""
         pilot.feed.answers[AskPicture] = self._answer  # type: ignore[assignment]
 
-    def _answer(self, request: r.AnyRequest, ref: int) -> PictureShown:
+    def _answer(self, request: r.Request, ref: int) -> PictureShown:
         assert isinstance(request, AskPicture)
         told = {"driver": request.driver or "head", "cameras": ["head", "eye"]}
         if self.why:

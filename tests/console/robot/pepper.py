@@ -93,11 +93,11 @@ def settings_shown(
 
 
 def welcome(
-    *state: m.AnyMessage, drivers: tuple[str, ...] = ("pepper",), **settings: m.Json
+    *state: m.Message, drivers: tuple[str, ...] = ("pepper",), **settings: m.Json
 ) -> r.Welcome:
     """A session with a Pepper, or with several."""
     offered = [verb for lane in VERBS.values() for verb in lane]
-    healthy: list[m.AnyMessage] = [
+    healthy: list[m.Message] = [
         scenes.start(),
         m.RecorderState(level="ok", lag_us=4_200, path="recordings/S01.jsonl", t=scenes.MINUTE),
         *(m.DriverConnected(driver=driver, detail="NAOqi 2.5", t=1) for driver in drivers),

@@ -17,7 +17,7 @@ from woz_tui.protocol import requests as r
 
 
 @asynccontextmanager
-async def opened_robot_screen(*state: m.AnyMessage, **options: Any) -> AsyncIterator[ConsolePilot]:
+async def opened_robot_screen(*state: m.Message, **options: Any) -> AsyncIterator[ConsolePilot]:
     """The screen of a session with a Pepper, by default one that has told its settings."""
     first = options.pop("first", None) or pepper.welcome(*(state or [pepper.settings_shown()]))
     async with piloted_console(first, **options) as pilot:

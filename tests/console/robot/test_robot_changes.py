@@ -108,7 +108,7 @@ REFUSED = functools.partial(m.Refused, code="args")
 
 
 @pytest.mark.parametrize("kind", [m.Failed, m.TimedOut, REFUSED])
-async def test_so_does_what_the_robot_would_not_do(kind: Callable[..., m.AnyMessage]) -> None:
+async def test_so_does_what_the_robot_would_not_do(kind: Callable[..., m.Message]) -> None:
     async with opened_robot_screen() as pilot:
         runs(pilot)
         await choose(pilot, "Posture")
@@ -125,7 +125,7 @@ async def test_a_refusal_after_the_screen_was_closed_is_told_on_the_main_screen(
         ask = pilot.feed.ask
         held: list[int] = []
 
-        def later(request: r.AnyRequest) -> int:
+        def later(request: r.Request) -> int:
             pilot.feed.asked.append(request)
             held.append(len(pilot.feed.asked))
             return held[-1]

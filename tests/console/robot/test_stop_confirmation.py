@@ -180,7 +180,7 @@ def test_a_robot_that_is_unplugged_confirms_no_stop(tmp_path: Path) -> None:
     """On every screen: in the session, in one that attaches later, and in the replay of its log."""
     begun: list[bool] = []
 
-    def hand(session: Session, message: m.AnyMessage) -> None:
+    def hand(session: Session, message: m.Message) -> None:
         if isinstance(message, m.DriverConnected) and not begun:
             begun.append(True)
             loop = asyncio.get_running_loop()

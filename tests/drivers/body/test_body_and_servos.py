@@ -22,7 +22,7 @@ from tests.fakes.servos import ServoBus
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DeviceLostError, Driver, DriverError, RejectedError, Scope
 from woz_tui.drivers.feeds import Feeds
-from woz_tui.protocol.messages import AnyMessage, DriverConnected, DriverLost, Notice, Reading
+from woz_tui.protocol.messages import DriverConnected, DriverLost, Message, Notice, Reading
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock
 
@@ -40,7 +40,7 @@ class Robot:
     body: Body
     servos: DynamixelServos
     bus: ServoBus
-    said: list[AnyMessage]
+    said: list[Message]
 
     def goals(self, name: str) -> list[float]:
         """Every goal written to a joint's servo, in degrees."""
@@ -78,7 +78,7 @@ class Robot:
 @contextlib.asynccontextmanager
 async def assembled(tmp_path: Path, settings: BodySettings) -> AsyncIterator[Robot]:
     """The five joints' body with five servos that follow it, open and found."""
-    said: list[AnyMessage] = []
+    said: list[Message] = []
     clock, feeds = RealClock(), Feeds()
     hub = Hub(clock, lambda message, line: None)
     hub.listen(said.append)

@@ -25,11 +25,11 @@ from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.move_types import SoundCue
 from woz_tui.protocol.messages import (
-    AnyMessage,
     BodyChanged,
     DriverConnected,
     DriverFaulted,
     FaceShown,
+    Message,
     Notice,
     Reading,
 )
@@ -106,7 +106,7 @@ def test_the_zero_of_a_joint_is_added_for_the_servos_only(tmp_path: Path) -> Non
 
 
 async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
-    said: list[AnyMessage] = []
+    said: list[Message] = []
     asked: list[Ask] = []
     hub = Hub(ManualClock(), lambda message, line: None)
     hub.listen(said.append)

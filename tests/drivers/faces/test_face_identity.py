@@ -379,7 +379,7 @@ def _in_a_row(numbers: Any) -> bytes:
     return "|".join(r"[^\d.]{1,4}".join(row) for row in rows).encode()
 
 
-def _is_identity(message: m.AnyMessage, name: str) -> bool:
+def _is_identity(message: m.Message, name: str) -> bool:
     return isinstance(message, Reading) and message.sensor == "identity" and message.text == name
 
 

@@ -17,7 +17,7 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Scope, StopReport
-from woz_tui.protocol.messages import AnyMessage, Command, DriverConnected, Json, StopConfirmed
+from woz_tui.protocol.messages import Command, DriverConnected, Json, Message, StopConfirmed
 from woz_tui.testing import until
 
 pytestmark = pytest.mark.safety
@@ -256,7 +256,7 @@ async def test_a_stop_of_driving_alone_does_not_silence_it(rig: FurhatRig) -> No
 
 async def test_a_session_hears_which_part_did_not_confirm(rig: FurhatRig) -> None:
     """As the wizard's red bar names it."""
-    messages: list[AnyMessage] = []
+    messages: list[Message] = []
     hub = Hub(rig.context.clock, lambda message, line: None)
     hub.listen(messages.append)
     bus = Bus(hub, {"it": rig.driver}, {"it": rig.driver.verbs(rig.driver.settings)})

@@ -16,11 +16,11 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DeviceLostError, DriverError, Scope
 from woz_tui.protocol.messages import (
-    AnyMessage,
     Command,
     DriverConnected,
     DriverLost,
     Json,
+    Message,
     StopConfirmed,
 )
 
@@ -216,7 +216,7 @@ async def test_a_robot_that_was_let_go_or_never_there_has_nothing_to_stop(tmp_pa
 async def test_the_bus_ends_the_jobs_and_names_the_parts(tmp_path: Path) -> None:
     async with stand_in(pace=PACE) as robot:
         rig = await connected_driver(robot, tmp_path, PepperSettings(robots=(robot.address,)))
-        told: list[AnyMessage] = []
+        told: list[Message] = []
         hub = Hub(rig.published.clock, lambda message, line: None)
         hub.listen(told.append)
         bus = Bus(hub, {"it": rig.driver}, {"it": Pepper.verbs(PepperSettings(robots=()))})

@@ -1,0 +1,7 @@
+"""What is not the core: one package for each feature, with all that it is.
+
+`FEATURES` names them in the order in which their parts are asked. A feature may use those before
+it. One that is taken out of the list is not there: a file that uses it is told so.
+"""
+
+FEATURES: tuple[str, ...] = ()

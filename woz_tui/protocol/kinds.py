@@ -1,0 +1,41 @@
+"""All kinds of messages, requests and answers that there are: the core's, then the features'."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from woz_tui.feature import parts
+from woz_tui.protocol.envelope import Answer, Message
+from woz_tui.protocol.messages import MESSAGES
+from woz_tui.protocol.requests import ANSWERS, REQUESTS, Request
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureKinds:
+    """What a feature adds to the protocol."""
+
+    messages: tuple[type[Message], ...] = ()
+    requests: tuple[type[Request], ...] = ()
+    answers: tuple[type[Answer], ...] = ()
+
+
+@cache
+def message_kinds() -> tuple[type[Message], ...]:
+    """Every message that may stand in a log or on the stream."""
+    of_features = parts("kinds", FeatureKinds).values()
+    return (*MESSAGES, *(kind for each in of_features for kind in each.messages))
+
+
+@cache
+def request_kinds() -> tuple[type[Request], ...]:
+    """Everything that a client may ask for."""
+    of_features = parts("kinds", FeatureKinds).values()
+    return (*REQUESTS, *(kind for each in of_features for kind in each.requests))
+
+
+@cache
+def answer_kinds() -> tuple[type[Answer], ...]:
+    """Lines from the host that are no messages of the session."""
+    of_features = parts("kinds", FeatureKinds).values()
+    return (*ANSWERS, *(kind for each in of_features for kind in each.answers))

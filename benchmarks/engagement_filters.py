@@ -41,7 +41,7 @@ from woz_tui.cli.engagement import OptionsError, add_settings, settings_of
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import CONDITION, SIGNS
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 
 #: Most runs of a scene that may be asked for.
 MOST_RUNS = 100_000

@@ -33,9 +33,9 @@ from benchmarks.figures import machine, percentile, table, verdict
 from tests.console.piloting import ConsolePilot, piloted_console
 from tools import demo_session
 from woz_tui.config.loading import load
-from woz_tui.console.action_panels import ActionPanels
-from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.screens.find import FindDialog
+from woz_tui.console.widgets.action_panels import ActionPanels
 from woz_tui.protocol.messages import PhaseChanged
 from woz_tui.protocol.panels import ActionView
 from woz_tui.protocol.requests import AskAction, Welcome

@@ -15,11 +15,11 @@ import pytest
 
 from tests.host.rig import served_session
 from tools import DOCS
-from woz_tui.console import host_connection
-from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.escape_sequences import Key
-from woz_tui.console.host_connection import HostConnection
-from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.input.byte_scanner import Scanner
+from woz_tui.console.input.escape_sequences import Key
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.link import host_connection
+from woz_tui.console.link.host_connection import HostConnection
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import Welcome
 

@@ -104,7 +104,7 @@ def test_the_wheel_has_every_file_of_the_packages_and_examples(
         **{name: f"drivers/{name}" for name in drivers},
     }
     wanted = {f"{name}/{path}" for name, folder in folders.items() for path in shipped(folder)}
-    assert {"woz_tui/_experiments/demo.yaml", "woz_tui/console/theme/woz.tcss"} <= wanted
+    assert {"woz_tui/_experiments/demo.yaml", "woz_tui/console/drawing/woz.tcss"} <= wanted
     assert {f"{package}/py.typed" for package in {"woz_tui", *drivers}} <= wanted
     assert not wanted - names
 

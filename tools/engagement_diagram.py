@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 
 from tools import replaced
-from woz_tui.console.theme import DARK
+from woz_tui.console.drawing.theme import DARK
 from woz_tui.sensing.state_machine import EDGES, ENGAGED, Edge, State
 
 WIDTH, HEIGHT = 1380, 600

@@ -22,11 +22,11 @@ from rich.segment import Segment
 from tests.console.piloting import piloted_console, screen_strips
 from tools import IMAGES
 from tools.demo_session import INTERVIEW, TALKING, WARM, Step, demo, play, space, welcome
-from woz_tui.console.bodies.bodies_pane import pane_rows
-from woz_tui.console.cells import Row
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.theme import DARK
+from woz_tui.console.bodies.pane import pane_rows
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.drawing.theme import DARK
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol.messages import Message
 from woz_tui.protocol.requests import Welcome
 from woz_tui.session.participant_identity import SessionIdentity

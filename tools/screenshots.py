@@ -19,12 +19,12 @@ from tests.console import bodies, scenes, study_scene
 from tests.console.scripted_feed import ScriptedFeed
 from tools import IMAGES, demo_session
 from woz_tui.console.app import Console
-from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import MessageFeed
-from woz_tui.console.replay.replay_app import ReplayConsole
-from woz_tui.console.replay.replay_commands import ReplayKeyboard
-from woz_tui.console.theme import Appearance
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE
+from woz_tui.console.drawing.theme import Appearance
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.link.message_feed import MessageFeed
+from woz_tui.console.replay.app import ReplayConsole
+from woz_tui.console.replay.commands import ReplayKeyboard
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log
 from woz_tui.log.log_index import LogIndex
 from woz_tui.protocol import messages as m

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from woz_tui.cli.console_start import prioritise_keys
 from woz_tui.console.app import Console
-from woz_tui.console.host_connection import HostConnection
-from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.link.host_connection import HostConnection
 from woz_tui.console.wizard_terminal import WizardDriver
 
 BLOCKED_S = 1.0

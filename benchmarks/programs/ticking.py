@@ -71,8 +71,8 @@ def console(socket: Path) -> None:
     """The console, until it is killed."""
     from woz_tui.cli.console_start import prioritise_keys  # noqa: PLC0415
     from woz_tui.console.app import Console  # noqa: PLC0415
-    from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
-    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
+    from woz_tui.console.input.keyboard import Keyboard  # noqa: PLC0415
+    from woz_tui.console.link.host_connection import HostConnection  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     link = HostConnection(socket)

@@ -27,8 +27,8 @@ from woz_tui.config.keys import (
 )
 from woz_tui.config.keys.chords import NAMED
 from woz_tui.config.keys.keymap_file import load_keymap
-from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.escape_sequences import Key
+from woz_tui.console.input.byte_scanner import Scanner
+from woz_tui.console.input.escape_sequences import Key
 
 
 @pytest.mark.parametrize(

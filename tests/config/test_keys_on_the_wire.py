@@ -9,8 +9,8 @@ import pytest
 from woz_tui.config import keys
 from woz_tui.config.keys.chords import NAMED
 from woz_tui.config.keys.terminals import merged_chords
-from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.escape_sequences import Key, StopToken
+from woz_tui.console.input.byte_scanner import Scanner
+from woz_tui.console.input.escape_sequences import Key, StopToken
 
 MODIFIERS = ("", "ctrl+", "alt+", "shift+", "ctrl+alt+", "ctrl+shift+", "alt+shift+")
 CHARACTERS = "abcehimqz019278AZ!#+-/:?[]\\^_{@~ éß§"

@@ -19,9 +19,9 @@ from textual.strip import Strip
 from tests.console import scenes
 from tests.console.scripted_feed import ScriptedFeed
 from woz_tui.console.app import Console
-from woz_tui.console.cells import Cells
-from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import Incoming
+from woz_tui.console.drawing.cells import Cells
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.link.message_feed import Incoming
 from woz_tui.system.clock import ManualClock
 
 #: Seconds after which a condition counts as never coming true.

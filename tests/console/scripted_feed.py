@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.console.message_feed import Incoming, Loss, LostPart, OnLost, OnMessages
+from woz_tui.console.link.message_feed import Incoming, Loss, LostPart, OnLost, OnMessages
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r

@@ -18,10 +18,10 @@ from textual.widgets import Input, Static
 
 from woz_tui.config.keys import Terminal
 from woz_tui.console.commands import COMMANDS
-from woz_tui.console.exit_handler import missing_terminal
-from woz_tui.console.host_connection import HostConnection
-from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import Incoming
+from woz_tui.console.input.exit_handler import missing_terminal
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.link.host_connection import HostConnection
+from woz_tui.console.link.message_feed import Incoming
 from woz_tui.console.wizard_terminal import WizardDriver
 from woz_tui.protocol.messages import Marker
 from woz_tui.protocol.requests import AskNote, Welcome

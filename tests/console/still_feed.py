@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from woz_tui.console.message_feed import OnLost, OnMessages
+from woz_tui.console.link.message_feed import OnLost, OnMessages
 from woz_tui.protocol.requests import Request
 from woz_tui.protocol.welcome import STALE_S
 

@@ -11,12 +11,12 @@ from rich.color import Color, ColorSystem
 from textual.theme import Theme
 
 from tests.console import scenes
-from woz_tui.console.action_panels import PanelSelection, cap_width, lay_out, panel_rows
-from woz_tui.console.cells import Row, cut, fit, length, spread
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame, glyphs_for
-from woz_tui.console.key_caps import KeyCap, caption
-from woz_tui.console.theme import DARK, LIGHT, choose_appearance
+from woz_tui.console.drawing.cells import Row, cut, fit, length, spread
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, PaintFrame, glyphs_for
+from woz_tui.console.drawing.key_caps import KeyCap, caption
+from woz_tui.console.drawing.theme import DARK, LIGHT, choose_appearance
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.action_panels import PanelSelection, cap_width, lay_out, panel_rows
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 

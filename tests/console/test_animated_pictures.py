@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from tools import IMAGES, film
-from woz_tui.console.cells import Row
+from woz_tui.console.drawing.cells import Row
 
 SVG = "{http://www.w3.org/2000/svg}"
 #: What a page may load for one picture.

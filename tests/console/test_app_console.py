@@ -15,9 +15,9 @@ from tests.console.dialogs import open_dialog
 from tests.console.piloting import piloted_console
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.config.keys.terminals import KITTY
-from woz_tui.console.glyphs import ASCII
+from woz_tui.console.drawing.glyphs import ASCII
+from woz_tui.console.drawing.theme import Appearance
 from woz_tui.console.screen_app import PAINT_S
-from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView

@@ -16,10 +16,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.piloting import piloted_console
-from woz_tui.console.background_colour import QUESTION, TerminalBackground, ask_background
-from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.escape_sequences import Key, StopToken, TerminalReply, Token
-from woz_tui.console.theme import choose_appearance, save_theme, saved_theme
+from woz_tui.console.drawing.theme import choose_appearance, save_theme, saved_theme
+from woz_tui.console.input.background_colour import QUESTION, TerminalBackground, ask_background
+from woz_tui.console.input.byte_scanner import Scanner
+from woz_tui.console.input.escape_sequences import Key, StopToken, TerminalReply, Token
 
 WHITE = b"\x1b]11;rgb:ffff/ffff/ffff\x1b\\"
 BLACK = b"\x1b]11;rgb:00/00/00\x07"

@@ -11,7 +11,7 @@ from tests.console import study_scene
 from tests.console.dialogs import OPENERS, open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.scripted_feed import Answer, redacted_welcome
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView

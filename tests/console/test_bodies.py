@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 from tests.console import bodies, scenes
 from tests.console.piloting import ConsolePilot, piloted_console
-from woz_tui.console.bodies.bodies_pane import pane_rows
-from woz_tui.console.cells import Row, length
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
-from woz_tui.console.message_feed import Loss
-from woz_tui.console.theme import Appearance
+from woz_tui.console.bodies.pane import pane_rows
+from woz_tui.console.drawing.cells import Row, length
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.drawing.theme import Appearance
+from woz_tui.console.link.message_feed import Loss
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import WelcomeSettings
 

@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 
 from tests.console import bodies
 from woz_tui.console.bodies import link_views
-from woz_tui.console.bodies.dot_canvas import DotCanvas
-from woz_tui.console.bodies.driver_outlines import BodyOutline, outlines_of
 from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows, size
 from woz_tui.console.bodies.link_views import ABOVE, LAYERS, SIDE, Pose, draw_view, projections
-from woz_tui.console.cells import Row, length
-from woz_tui.console.glyphs import ASCII, UNICODE
+from woz_tui.console.drawing.cells import Row, length
+from woz_tui.console.drawing.dot_canvas import DotCanvas
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE
+from woz_tui.console.state.driver_outlines import BodyOutline, outlines_of
 from woz_tui.motion.kinematics import KinematicChain
 from woz_tui.motion.light_frames import LightFrame as Lights
 from woz_tui.motion.light_frames import blank

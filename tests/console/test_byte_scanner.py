@@ -7,8 +7,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.keys.terminals import PLAIN, TMUX, merged_chords
-from woz_tui.console.byte_scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
-from woz_tui.console.escape_sequences import Key, KeyUp, Paste, Raw, StopToken, TerminalReply, Token
+from woz_tui.console.input.byte_scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
+from woz_tui.console.input.escape_sequences import (
+    Key,
+    KeyUp,
+    Paste,
+    Raw,
+    StopToken,
+    TerminalReply,
+    Token,
+)
 
 PRESSES = {
     b"a": "a",

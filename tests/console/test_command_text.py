@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from woz_tui.console.command_text import command_words
+from woz_tui.console.state.command_text import command_words
 from woz_tui.protocol import messages as m
 
 

@@ -10,7 +10,7 @@ from tests.console.dialogs import busy, open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.console.commands import COMMANDS, by_key
-from woz_tui.console.replay import replay_commands as replay
+from woz_tui.console.replay import commands as replay
 from woz_tui.console.screens.dialog import ConsoleCommand
 from woz_tui.gate.table import WATCHER_MAY
 from woz_tui.protocol import requests as r

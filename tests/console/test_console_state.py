@@ -6,10 +6,10 @@ import pytest
 from tests.console import scenes
 from tests.console.scripted_feed import raw
 from tests.replay.logs import stamped
-from woz_tui.console.console_state import DONE_US, ConsoleState
-from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.console.message_feed import Incoming, Loss
-from woz_tui.console.view_models import ButtonState
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE
+from woz_tui.console.link.message_feed import Incoming, Loss
+from woz_tui.console.state.console_state import DONE_US, ConsoleState
+from woz_tui.console.state.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import WelcomeSettings

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from tests.console import scenes
 from tests.console.test_console_state import welcomed_state
 from tests.protocol.values import of
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.message_feed import Incoming
+from woz_tui.console.link.message_feed import Incoming
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import PanelView

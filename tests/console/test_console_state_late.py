@@ -20,7 +20,7 @@ from tests.console.study_scene import (
 from tests.replay.logs import seen_by_wizard, stamped
 from tests.timeline.random_sessions import damaged, plan, recordings, start
 from tests.timeline.random_sessions import stamped as stamped_again
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.session_plan import welcome

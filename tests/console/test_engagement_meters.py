@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import engagement_scene, scenes
-from woz_tui.console.cells import Row, length
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.engagement_text import LONG_US, SLOW_US, state_row
+from woz_tui.console.drawing.cells import Row, length
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
 from woz_tui.console.engagement.sign_bars import distance_bar, queue_bar
-from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
-from woz_tui.console.message_feed import Loss
-from woz_tui.console.meters import meter_rows
+from woz_tui.console.link.message_feed import Loss
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.engagement_text import LONG_US, SLOW_US, state_row
+from woz_tui.console.widgets.meters import meter_rows
 from woz_tui.protocol import messages as m
 
 NOW, SECOND = scenes.NOW, scenes.SECOND

@@ -11,15 +11,15 @@ from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.config.engagement_words import STATES
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
-from woz_tui.console.cells import Row, length
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.drawing.cells import Row, length
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.drawing.theme import Appearance
 from woz_tui.console.engagement.full_engagement import full_rows
 from woz_tui.console.engagement.state_diagram import HEIGHT, LINES, PLACES, WIDTH, diagram, line_of
-from woz_tui.console.engagement.wizard_overrides import KEYS, OVERRIDES
-from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
 from woz_tui.console.screens.engagement import EngagementDialog
 from woz_tui.console.screens.engagement_questions import ForceDialog, IdentityDialog, VisitorDialog
-from woz_tui.console.theme import Appearance
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.wizard_overrides import KEYS, OVERRIDES
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import ModelLimits

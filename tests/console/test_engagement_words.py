@@ -12,20 +12,20 @@ from tests.console.dialogs import open_dialog
 from tests.console.piloting import piloted_console
 from woz_tui.config.engagement_words import STATES
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
-from woz_tui.console.cells import length
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.engagement_text import (
+from woz_tui.console.drawing.cells import length
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, PaintFrame
+from woz_tui.console.screens.preflight import sign_findings
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.engagement_text import (
     SENTENCES,
     SHORT,
     path_row,
     short_state,
     state_sentence,
 )
-from woz_tui.console.engagement.wizard_overrides import is_override, override_text
-from woz_tui.console.event_list import event_row
-from woz_tui.console.event_sentences import EventLine
-from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
-from woz_tui.console.screens.preflight import sign_findings
+from woz_tui.console.state.event_sentences import EventLine
+from woz_tui.console.state.wizard_overrides import is_override, override_text
+from woz_tui.console.widgets.event_list import event_row
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 

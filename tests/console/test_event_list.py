@@ -2,9 +2,11 @@ from __future__ import annotations
 
 from tests.console import scenes
 from tests.console.piloting import piloted_console
-from woz_tui.console.action_panels import PanelSelection, lay_out, panel_rows
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.event_list import (
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.view_models import ButtonState
+from woz_tui.console.widgets.action_panels import PanelSelection, lay_out, panel_rows
+from woz_tui.console.widgets.event_list import (
     ACTS,
     ALL,
     FAULTS,
@@ -14,8 +16,6 @@ from woz_tui.console.event_list import (
     event_rows,
     listed_events,
 )
-from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 

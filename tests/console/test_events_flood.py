@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tests.console import scenes
 from tests.console.piloting import ConsolePilot, piloted_console
-from woz_tui.console.event_list import BURST_ROWS, ROWS_S
 from woz_tui.console.screen_app import PAINT_S
+from woz_tui.console.widgets.event_list import BURST_ROWS, ROWS_S
 from woz_tui.protocol import messages as m
 
 SIZE = (160, 50)

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.host import WAIT_S, FakeHost, stops
-from woz_tui.console.host_connection import WAITING_LIMIT, HostConnection
-from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import Incoming, Loss, LostPart
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.link.host_connection import WAITING_LIMIT, HostConnection
+from woz_tui.console.link.message_feed import Incoming, Loss, LostPart
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Marker, Notice, SessionEnd
 from woz_tui.protocol.requests import (

@@ -16,8 +16,8 @@ from woz_tui.config.keys import (
     normal_key,
 )
 from woz_tui.config.keys.terminals import merged_chords
-from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.escape_sequences import Key, StopToken, Token
+from woz_tui.console.input.byte_scanner import Scanner
+from woz_tui.console.input.escape_sequences import Key, StopToken, Token
 
 CHARACTERS = [chr(code) for code in range(0x21, 0x7F)]
 NAMED = [

@@ -10,11 +10,11 @@ import pytest
 from tests.console import scenes
 from tests.console.piloting import piloted_console
 from tests.console.robot import pepper
-from woz_tui.console.bottom_rows import BarInfo, News, bar_rows
-from woz_tui.console.cells import length
 from woz_tui.console.commands import COMMANDS, by_key, hints
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.drawing.cells import length
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.bottom_rows import BarInfo, News, bar_rows
 from woz_tui.protocol import requests as r
 from woz_tui.system.user_folders import is_first_start
 

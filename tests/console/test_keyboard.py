@@ -6,7 +6,7 @@ import pytest
 
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
-from woz_tui.console.keyboard import SEQUENCE_S, ArrowSizes, Keyboard
+from woz_tui.console.input.keyboard import SEQUENCE_S, ArrowSizes, Keyboard
 from woz_tui.protocol.requests import (
     AskAction,
     AskMarker,

@@ -8,11 +8,18 @@ from textual.geometry import Size
 
 from tests.console import scenes
 from tests.console.piloting import piloted_console
-from woz_tui.console.bottom_rows import script_rows
-from woz_tui.console.cells import length
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.main_screen import REPAIRS, SCRIPT_BAR, STATUS, Needs, shape, upper_lines
+from woz_tui.console.drawing.cells import length
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.bottom_rows import script_rows
+from woz_tui.console.widgets.main_screen import (
+    REPAIRS,
+    SCRIPT_BAR,
+    STATUS,
+    Needs,
+    shape,
+    upper_lines,
+)
 from woz_tui.protocol import messages as m
 
 NOW = scenes.NOW

@@ -8,15 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import engagement_scene, scenes
-from woz_tui.console.bottom_rows import BarInfo, News, bar_rows, script_row
-from woz_tui.console.cells import Row, length
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.event_list import event_rows, listed_events
-from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
-from woz_tui.console.message_feed import Loss, LostPart
-from woz_tui.console.meters import meter_rows
-from woz_tui.console.number_text import decibels, seconds, time_left
-from woz_tui.console.status_rows import StatusInfo, status_rows
+from woz_tui.console.drawing.cells import Row, length
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, PaintFrame
+from woz_tui.console.drawing.number_text import decibels, seconds, time_left
+from woz_tui.console.link.message_feed import Loss, LostPart
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.bottom_rows import BarInfo, News, bar_rows, script_row
+from woz_tui.console.widgets.event_list import event_rows, listed_events
+from woz_tui.console.widgets.meters import meter_rows
+from woz_tui.console.widgets.status_rows import StatusInfo, status_rows
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.sensing.proxemics import zone

@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from tests.console import bodies
 from tests.console.piloting import piloted_console
-from woz_tui.console.bodies.driver_outlines import ControlOutline, PanelOutline, outlines_of
 from woz_tui.console.bodies.midi_panel import PanelState, panel_rows
-from woz_tui.console.cells import Row, length
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.drawing.cells import Row, length
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.driver_outlines import ControlOutline, PanelOutline, outlines_of
 from woz_tui.protocol import messages as m
 
 SMALL = PaintFrame(76, 18, bodies.NOW)

@@ -6,7 +6,7 @@ from typing import IO
 
 import pytest
 
-from woz_tui.console.exit_handler import missing_terminal
+from woz_tui.console.input.exit_handler import missing_terminal
 
 
 class Tty(io.StringIO):

@@ -14,8 +14,8 @@ from textual.strip import Strip
 
 from tests.console import bodies
 from tests.console.piloting import piloted_console
-from woz_tui.console.cells import Cells, Row, differences, length
-from woz_tui.console.partial_update import cropped
+from woz_tui.console.drawing.cells import Cells, Row, differences, length
+from woz_tui.console.drawing.partial_update import cropped
 
 WIDTH, HEIGHT = 24, 3
 _MOVE = re.compile(r"\x1b\[(?P<line>\d+);(?P<column>\d+)H|\x1b\[[\d;]*m|(?P<text>[^\x1b]+)")

@@ -13,7 +13,7 @@ from textual.widgets import Input
 from tests.console import engagement_scene, scenes
 from tests.console.piloting import ConsolePilot, piloted_console, screen_strips
 from tests.console.test_partial_update import terminal_screen
-from woz_tui.console.partial_update import cropped
+from woz_tui.console.drawing.partial_update import cropped
 from woz_tui.protocol import messages as m
 
 NOW, SECOND = scenes.NOW, scenes.SECOND

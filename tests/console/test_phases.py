@@ -14,7 +14,7 @@ from tests.console.dialogs import open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
-from woz_tui.console.keyboard import HELD_US, Keyboard
+from woz_tui.console.input.keyboard import HELD_US, Keyboard
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.system.clock import ManualClock

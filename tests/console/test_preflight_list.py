@@ -7,8 +7,8 @@ import pytest
 from tests.console import scenes, study_scene
 from tests.console.dialogs import open_dialog
 from tests.console.piloting import piloted_console
-from woz_tui.console.glyphs import ASCII
-from woz_tui.console.theme import Appearance
+from woz_tui.console.drawing.glyphs import ASCII
+from woz_tui.console.drawing.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 

@@ -6,9 +6,9 @@ import pytest
 from tests.console import scenes
 from tests.console.dialogs import open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
-from woz_tui.console.console_state import ConsoleState, ProfileList
-from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
-from woz_tui.console.status_rows import StatusInfo, status_rows
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.state.console_state import ConsoleState, ProfileList
+from woz_tui.console.widgets.status_rows import StatusInfo, status_rows
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import Allowance

@@ -8,11 +8,11 @@ from textual.widgets import TextArea
 
 from tests.console import scenes, study_scene
 from tests.console.piloting import ConsolePilot, piloted_console
-from woz_tui.console.glyphs import ASCII
+from woz_tui.console.drawing.glyphs import ASCII
+from woz_tui.console.drawing.theme import Appearance
+from woz_tui.console.questionnaire.widget import QuestionnaireSheet
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
-from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet
-from woz_tui.console.study.questionnaires import items_of
-from woz_tui.console.theme import Appearance
+from woz_tui.console.state.questionnaires import items_of
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.messages import Json

@@ -7,9 +7,9 @@ import msgspec
 from tests.console import scenes
 from tests.console.piloting import piloted_console
 from woz_tui.config.repairs import LABELS
-from woz_tui.console.bottom_rows import repair_row
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.bottom_rows import repair_row
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView

@@ -19,12 +19,12 @@ from textual.widgets import OptionList
 from tests.console.piloting import screen_text, work_through
 from tests.console.scripted_feed import ScriptedFeed
 from tests.replay.logs import PLAN, SECOND, START, KeptSamples, recording_of, stamped, story
-from woz_tui.console.cells import Cells
-from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.console.message_feed import OnLost, OnMessages
-from woz_tui.console.replay.replay_app import ReplayConsole
-from woz_tui.console.replay.replay_commands import ReplayKeyboard
-from woz_tui.console.theme import Appearance
+from woz_tui.console.drawing.cells import Cells
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE
+from woz_tui.console.drawing.theme import Appearance
+from woz_tui.console.link.message_feed import OnLost, OnMessages
+from woz_tui.console.replay.app import ReplayConsole
+from woz_tui.console.replay.commands import ReplayKeyboard
 from woz_tui.log.coding_file import Coding
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r

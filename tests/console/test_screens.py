@@ -20,14 +20,14 @@ from tests.console.dialogs import (
 )
 from tests.console.piloting import piloted_console
 from woz_tui.config.keys.terminals import KITTY
-from woz_tui.console.glyphs import ASCII
-from woz_tui.console.message_feed import LostPart
+from woz_tui.console.drawing.glyphs import ASCII
+from woz_tui.console.drawing.theme import Appearance
+from woz_tui.console.link.message_feed import LostPart
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.drivers import DriversDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.console.screens.preflight import kind_finding, line_finding
 from woz_tui.console.screens.start import trial_error
-from woz_tui.console.theme import Appearance
 from woz_tui.drivers.contract import Finding
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.still_feed import StillFeed
-from woz_tui.console.terminal_monitor import (
+from woz_tui.console.input.terminal_monitor import (
     DEAD_S,
     EVERY_S,
     OTHER_QUESTION,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from woz_tui.console.terminal_output import Output
+from woz_tui.console.drawing.terminal_output import Output
 
 FRAME = "\x1b[1;1H" + "x" * 4000
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.fakes.host import FakeHost, stops
 from tests.fakes.terminal import FakeTerminal
-from woz_tui.console.cells import clean_paste
+from woz_tui.console.drawing.cells import clean_paste
 from woz_tui.protocol.messages import Marker
 from woz_tui.protocol.requests import AskAction, AskMarker, AskNote, AskStop
 

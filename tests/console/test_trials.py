@@ -11,7 +11,7 @@ from tests.console.scripted_feed import raw
 from woz_tui.console.screens.leave import LeaveDialog
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.screens.trial import OfferDialog, TrialDialog, trial_status
-from woz_tui.console.study.study_view import StudyView
+from woz_tui.console.state.study import StudyView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from tests.console import scenes
 from tests.console.dialogs import SIZES, open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
-from woz_tui.console.action_panels import arrange
+from woz_tui.console.widgets.action_panels import arrange
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.console.dialogs import open_dialog
 from tests.console.piloting import piloted_console
 from tests.console.scenes import NOW, played_action, welcome
-from woz_tui.console.cells import Row, length, wrap_row
+from woz_tui.console.drawing.cells import Row, length, wrap_row
 
 ROW: Row = (("  key     ", "strong"), ("what it does, and with many words", "plain"))
 

@@ -16,7 +16,7 @@ from woz_drivers.simulated.speech import utterance
 from woz_drivers.simulated.verbs import MOVES
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.console.bodies.driver_outlines import body_outlines, outlines_of
+from woz_tui.console.state.driver_outlines import body_outlines, outlines_of
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.protocol.messages import FaceShown, Json
 from woz_tui.testing import PlainJob, RecordingContext

@@ -13,7 +13,7 @@ import pytest
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import HERE, ScriptedDriver, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, Phase, Profile, SessionSettings
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.drivers.contract import Argument, Job, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.codec import decode_incoming

@@ -22,7 +22,7 @@ from tests.remote.network import BootClock, Machines, S, connected_peer, machine
 from tests.session.rig import WAIT_S
 from woz_tui.cli.remote_start import remote_session
 from woz_tui.config.experiment import AccessRole
-from woz_tui.console.message_feed import Loss, LostPart
+from woz_tui.console.link.message_feed import Loss, LostPart
 from woz_tui.host.remote_access import RemoteAccess
 from woz_tui.network.certificates import SERVER_NAME, AccessError, AccessFile, Authority
 from woz_tui.network.clock_offset import ClockOffset

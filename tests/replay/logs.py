@@ -8,9 +8,9 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.event_sentences import EventLine
-from woz_tui.console.view_models import SensorView
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.event_sentences import EventLine
+from woz_tui.console.state.view_models import SensorView
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r

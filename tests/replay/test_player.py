@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from tests.replay.logs import SECOND, START, Viewer, distance, recording_of, stamped, story
-from woz_tui.console.view_models import ButtonState
+from woz_tui.console.state.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from tests.replay.logs import KeptSamples, recording_of, story
-from woz_tui.console.message_feed import Incoming, MessageFeed
+from woz_tui.console.link.message_feed import Incoming, MessageFeed
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r

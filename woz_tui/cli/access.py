@@ -10,7 +10,7 @@ from rich.table import Table
 
 from woz_tui.cli.argument_types import listen_address, number
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.network.certificates import AccessError, Authority
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
 

@@ -18,7 +18,7 @@ from woz_tui.cli.shared_options import (
     builtins,
     part_again,
 )
-from woz_tui.console.message_feed import Loss
+from woz_tui.console.link.message_feed import Loss
 from woz_tui.system import session_sockets
 
 

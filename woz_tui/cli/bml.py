@@ -28,7 +28,7 @@ from woz_tui.config.bundled_files import is_path, robot_files
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.loading import load_robot_file
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.protocol.messages import BlockPlanned, PlannedBehaviour
 

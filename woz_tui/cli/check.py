@@ -35,7 +35,7 @@ from woz_tui.config.loading import load, load_robot
 from woz_tui.config.robots import is_robot_file
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import engagement_verbs, session_verbs
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import SPEECH, Argument, Driver, Verb
 from woz_tui.protocol.messages import Json, SignShown

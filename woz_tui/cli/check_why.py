@@ -11,7 +11,7 @@ from rich.text import Text
 
 from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.config.keys.keymap import actions_on
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import (
     DispatchCommand,

@@ -25,10 +25,10 @@ from woz_tui.system.user_folders import is_first_start
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
-    from woz_tui.console.host_connection import HostConnection
-    from woz_tui.console.keyboard import Keyboard
-    from woz_tui.console.message_feed import Loss
-    from woz_tui.console.theme import Appearance
+    from woz_tui.console.drawing.theme import Appearance
+    from woz_tui.console.input.keyboard import Keyboard
+    from woz_tui.console.link.host_connection import HostConnection
+    from woz_tui.console.link.message_feed import Loss
 
 #: How long a thread may keep the interpreter while another one waits for it, in seconds. Python's
 #: own 5 ms would be added to a stop several times over while the screen is being drawn.
@@ -72,7 +72,7 @@ def with_terminal(work: Callable[[], int], hint: str = "") -> int:
 
 def terminal_problem() -> str:
     """Why the console cannot be opened on this terminal; empty if it can."""
-    from woz_tui.console.exit_handler import missing_terminal  # noqa: PLC0415
+    from woz_tui.console.input.exit_handler import missing_terminal  # noqa: PLC0415
 
     return missing_terminal(sys.stdin, sys.stdout, os.environ)
 
@@ -80,8 +80,8 @@ def terminal_problem() -> str:
 def load_modules() -> None:
     """Import what the console needs, while the robot process is starting."""
     import woz_tui.console.app  # noqa: PLC0415
-    import woz_tui.console.background_colour  # noqa: PLC0415
-    import woz_tui.console.host_connection  # noqa: PLC0415
+    import woz_tui.console.input.background_colour  # noqa: PLC0415
+    import woz_tui.console.link.host_connection  # noqa: PLC0415
     import woz_tui.console.wizard_terminal  # noqa: F401, PLC0415
 
 
@@ -140,7 +140,7 @@ def make_console(options: ScreenOptions) -> Console:
     """
     from woz_tui.config.keys.terminals import detect_terminal  # noqa: PLC0415
     from woz_tui.console.app import Console  # noqa: PLC0415
-    from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
+    from woz_tui.console.link.host_connection import HostConnection  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
     from woz_tui.machine.hidden_line import hidden_line  # noqa: PLC0415
 
@@ -175,7 +175,7 @@ def make_console(options: ScreenOptions) -> Console:
 
 def _connect(link: HostConnection, stops: Sequence[str]) -> Keyboard:
     """Connect, and press the stops that were pressed before there was a connection."""
-    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
+    from woz_tui.console.input.keyboard import Keyboard  # noqa: PLC0415
 
     link.connect()
     keyboard = Keyboard(link)
@@ -189,8 +189,8 @@ def detect_appearance(theme: str) -> tuple[Appearance, tuple[str, ...]]:
 
     `theme` as `add_theme` has it; a choice is remembered.
     """
-    from woz_tui.console.background_colour import ask_background  # noqa: PLC0415
-    from woz_tui.console.theme import choose_appearance, save_theme  # noqa: PLC0415
+    from woz_tui.console.drawing.theme import choose_appearance, save_theme  # noqa: PLC0415
+    from woz_tui.console.input.background_colour import ask_background  # noqa: PLC0415
 
     stops: tuple[str, ...] = ()
 
@@ -217,7 +217,7 @@ def open_questionnaire(
 
     `only` is the name of the one questionnaire that is shown; empty: all.
     """
-    from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
+    from woz_tui.console.link.host_connection import HostConnection  # noqa: PLC0415
     from woz_tui.console.participant_app import ParticipantApp  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 

@@ -21,7 +21,7 @@ from woz_tui.config.counterbalancing import block_size, planned, rows
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.study import Design
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol.messages import Json

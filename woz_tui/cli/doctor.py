@@ -18,7 +18,7 @@ from woz_tui.cli.safe_streams import json_text
 from woz_tui.cli.shared_options import add_robot
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.file_position import ExperimentError, Problem
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Finding, Probe
 from woz_tui.machine import machine_checks, terminal_check

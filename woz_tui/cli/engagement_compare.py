@@ -9,7 +9,7 @@ from rich.table import Table
 
 from woz_tui.cli.engagement_log import LogRerun, OffPeriods, line_of
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.engagement_model import NEW_PARTICIPANT, Transition
 from woz_tui.sensing.model_time import SECOND

@@ -25,7 +25,7 @@ from rich.table import Table
 from woz_tui.cli.engagement_log import FILTER, ModelRerun, SettingsOverride, message_of
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import SIGNS
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.log.log_reader import Damage, read
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.model_time import SECOND

@@ -12,9 +12,9 @@ from typing import Any, Protocol
 
 import msgspec
 
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.message_feed import Incoming
-from woz_tui.console.number_text import time_left
+from woz_tui.console.drawing.number_text import time_left
+from woz_tui.console.link.message_feed import Incoming
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView

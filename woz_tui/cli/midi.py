@@ -15,7 +15,7 @@ from rich.table import Table
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.annotated_decoder import settings_from_texts
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, DriverError
 from woz_tui.system.files import replace

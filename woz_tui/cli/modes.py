@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 
 from rich.table import Table
 
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS
 from woz_tui.motion.modes import BLINKS, BREATHES, MODE_RULES, InputKind, Mode, ModeRule
 

@@ -83,7 +83,7 @@ def _run(arguments: Namespace) -> int:
 def _list(found: StoredFiles, arguments: Namespace) -> int:
     from woz_tui.analysis.participants import alike_sentence  # noqa: PLC0415
     from woz_tui.cli.report_layout import text_table  # noqa: PLC0415
-    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
+    from woz_tui.console.drawing.text_console import TextConsole  # noqa: PLC0415
     from woz_tui.log.sessions import sessions_in  # noqa: PLC0415
 
     counted, _ = sessions_in([str(folder) for folder in arguments.folders])

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from woz_tui.console.message_feed import Loss, LostPart
+from woz_tui.console.link.message_feed import Loss, LostPart
 from woz_tui.network.certificates import AccessError, AccessFile
 from woz_tui.network.listen_address import ListenAddress
 

@@ -16,9 +16,9 @@ from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.render_target import RenderError, RenderTarget, input_lines, inputs_table
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.console.bodies.dot_canvas import DotCanvas, DotLayer
-from woz_tui.console.glyphs import UNICODE
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.dot_canvas import DotCanvas, DotLayer
+from woz_tui.console.drawing.glyphs import UNICODE
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.motion.engine_io import Tick

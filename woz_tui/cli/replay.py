@@ -41,7 +41,7 @@ from woz_tui.replay.replay_feed import ReplayFeed
 from woz_tui.replay.seek import ReplayError, seek_time
 
 if TYPE_CHECKING:
-    from woz_tui.console.replay.replay_app import ReplayConsole
+    from woz_tui.console.replay.app import ReplayConsole
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -245,8 +245,8 @@ def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
 
 def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
     """The console, ready to run."""
-    from woz_tui.console.replay.replay_app import ReplayConsole  # noqa: PLC0415
-    from woz_tui.console.replay.replay_commands import ReplayKeyboard  # noqa: PLC0415
+    from woz_tui.console.replay.app import ReplayConsole  # noqa: PLC0415
+    from woz_tui.console.replay.commands import ReplayKeyboard  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     return ReplayConsole(

@@ -17,7 +17,7 @@ from rich.text import Text
 from woz_tui.analysis.report_tables import ReportTable
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.safe_streams import raw_stream
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 80

@@ -17,7 +17,7 @@ from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.config.performers import PERFORMERS
 from woz_tui.config.robots import PLAY
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol.messages import Json
 

@@ -23,7 +23,7 @@ from woz_tui.config.json_schema import sample_settings
 from woz_tui.config.loading import load_robot
 from woz_tui.config.problems import hint
 from woz_tui.config.settings_table import settings_rows
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import SHOWN, Driver, DriverFacts, PassiveDriver, Verb
 from woz_tui.drivers.robot_verbs import COMMON_VERBS

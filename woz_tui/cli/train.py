@@ -16,7 +16,7 @@ from woz_tui.cli.console_start import ScreenOptions, run_session
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import add_keymap, add_robot, add_theme, builtins
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.session.participant_identity import check_code
 from woz_tui.training.score_history import TrainingScore, history, score_of
 

@@ -15,7 +15,7 @@ from rich.text import Text
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.visitor_names import key_of, quoted_name
-from woz_tui.console.text_console import TextConsole
+from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.face_store import FaceStore, default_path
 from woz_tui.protocol.messages import Json

@@ -17,24 +17,24 @@ from woz_tui.config.keys.console_keys import BuiltinKey, builtin_keys_with
 from woz_tui.config.keys.keymap import key_map
 from woz_tui.config.keys.terminals import PLAIN, STOPS, Terminal
 from woz_tui.config.keys.textual_names import from_textual
-from woz_tui.console.bottom_rows import BarInfo, News
-from woz_tui.console.cells import Cells, clean
 from woz_tui.console.commands import COMMANDS, by_key, calls, hints
-from woz_tui.console.event_sentences import EventLine
-from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
-from woz_tui.console.keyboard import KeyPress
-from woz_tui.console.main_screen import MainScreen
-from woz_tui.console.message_feed import Incoming, Loss, MessageFeed
-from woz_tui.console.meters import turned_away
-from woz_tui.console.partial_update import cropped
-from woz_tui.console.remedy_text import remedy_text
-from woz_tui.console.robot_requests import RobotRequests, press_to
+from woz_tui.console.drawing.cells import Cells, clean
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.drawing.key_caps import KeyCap, cap_of, caption, key_name
+from woz_tui.console.drawing.partial_update import cropped
+from woz_tui.console.input.keyboard import KeyPress
+from woz_tui.console.link.message_feed import Incoming, Loss, MessageFeed
+from woz_tui.console.link.robot_requests import RobotRequests, press_to
 from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.console.screen_app import PAINT_S, ScreenApp
 from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
-from woz_tui.console.status_rows import StatusInfo
-from woz_tui.console.study.study_view import StudyNews
+from woz_tui.console.state.event_sentences import EventLine
+from woz_tui.console.state.remedy_text import remedy_text
+from woz_tui.console.state.study import StudyNews
+from woz_tui.console.widgets.bottom_rows import BarInfo, News
+from woz_tui.console.widgets.main_screen import MainScreen
+from woz_tui.console.widgets.meters import turned_away
+from woz_tui.console.widgets.status_rows import StatusInfo
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.messages import (
     ConsoleAttached,
@@ -49,7 +49,7 @@ from woz_tui.protocol.requests import Reply, Welcome
 
 if TYPE_CHECKING:
     from woz_tui.console.camera.picture_terminal import PictureTerminal
-    from woz_tui.console.keyboard import ConsoleKey, Keyboard
+    from woz_tui.console.input.keyboard import ConsoleKey, Keyboard
 
 #: Seconds a sentence above the hints stays.
 NEWS_S = 8.0

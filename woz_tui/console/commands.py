@@ -1,7 +1,7 @@
 """What the wizard can do beside playing actions: a row for each command of the console.
 
 Their keys stand in `config/keys/builtin_keys.json`, because experiments may not take them. Help,
-palette, lowest line and keyboard read these rows; `replay/replay_commands.py` has those of a
+palette, lowest line and keyboard read these rows; `replay/commands.py` has those of a
 replay.
 
 Dialogs are imported when they are first opened: the first painting does not wait for them.
@@ -15,8 +15,8 @@ from pkgutil import resolve_name
 from typing import Any
 
 from woz_tui.config.keys.console_keys import BuiltinKey, builtin_key
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.keyboard import KeyPress
+from woz_tui.console.drawing.theme import CHOICES, save_theme
+from woz_tui.console.input.keyboard import KeyPress
 from woz_tui.console.screens.dialog import (
     EVERYBODY,
     WATCHER,
@@ -24,7 +24,7 @@ from woz_tui.console.screens.dialog import (
     ConsoleCommand,
     KeyHint,
 )
-from woz_tui.console.theme import CHOICES, save_theme
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol.requests import (
     AskAction,
     AskCancel,

@@ -13,11 +13,11 @@ from textual.app import ComposeResult
 
 from woz_tui.config.keys.terminals import STOPS
 from woz_tui.config.keys.textual_names import from_textual
-from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import GONE, Incoming, Loss, MessageFeed
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.link.message_feed import GONE, Incoming, Loss, MessageFeed
+from woz_tui.console.questionnaire.widget import QuestionnaireSheet, Words, thanks
 from woz_tui.console.screen_app import ScreenApp
-from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet, Words, thanks
-from woz_tui.console.study.questionnaires import OpenQuestionnaire
+from woz_tui.console.state.questionnaires import OpenQuestionnaire
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskQuestionnaire, Reply, Request
 from woz_tui.protocol.welcome import QuestionnaireWords

@@ -14,13 +14,13 @@ from textual.app import App
 from textual.driver import Driver
 from textual.screen import Screen
 
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import UNICODE
-from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import Incoming, Loss, MessageFeed
-from woz_tui.console.partial_update import PartialScreen
-from woz_tui.console.text_console import TextConsole
-from woz_tui.console.theme import SIXTEEN, THEMES, Appearance
+from woz_tui.console.drawing.glyphs import UNICODE
+from woz_tui.console.drawing.partial_update import PartialScreen
+from woz_tui.console.drawing.text_console import TextConsole
+from woz_tui.console.drawing.theme import SIXTEEN, THEMES, Appearance
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.link.message_feed import Incoming, Loss, MessageFeed
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.system.clock import Clock, RealClock
 
 
@@ -92,7 +92,7 @@ class ScreenApp(App[str], inherit_bindings=False):  # Textual's ctrl+q would qui
         driver_class: Textual's driver; None for its own.
     """
 
-    CSS_PATH = Path(__file__).parent / "theme" / "woz.tcss"
+    CSS_PATH = Path(__file__).parent / "drawing" / "woz.tcss"
     ENABLE_COMMAND_PALETTE = False
     ESCAPE_TO_MINIMIZE = False
 

@@ -29,14 +29,22 @@ from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
 
 from woz_tui.config.keys.terminals import KITTY, PLAIN, Terminal, detect_terminal, merged_chords
-from woz_tui.console.byte_scanner import INTRODUCER_S, Scanner
 from woz_tui.console.camera.picture_terminal import PictureTerminal, question
-from woz_tui.console.cells import clean, clean_paste
-from woz_tui.console.escape_sequences import Key, KeyUp, Paste, Raw, StopToken, TerminalReply, Token
-from woz_tui.console.exit_handler import GONE, ExitHandler, run_aside
-from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.terminal_monitor import TerminalMonitor
-from woz_tui.console.terminal_output import Output
+from woz_tui.console.drawing.cells import clean, clean_paste
+from woz_tui.console.drawing.terminal_output import Output
+from woz_tui.console.input.byte_scanner import INTRODUCER_S, Scanner
+from woz_tui.console.input.escape_sequences import (
+    Key,
+    KeyUp,
+    Paste,
+    Raw,
+    StopToken,
+    TerminalReply,
+    Token,
+)
+from woz_tui.console.input.exit_handler import GONE, ExitHandler, run_aside
+from woz_tui.console.input.keyboard import Keyboard
+from woz_tui.console.input.terminal_monitor import TerminalMonitor
 from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.system.clock import RealClock
 

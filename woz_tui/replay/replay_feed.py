@@ -1,6 +1,7 @@
 """Feeds the console from a log: a thread plays it and answers requests.
 
-It has the shape of `woz_tui.console.message_feed.MessageFeed`, opens no socket, knows no driver.
+It has the shape of `woz_tui.console.link.message_feed.MessageFeed`, opens no socket, knows no
+driver.
 """
 
 from __future__ import annotations

@@ -13,10 +13,10 @@ from tests.console.camera.camera_pictures import Film, Pixels, noisy, picture_sh
 from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.camera.picture_requests import STALE_S
 from woz_tui.console.camera.picture_widgets import HalfBlockView
-from woz_tui.console.cells import Cells
-from woz_tui.console.glyphs import ASCII
+from woz_tui.console.drawing.cells import Cells
+from woz_tui.console.drawing.glyphs import ASCII
+from woz_tui.console.drawing.theme import Appearance
 from woz_tui.console.screens.camera import CameraDialog
-from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.camera_pictures import PictureShown

@@ -10,13 +10,13 @@ import pytest
 
 from tests.console.scripted_feed import ScriptedFeed
 from woz_tui.console.camera.picture_terminal import PictureTerminal
-from woz_tui.console.terminal_monitor import (
+from woz_tui.console.drawing.terminal_output import Output
+from woz_tui.console.input.terminal_monitor import (
     DEAD_S,
     EVERY_S,
     PUT_OFF_S,
     TerminalMonitor,
 )
-from woz_tui.console.terminal_output import Output
 from woz_tui.system.clock import ManualClock
 
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.console.byte_scanner import GRAPHICS, Scanner
 from woz_tui.console.camera import kitty
 from woz_tui.console.camera.picture_terminal import question
-from woz_tui.console.escape_sequences import Key, StopToken, TerminalReply, Token
+from woz_tui.console.input.byte_scanner import GRAPHICS, Scanner
+from woz_tui.console.input.escape_sequences import Key, StopToken, TerminalReply, Token
 
 YES = b"\x1b_Gi=31;OK\x1b\\"
 

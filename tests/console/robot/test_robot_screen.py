@@ -10,10 +10,10 @@ from textual.events import Key
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.robot import pepper
 from tests.console.robot.screen import choose, line, opened_robot_screen, verbs
-from woz_tui.console.glyphs import ASCII
-from woz_tui.console.replay.replay_commands import COMMANDS
+from woz_tui.console.drawing.glyphs import ASCII
+from woz_tui.console.drawing.theme import Appearance
+from woz_tui.console.replay.commands import COMMANDS
 from woz_tui.console.screens.robot import RobotDialog
-from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.console.cells import length
-from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
-from woz_tui.console.robot_settings.setting_rows import (
+from woz_tui.console.drawing.cells import length
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, PaintFrame
+from woz_tui.console.robot_settings.rows import (
     ListPosition,
     list_room,
     row_of,
     scrolled,
     settings_rows,
 )
-from woz_tui.console.robot_settings.setting_view import LineView, RobotView
+from woz_tui.console.robot_settings.view import LineView, RobotView
 
 signs = st.characters() | st.sampled_from(" 漢字コ́\n")
 words = st.text(signs, max_size=40)

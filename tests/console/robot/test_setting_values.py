@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.console.robot_settings.setting_lines import bare_address
-from woz_tui.console.robot_settings.setting_values import (
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE
+from woz_tui.console.robot_settings.lines import bare_address
+from woz_tui.console.robot_settings.values import (
     SettingValueError,
     allowed_values,
     color_of,

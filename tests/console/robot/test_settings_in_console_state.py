@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 
 from tests.console.robot import pepper
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.redactor import HIDDEN, Redactor

@@ -13,8 +13,8 @@ from tests.console.piloting import piloted_console
 from tests.console.robot import pepper
 from tests.console.still_feed import StillFeed
 from woz_tui.config.experiment import ArrowKeySteps
-from woz_tui.console.keyboard import ArrowSizes as Pressed
-from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.input.keyboard import ArrowSizes as Pressed
+from woz_tui.console.input.keyboard import Keyboard
 from woz_tui.console.robot_settings.step_sizes import STEPS, ArrowSteps, steps_offered
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol import requests as r

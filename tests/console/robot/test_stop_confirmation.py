@@ -9,11 +9,11 @@ import pytest
 
 from tests.console import scenes
 from tools import guide_session
-from woz_tui.console.bottom_rows import BarInfo, bar_rows
-from woz_tui.console.cells import length
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.replay.replay_timeline import replay_rows
+from woz_tui.console.drawing.cells import length
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.replay.timeline import replay_rows
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.bottom_rows import BarInfo, bar_rows
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.session.session import Session

@@ -6,9 +6,9 @@ is a sign in its upper or lower part, and eight lights are a sign as dark as man
 
 from __future__ import annotations
 
-from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, bit, braille
-from woz_tui.console.cells import Row
-from woz_tui.console.glyphs import Glyphs
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.drawing.dot_canvas import ACROSS, DOWN, bit, braille
+from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.motion.light_frames import LightFrame, blank
 from woz_tui.protocol.messages import FaceShown
 

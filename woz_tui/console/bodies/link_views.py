@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, Dot, DotCanvas, DotLayer
-from woz_tui.console.bodies.driver_outlines import BodyOutline
+from woz_tui.console.drawing.dot_canvas import ACROSS, DOWN, Dot, DotCanvas, DotLayer
+from woz_tui.console.state.driver_outlines import BodyOutline
 
 if TYPE_CHECKING:
     from woz_tui.motion.body_shape import Vector

@@ -11,11 +11,11 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, DotCanvas, DotLayer
-from woz_tui.console.bodies.driver_outlines import ControlOutline, PanelOutline
-from woz_tui.console.cells import Piece, Row, clean, cut_rows, fit
-from woz_tui.console.glyphs import Glyphs, PaintFrame
-from woz_tui.console.meter_rows import side_by_side
+from woz_tui.console.drawing.cells import Piece, Row, clean, cut_rows, fit
+from woz_tui.console.drawing.dot_canvas import ACROSS, DOWN, DotCanvas, DotLayer
+from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
+from woz_tui.console.drawing.meter_rows import side_by_side
+from woz_tui.console.state.driver_outlines import ControlOutline, PanelOutline
 from woz_tui.protocol.messages import ControlsMoved
 
 #: The highest value of a control.

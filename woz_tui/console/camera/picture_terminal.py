@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 
 from woz_tui.config.keys.terminals import detect_terminal
 from woz_tui.console.camera import kitty
-from woz_tui.console.terminal_monitor import TerminalMonitor
-from woz_tui.console.terminal_output import Output
+from woz_tui.console.drawing.terminal_output import Output
+from woz_tui.console.input.terminal_monitor import TerminalMonitor
 
 #: Values of TERM whose terminals draw pictures over kitty's placeholders. Others that answer the
 #: question with yes (Konsole and WezTerm, it is said) know kitty's pictures, but write the

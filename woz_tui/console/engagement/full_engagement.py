@@ -5,10 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 from woz_tui.config.engagement_words import CONDITION
-from woz_tui.console.cells import Piece, Row, clean, cut_rows, fit, length, spread
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.engagement_meter import quoted
-from woz_tui.console.engagement.engagement_text import (
+from woz_tui.console.drawing.cells import Piece, Row, clean, cut_rows, fit, length, spread
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.drawing.meter_rows import side_by_side
+from woz_tui.console.drawing.number_text import seconds
+from woz_tui.console.engagement.meter import quoted
+from woz_tui.console.engagement.sign_bars import queue_bar
+from woz_tui.console.engagement.state_diagram import HEIGHT, WIDTH, diagram
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.engagement_text import (
     change_reason,
     condition_row,
     count_text,
@@ -23,11 +28,6 @@ from woz_tui.console.engagement.engagement_text import (
     state_row,
     visitor_code,
 )
-from woz_tui.console.engagement.sign_bars import queue_bar
-from woz_tui.console.engagement.state_diagram import HEIGHT, WIDTH, diagram
-from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.meter_rows import side_by_side
-from woz_tui.console.number_text import seconds
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import zone
 from woz_tui.sensing.sample_values import FLAGS

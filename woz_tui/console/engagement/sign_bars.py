@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from woz_tui.console.cells import Piece, Row
-from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.meter_rows import merge_pieces, track_cell
+from woz_tui.console.drawing.cells import Piece, Row
+from woz_tui.console.drawing.glyphs import Glyphs
+from woz_tui.console.drawing.meter_rows import merge_pieces, track_cell
 from woz_tui.protocol.messages import SignShown
 from woz_tui.sensing.proxemics import ZONES
 

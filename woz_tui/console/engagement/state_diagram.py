@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from woz_tui.console.cells import Piece, Row
-from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.meter_rows import merge_pieces
+from woz_tui.console.drawing.cells import Piece, Row
+from woz_tui.console.drawing.glyphs import Glyphs
+from woz_tui.console.drawing.meter_rows import merge_pieces
 
 #: Cells of the drawing.
 WIDTH, HEIGHT = 60, 5

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from woz_tui.console.keyboard import ArrowSizes, Keyboard
+from woz_tui.console.input.keyboard import ArrowSizes, Keyboard
 from woz_tui.protocol.robot_outline import Setting
 
 SECTION = "Arrow keys of this console"

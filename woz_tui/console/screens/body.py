@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from woz_tui.console.bodies.bodies_pane import full_rows
-from woz_tui.console.bodies.body_view import body_views
-from woz_tui.console.bodies.driver_outlines import body_outlines
-from woz_tui.console.cells import Row
-from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.bodies.pane import full_rows
+from woz_tui.console.bodies.view import body_views
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.screens.drawing import DrawingDialog
+from woz_tui.console.state.driver_outlines import body_outlines
 
 
 class BodyDialog(DrawingDialog):

@@ -12,7 +12,7 @@ from textual.widget import Widget
 from woz_tui.console.camera.picture_requests import STALE_S, PictureRequester
 from woz_tui.console.camera.picture_sizes import CELL, CellArea, area_for
 from woz_tui.console.camera.picture_widgets import PictureView, depth_of, view_for
-from woz_tui.console.cells import Cells, Row, clean, cut
+from woz_tui.console.drawing.cells import Cells, Row, clean, cut
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.requests import AskVerb

@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from woz_tui.console.cells import Row
+from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import Dialog, EntryDialog, content, plain
 
 T = TypeVar("T")

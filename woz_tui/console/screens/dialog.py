@@ -24,22 +24,22 @@ from textual.visual import RenderOptions, Visual, VisualType
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.console.cells import Row, clean, wrap_row
-from woz_tui.console.keyboard import ConsoleKey
-from woz_tui.console.partial_update import PartialScreen
+from woz_tui.console.drawing.cells import Row, clean, wrap_row
+from woz_tui.console.drawing.partial_update import PartialScreen
+from woz_tui.console.input.keyboard import ConsoleKey
 from woz_tui.protocol.requests import Reply
 
 if TYPE_CHECKING:
     from woz_tui.config.keys.keymap import KeyMap
     from woz_tui.config.keys.terminals import Terminal
     from woz_tui.console.camera.picture_terminal import PictureTerminal
-    from woz_tui.console.console_state import ConsoleState
-    from woz_tui.console.glyphs import Glyphs
-    from woz_tui.console.key_caps import KeyCap
-    from woz_tui.console.keyboard import Keyboard
-    from woz_tui.console.message_feed import MessageFeed
-    from woz_tui.console.robot_requests import RobotRequests
-    from woz_tui.console.theme import Appearance
+    from woz_tui.console.drawing.glyphs import Glyphs
+    from woz_tui.console.drawing.key_caps import KeyCap
+    from woz_tui.console.drawing.theme import Appearance
+    from woz_tui.console.input.keyboard import Keyboard
+    from woz_tui.console.link.message_feed import MessageFeed
+    from woz_tui.console.link.robot_requests import RobotRequests
+    from woz_tui.console.state.console_state import ConsoleState
     from woz_tui.system.clock import Clock
 
 #: Whom a command serves: the console that plays the robot; also one that watches; also a replay;

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from textual import events
 from textual.widget import Widget
 
-from woz_tui.console.cells import Cells, Row
-from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.drawing.cells import Cells, Row
+from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.screens.dialog import Dialog
 
 _NEXT, _BACK = "tab", "shift+tab"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from woz_tui.console.cells import Row
-from woz_tui.console.remedy_text import remedy_text
-from woz_tui.console.robot_settings.settings_status import is_stale
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.robot_settings.status import is_stale
 from woz_tui.console.screens.dialog import LiveReportDialog
-from woz_tui.console.status_rows import wellness
+from woz_tui.console.state.remedy_text import remedy_text
+from woz_tui.console.widgets.status_rows import wellness
 
 _LOOKS = {"connected": "good", "connecting": "warn", "lost": "bad", "faulted": "bad"}
 _SIGNS = {"connected": "yes", "connecting": "driver", "lost": "error", "faulted": "warning"}

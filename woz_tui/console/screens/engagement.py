@@ -12,12 +12,12 @@ from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.config.performers import ENGAGEMENT
-from woz_tui.console.cells import Row
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.engagement.full_engagement import full_rows
-from woz_tui.console.engagement.wizard_overrides import BY_KEY, KEYS, legend_rows
-from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.console.screens.engagement_questions import steer
+from woz_tui.console.state.wizard_overrides import BY_KEY, KEYS, legend_rows
 
 _TAKE = frozenset(("tab", "shift+tab"))
 _HINTS = {

@@ -8,16 +8,7 @@ from functools import partial
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.engagement.engagement_view import EngagementView
-from woz_tui.console.engagement.wizard_overrides import (
-    Override,
-    forceable,
-    is_offered,
-    needs_name,
-    override_request,
-    verb_request,
-)
+from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import (
     ConsoleApp,
@@ -26,6 +17,15 @@ from woz_tui.console.screens.dialog import (
     FormDialog,
     content,
     plain,
+)
+from woz_tui.console.state.engagement import EngagementView
+from woz_tui.console.state.wizard_overrides import (
+    Override,
+    forceable,
+    is_offered,
+    needs_name,
+    override_request,
+    verb_request,
 )
 
 #: Cells of an outcome in the list.

@@ -7,11 +7,11 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
-from woz_tui.console.cells import Row
-from woz_tui.console.remedy_text import remedy_text
-from woz_tui.console.running_actions import Failure
+from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ConsoleApp, ReportDialog
 from woz_tui.console.screens.lost import open_lost
+from woz_tui.console.state.remedy_text import remedy_text
+from woz_tui.console.state.running_actions import Failure
 from woz_tui.system.text_cleaning import elapsed
 
 

@@ -12,13 +12,13 @@ from rich.cells import cell_len
 from textual.content import Content
 from textual.fuzzy import Matcher
 
-from woz_tui.console.bottom_rows import quoted
-from woz_tui.console.cells import clean, fit
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.wizard_overrides import OVERRIDES, is_offered
-from woz_tui.console.key_caps import KeyCap, caption, key_name
+from woz_tui.console.drawing.cells import clean, fit
+from woz_tui.console.drawing.key_caps import KeyCap, caption, key_name
 from woz_tui.console.screens.choice import ConfirmDialog, SearchDialog
 from woz_tui.console.screens.engagement_questions import steer
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.wizard_overrides import OVERRIDES, is_offered
+from woz_tui.console.widgets.bottom_rows import quoted
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskAction, AskLock, AskPhase, AskVerb
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.engagement.wizard_overrides import OVERRIDES, is_offered
-from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
+from woz_tui.console.drawing.cells import Row, clean, fit
+from woz_tui.console.drawing.key_caps import KeyCap, cap_of, caption, key_name
 from woz_tui.console.screens.dialog import ReportDialog
+from woz_tui.console.state.wizard_overrides import OVERRIDES, is_offered
 
 KEY = 8
 #: How key caps are read; an arrow or a letter follows.

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from woz_tui.console.bodies.driver_outlines import PanelOutline, panel_outlines
 from woz_tui.console.bodies.midi_panel import PanelState, panel_rows
-from woz_tui.console.cells import Row, clean
-from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.number_text import age
+from woz_tui.console.drawing.cells import Row, clean
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.drawing.number_text import age
 from woz_tui.console.screens.drawing import DrawingDialog
+from woz_tui.console.state.driver_outlines import PanelOutline, panel_outlines
 from woz_tui.protocol.messages import ControlsMoved
 
 

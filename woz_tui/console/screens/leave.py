@@ -9,12 +9,12 @@ from functools import partial
 from textual.content import Content
 from textual.widgets import OptionList
 
-from woz_tui.console.cells import Row, clean
+from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import plain, refusal_text
 from woz_tui.console.screens.trial import ask_questionnaire, progress, questionnaire_title
 from woz_tui.console.screens.typed import typed_sentences
-from woz_tui.console.study.study_view import StudyView
+from woz_tui.console.state.study import StudyView
 from woz_tui.log.file_names import gets_participant
 from woz_tui.protocol.requests import AskKeepTyped, AskTrial, Reply
 from woz_tui.system.text_cleaning import lasting

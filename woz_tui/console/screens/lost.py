@@ -7,8 +7,8 @@ from pathlib import Path
 
 from textual.content import Content
 
-from woz_tui.console.cells import Row
-from woz_tui.console.message_feed import Loss, LostPart
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.link.message_feed import Loss, LostPart
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.typed import typed_sentences

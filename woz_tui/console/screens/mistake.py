@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from woz_tui.console.cells import Row, fit
-from woz_tui.console.event_sentences import EventLine
+from woz_tui.console.drawing.cells import Row, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import content
+from woz_tui.console.state.event_sentences import EventLine
 from woz_tui.protocol.requests import AskMistake
 from woz_tui.system.text_cleaning import elapsed
 

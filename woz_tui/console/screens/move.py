@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from woz_tui.console.cells import Row, clean
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.robot_settings.completion import (
     best_match,
     names_beginning,
     names_containing,
 )
 from woz_tui.console.screens.dialog import Completion, CompletionDialog, ConsoleApp, content
+from woz_tui.console.state.console_state import ConsoleState
 
 #: Lines of matching names under the field.
 MATCHES = 8

@@ -8,11 +8,11 @@ from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.config.utterance_template import HIDDEN_TEXT
-from woz_tui.console.bottom_rows import KEPT, step_words, upcoming
-from woz_tui.console.cells import Row, clean
-from woz_tui.console.key_caps import KeyCap, caption, key_name
-from woz_tui.console.keyboard import HELD_US
+from woz_tui.console.drawing.cells import Row, clean
+from woz_tui.console.drawing.key_caps import KeyCap, caption, key_name
+from woz_tui.console.input.keyboard import HELD_US
 from woz_tui.console.screens.dialog import ConsoleApp, LiveReportDialog
+from woz_tui.console.widgets.bottom_rows import KEPT, step_words, upcoming
 
 if TYPE_CHECKING:
     from woz_tui.config.keys.keymap import KeyMap

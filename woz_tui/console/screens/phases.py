@@ -8,7 +8,7 @@ from functools import partial
 from rich.cells import cell_len
 from textual.content import Content
 
-from woz_tui.console.cells import Row, clean, fit
+from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.protocol.panels import PhaseView
 from woz_tui.protocol.requests import AskPhase

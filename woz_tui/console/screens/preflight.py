@@ -18,13 +18,13 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from woz_tui.config.keys.terminals import Terminal
-from woz_tui.console.cells import Row, clean
-from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.engagement_text import has_no_sensor, signs_of
-from woz_tui.console.key_caps import KeyCap, key_name
-from woz_tui.console.remedy_text import remedy_text
+from woz_tui.console.drawing.cells import Row, clean
+from woz_tui.console.drawing.key_caps import KeyCap, key_name
 from woz_tui.console.screens.dialog import ReportDialog, refusal_text
-from woz_tui.console.status_rows import SLOW_LINE_US
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.engagement_text import has_no_sensor, signs_of
+from woz_tui.console.state.remedy_text import remedy_text
+from woz_tui.console.widgets.status_rows import SLOW_LINE_US
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine.terminal_check import environment, multiplexers
 from woz_tui.protocol.messages import EngagementShown

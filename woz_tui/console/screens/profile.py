@@ -9,9 +9,9 @@ from rich.cells import cell_len
 from textual.content import Content
 from textual.widgets import OptionList
 
-from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.console_state import EVERYTHING
+from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
+from woz_tui.console.state.console_state import EVERYTHING
 from woz_tui.protocol.requests import AskProfile
 
 #: Cells of a profile's name at the most.

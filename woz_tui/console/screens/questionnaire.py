@@ -8,9 +8,9 @@ from functools import partial
 from textual.app import ComposeResult
 from textual.widget import Widget
 
+from woz_tui.console.questionnaire.widget import QuestionnaireSheet, thanks
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.trial import offer_due
-from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet, thanks
 
 
 class QuestionnaireDialog(Dialog):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from woz_tui.console.cells import Row
-from woz_tui.console.command_text import command_words
-from woz_tui.console.key_caps import key_name
-from woz_tui.console.number_text import seconds
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.drawing.key_caps import key_name
+from woz_tui.console.drawing.number_text import seconds
 from woz_tui.console.screens.dialog import LiveReportDialog
+from woz_tui.console.state.command_text import command_words
 from woz_tui.timeline.episodes import CommandEpisode
 
 

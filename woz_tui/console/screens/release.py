@@ -6,9 +6,9 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
-from woz_tui.console.cells import Row
+from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ConsoleApp, LiveReportDialog
-from woz_tui.console.stop_confirmation import confirmed_words, missing_words
+from woz_tui.console.state.stop_confirmation import confirmed_words, missing_words
 from woz_tui.protocol.requests import AskRelease
 
 

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
-from woz_tui.console.cells import Row
+from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.protocol.requests import AskReload, Reply
 

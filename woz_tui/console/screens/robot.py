@@ -14,27 +14,27 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.config.keys.textual_names import from_textual
-from woz_tui.console.cells import Row, clean
-from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.key_caps import key_name
-from woz_tui.console.robot_settings.setting_lines import CONNECTION, LineKind, SettingLine
-from woz_tui.console.robot_settings.setting_requests import SettingRequests
-from woz_tui.console.robot_settings.setting_rows import (
+from woz_tui.console.drawing.cells import Row, clean
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.drawing.key_caps import key_name
+from woz_tui.console.robot_settings.lines import CONNECTION, LineKind, SettingLine
+from woz_tui.console.robot_settings.requests import SettingRequests
+from woz_tui.console.robot_settings.rows import (
     ListPosition,
     Swatches,
     list_room,
     scrolled,
     settings_rows,
 )
-from woz_tui.console.robot_settings.setting_values import (
+from woz_tui.console.robot_settings.status import is_stale
+from woz_tui.console.robot_settings.values import (
     SettingValueError,
     allowed_values,
     next_value,
     typed_value,
     value_text,
 )
-from woz_tui.console.robot_settings.setting_view import SettingViewer
-from woz_tui.console.robot_settings.settings_status import is_stale
+from woz_tui.console.robot_settings.view import SettingViewer
 from woz_tui.console.screens.dialog import EntryDialog, plain
 from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.protocol.messages import Json

@@ -8,9 +8,7 @@ from rich.cells import cell_len
 from textual.widgets import Static
 
 from woz_tui.config.utterance_template import HIDDEN_TEXT
-from woz_tui.console.bottom_rows import KEPT, upcoming
-from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.robot_settings.completion import (
     NumberEntry,
     PartialTag,
@@ -27,6 +25,8 @@ from woz_tui.console.screens.dialog import (
     content,
     plain,
 )
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.bottom_rows import KEPT, upcoming
 from woz_tui.protocol.requests import AskScript
 from woz_tui.protocol.robot_outline import RobotOutline
 

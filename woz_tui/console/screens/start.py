@@ -14,8 +14,8 @@ from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
 
 from woz_tui.config.participant_pattern import example
-from woz_tui.console.cells import Row, clean
-from woz_tui.console.glyphs import Glyphs
+from woz_tui.console.drawing.cells import Row, clean
+from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.screens.dialog import FormDialog, content, plain, refusal_text
 from woz_tui.console.screens.trial import order_row
 from woz_tui.protocol.requests import AskAssign, AskProposal, AskSet, Reply

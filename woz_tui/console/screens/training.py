@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from textual.content import Content
 
-from woz_tui.console.cells import Row
-from woz_tui.console.key_caps import key_name
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.drawing.key_caps import key_name
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.trial import TrialDialog

@@ -12,11 +12,11 @@ from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 
 from woz_tui.config.study_words import OVER
-from woz_tui.console.cells import Row, clean, fit_most
+from woz_tui.console.drawing.cells import Row, clean, fit_most
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
-from woz_tui.console.study.questionnaires import OpenQuestionnaire
-from woz_tui.console.study.study_view import RunningTrial, StudyView
+from woz_tui.console.state.questionnaires import OpenQuestionnaire
+from woz_tui.console.state.study import RunningTrial, StudyView
 from woz_tui.protocol.requests import AskQuestionnaire, AskTrial, Reply
 from woz_tui.system.text_cleaning import elapsed
 

@@ -6,9 +6,9 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
-from woz_tui.console.cells import Row
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ReportDialog
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol.panels import TYPED
 from woz_tui.protocol.requests import AskKeepTyped, Reply
 from woz_tui.session.typed_actions import NAME

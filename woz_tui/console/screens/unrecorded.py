@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
-from woz_tui.console.cells import Row, clean
+from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.screens.dialog import LiveReportDialog
 from woz_tui.protocol.requests import AskUnrecorded
 

@@ -1,0 +1,194 @@
+"""Draws bodies, small on the main screen or one alone: face, links from two sides, what they do.
+
+How much of that is drawn follows from the room and from the bodies' outlines alone, so nothing
+moves about while the robot does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rich.cells import cell_len
+
+from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows
+from woz_tui.console.bodies.face_lights import size as face_size
+from woz_tui.console.bodies.link_views import ABOVE, SIDE, draw_view, projections
+from woz_tui.console.bodies.text import FORMATS, short_rows, table_rows, word_rows
+from woz_tui.console.bodies.view import BodyView, body_views
+from woz_tui.console.drawing.cells import Cells, Row, clean, cut_rows, fit
+from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
+from woz_tui.console.drawing.meter_rows import side_by_side
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.session.redactor import HIDDEN
+
+#: Cells that words beside a face need, and a view at the least (columns, lines).
+WORDS, VIEW = 16, (10, 4)
+#: Cells that the longer caption of a view needs.
+CAPTION = 14
+#: Cells between bodies.
+GAP = 2
+#: The narrowest place in which a body can be shown.
+NARROWEST = 12
+
+
+def pane_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
+    """All bodies side by side, as many as have room."""
+    seen = body_views(state, frame.now, frame.glyphs)
+    count = min(len(seen), max(1, (frame.width + GAP) // (NARROWEST + GAP)))
+    if not count:
+        return []
+    width = (frame.width - GAP * (count - 1)) // count
+    inner = replace(frame, width=width)
+    blocks = [(_column(body, inner, len(seen) - count), width) for body in seen[:count]]
+    return cut_rows(side_by_side(blocks, frame.height, frame.glyphs, GAP), frame)
+
+
+def _column(seen: BodyView, frame: PaintFrame, more: int) -> list[Row]:
+    lights = seen.outline.face
+    tight = lights is not None and face_size(*lights, compact=False)[0] == frame.width
+    indent = 0 if tight else 1
+    inner = replace(frame, width=frame.width - indent, height=frame.height - 1)
+    return [
+        _title(seen, frame, more),
+        *(((" " * indent, "plain"), *row) for row in _arranged(seen, inner)),
+    ]
+
+
+def _title(seen: BodyView, frame: PaintFrame, more: int) -> Row:
+    title = f" {clean(seen.outline.title)} "
+    others = f" +{more} " if more else ""
+    old = f" {seen.old} " if seen.old and frame.width >= cell_len(title) + 14 else ""
+    room = frame.width - cell_len(title) - cell_len(old) - cell_len(others)
+    rule = frame.glyphs.rule * max(0, room)
+    return ((title, "title"), (rule, "faint"), (others, "muted"), (old, "stale"))
+
+
+def _arranged(seen: BodyView, frame: PaintFrame) -> list[Row]:
+    """Large face and both views, or a compact face with one view beside or beneath it."""
+    lights = seen.outline.face or (24, 16)
+    columns, lines = face_size(*lights, compact=False)
+    if frame.width >= columns and frame.height >= lines + 2 + 1 + VIEW[1]:
+        return _large(seen, frame, columns, lines)
+    columns, lines = face_size(*lights, compact=True)
+    if frame.width >= columns + VIEW[0] + WORDS + 2 * GAP:
+        return _low(seen, frame, columns)
+    return _slim(seen, frame)
+
+
+def _large(seen: BodyView, frame: PaintFrame, columns: int, lines: int) -> list[Row]:
+    words = frame.width - columns - GAP
+    face = face_rows(seen, frame.glyphs, compact=False)
+    if words >= WORDS:
+        described = word_rows(seen, frame.glyphs, words, lines)
+        rows = side_by_side([(face, columns), (described, words)], lines, frame.glyphs, GAP)
+    else:
+        rows = [*face, *short_rows(seen, frame.glyphs)]
+    return rows + view_rows(seen, frame.glyphs, frame.width, frame.height - len(rows))
+
+
+def _low(seen: BodyView, frame: PaintFrame, columns: int) -> list[Row]:
+    view = frame.width - columns - WORDS - 2 * GAP
+    blocks = [
+        (face_rows(seen, frame.glyphs, compact=True), columns),
+        (_drawn(seen, {SIDE: (view, frame.height)}, frame.glyphs)[SIDE], view),
+        (word_rows(seen, frame.glyphs, WORDS, frame.height), WORDS),
+    ]
+    return side_by_side(blocks, frame.height, frame.glyphs, GAP)
+
+
+def _slim(seen: BodyView, frame: PaintFrame) -> list[Row]:
+    rows = [*face_rows(seen, frame.glyphs, compact=True), *short_rows(seen, frame.glyphs)]
+    spare = frame.height - len(rows)
+    if spare >= VIEW[1] and frame.width >= VIEW[0]:
+        rows += _drawn(seen, {SIDE: (frame.width, spare)}, frame.glyphs)[SIDE]
+    return rows
+
+
+def face_rows(seen: BodyView, glyphs: Glyphs, *, compact: bool) -> list[Row]:
+    """The face; a body without one has none, but keeps its place."""
+    size = seen.outline.face
+    if size is None:
+        return []
+    frame = frame_of(seen.face, *size)
+    look = "stale" if seen.old else brightness_look(seen.face.brightness if seen.face else 1.0)
+    rows = light_rows(frame, glyphs, look, compact=compact)
+    if seen.face is None:
+        columns, _ = face_size(*size, compact=compact)
+        word = HIDDEN if "face" in seen.hidden else "no face yet"
+        rows[len(rows) // 2] = ((fit(word.center(columns), columns, glyphs.ellipsis), "muted"),)
+    return rows
+
+
+def view_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+    """A line of captions, beneath it the views from the side and from above."""
+    lines = height - 1
+    if lines < VIEW[1]:
+        return []
+    above = max(VIEW[0], (width - GAP) * 2 // 5)
+    side = width - GAP - above
+    drawn = _drawn(seen, {SIDE: (side, lines), ABOVE: (above, lines)}, glyphs)
+    front = ", front " if above >= CAPTION else " "
+    captions: Row = (
+        (fit(f"side{front}{glyphs.next}", side + GAP, glyphs.ellipsis), "faint"),
+        (fit(f"top{front}{glyphs.up}", above, glyphs.ellipsis), "faint"),
+    )
+    return [
+        captions,
+        *side_by_side([(drawn[SIDE], side), (drawn[ABOVE], above)], lines, glyphs, GAP),
+    ]
+
+
+def _drawn(
+    seen: BodyView, sizes: dict[str, tuple[int, int]], glyphs: Glyphs
+) -> dict[str, list[Row]]:
+    if "joints" in seen.hidden:
+        return {view: _hidden_view(*size) for view, size in sizes.items()}
+    return {
+        view: draw_view(seen.outline, seen.pose, sight, sizes[view]).rows(glyphs)
+        for view, sight in projections(seen.outline, sizes).items()
+    }
+
+
+def _hidden_view(width: int, height: int) -> list[Row]:
+    """A view of a pose that the wizard does not get to see."""
+    rows: list[Row] = [((" " * width, "plain"),)] * height
+    rows[height // 2] = ((fit(HIDDEN.center(width), width), "faint"),)
+    return rows
+
+
+class BodyPane(Cells):
+    """The bodies; takes no room in a session without one."""
+
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
+        """Show what they look like now."""
+        if self.display:
+            self.show(pane_rows(state, frame))
+
+
+#: Cells of one column of the table, and lines of the picture at the least.
+COLUMN, PICTURE = 24, 9
+
+
+def full_rows(seen: BodyView, frame: PaintFrame) -> list[Row]:
+    """As large as the frame."""
+    columns = max(1, frame.width // COLUMN)
+    table = min(-(-len(FORMATS) // columns), max(0, frame.height - PICTURE - 2))
+    state = frame.height - table - 2
+    title: Row = ((clean(seen.outline.driver), "title"), (f"  {seen.old}", "stale"))
+    rows = [title, *_picture(seen, frame, state), ()]
+    return cut_rows([*rows, *table_rows(seen, frame.glyphs, frame.width, table)], frame)
+
+
+def _picture(seen: BodyView, frame: PaintFrame, lines: int) -> list[Row]:
+    """Face and views beside each other, the face compact where it would take all the room."""
+    lights = seen.outline.face
+    if lights is None:
+        return view_rows(seen, frame.glyphs, frame.width, lines)
+    columns, high = face_size(*lights, compact=False)
+    compact = columns + GAP + 2 * VIEW[0] > frame.width or high > lines
+    if compact:
+        columns, _ = face_size(*lights, compact=True)
+    face = face_rows(seen, frame.glyphs, compact=compact)
+    room = frame.width - columns - GAP
+    views = view_rows(seen, frame.glyphs, room, lines) if room >= 2 * VIEW[0] + GAP else []
+    return side_by_side([(face, columns), (views, max(0, room))], lines, frame.glyphs, GAP)

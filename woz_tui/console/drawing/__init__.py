@@ -1,0 +1,1 @@
+"""Text, signs, colours and how they get to the terminal."""

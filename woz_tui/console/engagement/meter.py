@@ -1,0 +1,265 @@
+"""Rows of the engagement model among the meters: state, then what is to be done, then why.
+
+How much of it is shown follows from the height alone, and every row has its place: nothing moves
+about while visitors come and go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import zip_longest
+
+from rich.cells import cell_len
+
+from woz_tui.console.drawing.cells import Piece, Row, clean, cut, fit
+from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
+from woz_tui.console.drawing.meter_rows import (
+    VALUE,
+    age_note,
+    hidden_row,
+    meter_row,
+    name_piece,
+    track_width,
+)
+from woz_tui.console.drawing.number_text import age, seconds
+from woz_tui.console.engagement.sign_bars import LEAST, distance_bar, queue_bar
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.engagement_text import (
+    USUAL_ATTENTION,
+    WORD,
+    change_reason,
+    count_text,
+    is_nobody_there,
+    is_used,
+    run_piece,
+    sign_verdict,
+    signs_of,
+    state_row,
+    state_sentence,
+)
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.proxemics import zone
+from woz_tui.session.redactor import HIDDEN, KEPT, perceived_kind
+
+#: Lines from which path and reason have a row each, and from which each sign has one.
+MIDDLE, FULL = 8, 14
+#: What was heard stays for so long where it shares its row with the path, in microseconds.
+HEARD_US = 30_000_000
+#: Cells of a sign without its bar: mark, word, blanks.
+_SIGN = 9
+_WORD = 7
+
+#: Draws the rows of the loudness, given what is said of speech.
+Loudness = Callable[[ConsoleState, PaintFrame, str], list[Row]]
+
+
+def block_rows(
+    state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, loudness: Loudness
+) -> dict[str, list[Row]]:
+    """The parts for a session with a model; `loudness` draws the rows that are not the model's."""
+    speech = _speech(state, frame)
+    loud = loudness(state, frame, speech)
+    unheard = "" if loud else speech
+    rows = [_state(state, shown, frame)]
+    heard: list[Row] = []
+    if frame.height >= FULL:
+        rows.append((name_piece("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
+        rows += [_why(state, frame), *_singles(state, shown, frame)]
+        heard.append((name_piece("heard"), *_transcript_row(state, frame)))
+    else:
+        rows.append(_now_or_heard(state, shown, frame, unheard))
+        if frame.height >= MIDDLE:
+            rows.append(_why(state, frame))
+        rows += _pairs(state, shown, frame)
+    distance = _distance(state, shown, frame)
+    return {"engagement": rows, "distance": distance, "loudness": loud, "heard": heard}
+
+
+# -- state, waiting, path, why ------------------------------------------------------------------
+
+
+def _state(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
+    """The state as a sentence and for how long; the attempt of a handshake."""
+    glyphs = frame.glyphs
+    row = state_row(state.engaged, shown, frame.now, glyphs, frame.width - 1)
+    if state.lost:
+        told = state_sentence(shown.state, shown.visitor, glyphs)
+        row = ((f"{glyphs.stale} {told}", "stale"),)
+    attempt = f" attempt {shown.attempt}" if shown.attempt else ""
+    return ((" ", "plain"), *row, (attempt, "muted"))
+
+
+def _speech(state: ConsoleState, frame: PaintFrame) -> str:
+    """`speech 3.1 s` while somebody speaks."""
+    segment = None if state.lost else state.engaged.speaking(frame.now)
+    return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
+
+
+def _now(shown: m.EngagementShown, frame: PaintFrame, unheard: str) -> list[Piece]:
+    """What asks for the wizard at this moment."""
+    glyphs = frame.glyphs
+    found: list[Piece] = []
+    if (run := run_piece(shown, glyphs, terse=frame.height < FULL)) is not None:
+        found += [("  ", "plain"), run]
+    if unheard:
+        found += [("  ", "plain"), (f"{glyphs.yes} {unheard}", "good")]
+    if shown.attention not in ("", USUAL_ATTENTION):
+        found += [("  ", "plain"), (clean(shown.attention), "wait")]
+    return found[1:]
+
+
+def _now_or_heard(
+    state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, unheard: str
+) -> Row:
+    """What asks for the wizard now with what was just heard, or else what was heard last."""
+    heard = state.engaged.transcripts()
+    recent = bool(heard) and frame.now - heard[0].t < HEARD_US
+    now = _now(shown, frame, unheard)
+    if now and recent:
+        now += [("  ", "plain"), quoted(heard[0], frame.glyphs)]
+    return ((" ", "plain"), *(now or _transcript_row(state, frame)))
+
+
+def _dash(frame: PaintFrame) -> Piece:
+    return (frame.glyphs.dash, "faint")
+
+
+def _why(state: ConsoleState, frame: PaintFrame) -> Row:
+    """Why the last change came about."""
+    changes = state.engaged.changes
+    last = changes[-1] if changes else state.session.model.changed
+    if last is None:
+        return (name_piece("why"), _dash(frame))
+    hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
+    return (name_piece("why"), *hand, (frame.glyphs.plain(clean(change_reason(last))), "muted"))
+
+
+def _transcript_row(state: ConsoleState, frame: PaintFrame) -> Row:
+    """What was understood last, and when."""
+    if state.perception.hides("transcript"):
+        return ((HIDDEN, "faint"),)
+    so_far = _so_far(state, frame)
+    if so_far:
+        glyphs = frame.glyphs
+        said = glyphs.plain(clean(so_far))
+        return ((f"{glyphs.opening}{said} {glyphs.ellipsis}", "good"),)
+    heard = state.engaged.transcripts()
+    if not heard:
+        return (_dash(frame),)
+    last = heard[0]
+    return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
+
+
+def _so_far(state: ConsoleState, frame: PaintFrame) -> str:
+    """What was understood up to now of what is being said, where a driver tells."""
+    segment = None if state.lost else state.engaged.speaking(frame.now)
+    if segment is None:
+        return ""
+    found = [state.sensor(name) for name in state.sensors if perceived_kind(name) == "transcript"]
+    return next(
+        (
+            sensor.text
+            for sensor in found
+            if sensor is not None and sensor.driver == segment.driver and sensor.t >= segment.begin
+        ),
+        "",
+    )
+
+
+def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:
+    """What somebody said, in quotation marks."""
+    said = glyphs.plain(clean(heard.text))
+    return (f"{glyphs.opening}{said}{glyphs.closing}", "run")
+
+
+# -- signs --------------------------------------------------------------------------------------
+
+
+def _pairs(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+    """Two signs in a row: mark, word, fill of the queue."""
+    half = replace(frame, width=(frame.width - 2) // 2)
+    found = [((" ", "plain"), *_pair(name, shown, state, half)) for name in signs_of(shown)]
+    return [
+        (*first, *second) for first, second in zip_longest(found[::2], found[1::2], fillvalue=())
+    ]
+
+
+def _pair(name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame) -> Row:
+    sign, glyphs = shown.signs[name], frame.glyphs
+    found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
+    is_named = name == "identity" and found.look == "good"
+    word = found.word if is_named else WORD[name]
+    front: Piece = (f"{found.sign} {fit(word, _WORD - 1, glyphs.ellipsis)} ", found.look)
+    room = frame.width - _SIGN
+    if room < LEAST:
+        return cut((front,), frame.width, glyphs.ellipsis)
+    if not is_used(name, shown):
+        back: Row = (("not used", "faint"),)
+    elif sign.filter == KEPT:
+        back = ((HIDDEN, "faint"),)
+    elif sign.forced:
+        back = ((f"{glyphs.forced} by hand", "wait"),)
+    elif found.look == "stale":
+        back = ((found.word, "stale"),)
+    else:
+        back = queue_bar(sign, room, glyphs)
+    return cut((front, *back), frame.width, glyphs.ellipsis)
+
+
+def _singles(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+    """A row for each sign: name, fill of the queue, verdict with its count."""
+    return [_single(name, shown, state, frame) for name in signs_of(shown)]
+
+
+def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame) -> Row:
+    sign, glyphs = shown.signs[name], frame.glyphs
+    found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
+    quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
+    bar = queue_bar(sign, track_width(frame), glyphs, "muted" if quiet else "good")
+    if not is_used(name, shown):
+        return meter_row(WORD[name], bar, "not used", "faint")
+    if sign.forced:
+        return meter_row(WORD[name], bar, f"{found.sign} {found.word} {glyphs.forced} hand", "wait")
+    value = f"{found.sign} {found.word}"
+    counted = f"{value} {count_text(sign)}"
+    if found.look != "stale" and cell_len(counted) <= VALUE - 2:
+        value = counted
+    return meter_row(WORD[name], bar, value, found.look)
+
+
+def _distance(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+    """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
+    sign = shown.signs.get("distance")
+    if sign is not None and state.sensor("distance") and state.perception.keeps("distance"):
+        return [_hidden_distance(state, frame)]
+    if sign is None or (sign.raw is None and state.sensor("distance") is None):
+        return []
+    stale = bool(state.lost) or sign.stale
+    bar = distance_bar(
+        sign.raw,
+        shown.social_distance,
+        track_width(frame),
+        frame.glyphs,
+        stale=stale,
+    )
+    if sign.raw is None:
+        return [meter_row("distance", bar, "nothing seen", "muted")]
+    figure = f"{sign.raw:.2f} m" if sign.raw < 100 else "far"
+    if sign.stale and not state.lost and is_nobody_there(shown):
+        bar = distance_bar(None, shown.social_distance, track_width(frame), frame.glyphs)
+        return [meter_row("distance", bar, "nobody there", "muted")]
+    if stale:
+        return [meter_row("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale")]
+    return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
+
+
+def _hidden_distance(state: ConsoleState, frame: PaintFrame) -> Row:
+    """Its place where the wizard does not see it, or only near and far."""
+    sensor = state.sensor("distance")
+    if sensor is None or state.perception.hides("distance"):
+        return hidden_row("distance", frame)
+    stale = state.is_stale(sensor, frame.now)
+    text = age_note(sensor, frame) if stale else sensor.text or "nothing seen"
+    bar: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
+    return meter_row("distance", bar, text, "stale" if stale else "plain")

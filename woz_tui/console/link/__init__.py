@@ -1,0 +1,1 @@
+"""The connection to the robot process: messages in, requests out."""

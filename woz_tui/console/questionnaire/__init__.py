@@ -1,0 +1,1 @@
+"""A questionnaire that somebody fills in: its pages, keys and answers."""

@@ -1,0 +1,183 @@
+"""Dialogs of a replay: go somewhere in the log, set a code, read the keys and about the log."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.fuzzy import Matcher
+
+from woz_tui.console.drawing.cells import Row, clean, fit
+from woz_tui.console.replay.timeline import sign_of
+from woz_tui.console.screens.choice import SearchDialog
+from woz_tui.console.screens.dialog import Dialog, ReportDialog
+from woz_tui.console.screens.help import HelpDialog
+from woz_tui.console.screens.note import NoteDialog
+from woz_tui.console.state.replay import TimelinePlace, wall_time
+from woz_tui.protocol.requests import AskMarker, AskReplay, Reply
+from woz_tui.protocol.welcome import ReplayedLog
+from woz_tui.replay.seek import time_of
+from woz_tui.system.text_cleaning import elapsed
+
+TIME, SORT = 8, 14
+
+
+class GoDialog(SearchDialog[TimelinePlace]):
+    """Type `12:34`, or a few letters of a marker; arrows choose among all places."""
+
+    heading = "Go to"
+    hint = "enter goes there · arrows choose · ctrl+q closes"
+    placeholder = "12:34, or a few letters of a marker, note, trial, stop ..."
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("pageup", "choose(-10)", priority=True),
+        Binding("pagedown", "choose(10)", priority=True),
+    ]
+
+    def matching(self, typed: str) -> list[TimelinePlace]:
+        """All places; from a time that is typed on, or those that the letters stand for."""
+        replay = self.state.replay
+        places = list(replay.places) if replay is not None else []
+        t = time_of(typed)
+        if t is not None:
+            return [TimelinePlace(t, "time", "this time"), *(p for p in places if p.t >= t)]
+        matcher = Matcher(typed)
+        return [p for p in places if not typed or matcher.match(f"{p.sort} {p.text}")]
+
+    def first(self, typed: str) -> int:
+        """The next one after now, as long as nothing is typed."""
+        later = (n for n, place in enumerate(self.shown) if place.t > self.now)
+        return 0 if typed else next(later, len(self.shown) - 1)
+
+    def line(self, item: TimelinePlace) -> Content:
+        """Its time, its sort, its text."""
+        sign, look = sign_of(item.sort, self.glyphs)
+        colour = {"bad": "bold $woz-bad", "plain": ""}.get(look, f"$woz-{look}")
+        return Content.assemble(
+            fit(elapsed(item.t), TIME, right=True),
+            "  ",
+            (sign, colour),
+            "  ",
+            (fit(item.sort, SORT, self.glyphs.ellipsis), "$woz-muted"),
+            clean(item.text),
+        )
+
+    def chose(self, item: TimelinePlace | None, typed: str) -> None:
+        """Go to it, or to what was typed."""
+        to = f"{item.t / 1_000_000:.6f}" if item is not None else typed
+        if to:
+            self.requests.ask(AskReplay(what="go", to=to))
+
+
+class _PausesReplay(Dialog):
+    """Stands still while it is open, and goes on if it went."""
+
+    _played = _over = False
+
+    def on_mount(self) -> None:
+        """Stand still."""
+        self.requests.ask(AskReplay(what="hold"), self._held)
+
+    def _held(self, reply: Reply) -> None:
+        self._played = isinstance(reply.data, dict) and reply.data.get("plays") is True
+        if self._over:
+            self._go_on()
+
+    def closing(self) -> None:
+        """Go on; a dialog may close before it has the reply."""
+        super().closing()
+        self._over = True
+        self._go_on()
+
+    def _go_on(self) -> None:
+        if self._played:
+            self._played = False
+            self.requests.ask(AskReplay(what="pause"))
+
+
+class CodeDialog(_PausesReplay, SearchDialog[str]):
+    """Type a code, or choose one that was set before."""
+
+    heading = "Code"
+    hint = "enter sets it · arrows choose · ctrl+q closes"
+    placeholder = 'a code, e.g. smiles; or tier: code, e.g. gaze: robot ("gaze:" ends it)'
+
+    def matching(self, typed: str) -> list[str]:
+        """What is typed, then codes of before that begin so, the latest in the log first."""
+        replay = self.state.replay
+        places = replay.places if replay is not None else ()
+        before = dict.fromkeys(place.text for place in reversed(places) if place.sort == "code")
+        found = [code for code in before if code.casefold().startswith(typed.casefold())]
+        return list(dict.fromkeys([typed, *found])) if typed else found
+
+    def line(self, item: str) -> Content:
+        """The code."""
+        return Content(clean(item))
+
+    def chose(self, item: str | None, typed: str) -> None:
+        """Set it."""
+        text = item or typed.strip()
+        if text:
+            self.requests.ask(AskMarker(text=text))
+
+
+class CodeNoteDialog(_PausesReplay, NoteDialog):
+    """Type a sentence about this moment; it goes into the file of codes."""
+
+    hint = "enter writes it beside the log · ctrl+q closes"
+
+
+NAME = 14
+
+
+class ReplayHelp(HelpDialog):
+    """The keys of the replay, then those of the session as they were."""
+
+    heading = "Keys of the replay"
+
+    def lines(self) -> list[Row]:
+        """Key and meaning, one a line."""
+        first, *others = super().lines()
+        del first
+        return [(("Replay: the keys of the panels play nothing", "title"),), *others]
+
+    def _by_hand(self) -> list[Row]:
+        """None: a replay has no overrides."""
+        return []
+
+
+class AboutDialog(ReportDialog):
+    """The log: which session, which experiment, how whole it is."""
+
+    heading = "This log"
+    hint = "ctrl+q closes"
+    size_class = "wide"
+
+    def lines(self) -> list[Row]:
+        """One fact a line; what is missing in full sentences."""
+        state, told = self.state, self.state.settings.replay or ReplayedLog()
+        began = wall_time(state.settings, 0)
+        start = state.session.start
+        length = elapsed(state.replay.length_us) if state.replay is not None else ""
+        facts = {
+            "log": state.log,
+            "began": f"{began:%Y-%m-%d %H:%M:%S} UTC" if began is not None else "",
+            "length": length,
+            "session": start.session if start is not None else "",
+            "participant": state.participant,
+            "condition": state.condition,
+            **{name: getattr(told, name) for name in ("wizard", "experiment", "software")},
+        }
+        rows: list[Row] = [
+            ((fit(name, NAME), "muted"), (clean(str(value)), "plain"))
+            for name, value in facts.items()
+            if value not in ("", None)
+        ]
+        return [*rows, (), *self._state()]
+
+    def _state(self) -> list[Row]:
+        told = self.state.settings.replay or ReplayedLog()
+        if not told.notes:
+            return [((f"{self.glyphs.yes} ", "good"), ("The log is complete.", "plain"))]
+        mark = (f"{self.glyphs.warning} ", "warn")
+        return [(mark, (clean(note), "plain")) for note in told.notes]

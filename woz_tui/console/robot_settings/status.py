@@ -1,0 +1,63 @@
+"""Says in a few words whether a robot's settings are as requested."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.cells import cell_len
+
+from woz_tui.console.drawing.cells import clean
+from woz_tui.protocol.messages import SettingsShown
+
+if TYPE_CHECKING:
+    from woz_tui.console.state.console_state import ConsoleState
+
+#: Cells that names of settings, or a conflict in short, may take in the status line; what is longer
+#: is counted.
+NAMED = 30
+
+
+def is_stale(state: ConsoleState, driver: str) -> bool:
+    """Whether the robot's settings are old: the robot or the robot process is not connected."""
+    return bool(state.lost) or state.health(driver) not in ("connected", "faulted")
+
+
+def trouble_words(robot: SettingsShown, names: str = "", first: str = "") -> str:
+    """`2 settings differ, 1 conflict`, or nothing. `names` stand instead of the settings' count,
+    `first` instead of the first conflict's.
+    """
+    differ, conflicts = len(robot.wanted), len(robot.conflicts)
+    found = []
+    if differ:
+        count = "1 setting differs" if differ == 1 else f"{differ} settings differ"
+        found.append(f"{names} not as wanted" if names else count)
+    if conflicts and first:
+        found.append(first if conflicts == 1 else f"{first}, {conflicts - 1} more")
+    elif conflicts:
+        found.append("1 conflict" if conflicts == 1 else f"{conflicts} conflicts")
+    return ", ".join(found)
+
+
+def driver_trouble(state: ConsoleState, driver: str) -> str:
+    """The same of a driver, with the names of what differs and the first conflict if they are
+    short; nothing where what it told is old.
+    """
+    robot = state.session.robots.shown.get(driver)
+    if robot is None or is_stale(state, driver):
+        return ""
+    return trouble_words(robot, _names(state, driver, robot), _gist(robot))
+
+
+def _gist(robot: SettingsShown) -> str:
+    """What comes before the colon of the first conflict, the gravest: the motors are off."""
+    gist, colon, _ = clean(robot.conflicts[0]).partition(": ") if robot.conflicts else ("", "", "")
+    return gist if colon and cell_len(gist) <= NAMED else ""
+
+
+def _names(state: ConsoleState, driver: str, robot: SettingsShown) -> str:
+    """Labels of the settings that are not as requested; nothing if they take too much room."""
+    outline = state.robot_outlines.get(driver)
+    labels = {} if outline is None else {line.name: line.label for line in outline.settings}
+    told = [clean(labels.get(name, "")) for name in robot.wanted]
+    names = ", ".join(label[:1].lower() + label[1:] for label in told)
+    return names if all(told) and cell_len(names) <= NAMED else ""

@@ -1,0 +1,207 @@
+"""View models of a robot's settings: value, signs and sentences of each line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from woz_tui.console.drawing.cells import Piece, clean
+from woz_tui.console.drawing.glyphs import Glyphs
+from woz_tui.console.drawing.number_text import age
+from woz_tui.console.robot_settings.lines import (
+    CONNECTION,
+    LineKind,
+    SettingLine,
+    bare_address,
+    lines_of,
+)
+from woz_tui.console.robot_settings.requests import SettingRequests
+from woz_tui.console.robot_settings.status import is_stale, trouble_words
+from woz_tui.console.robot_settings.step_sizes import ArrowSteps
+from woz_tui.console.robot_settings.values import allowed_values, color_of, value_text
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.remedy_text import remedy_text
+from woz_tui.protocol.messages import Json, SettingsShown
+from woz_tui.protocol.panels import covers_verb
+from woz_tui.protocol.robot_outline import RobotOutline
+
+
+@dataclass(frozen=True, slots=True)
+class LineView:
+    """One line: its value, the colour (`#rrggbb`) to go with it, signs behind it, and what is said
+    of it at the bottom while it is chosen. `fixed`: it is only shown.
+    """
+
+    section: str
+    label: str
+    value: str
+    color: str = ""
+    stale: bool = False
+    fixed: bool = False
+    signs: tuple[Piece, ...] = ()
+    about: tuple[Piece, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class RobotView:
+    """One robot: how it is (`state`), how much is wrong with its settings (`count`), conflicts
+    between them or else why it is not there, its lines.
+    """
+
+    driver: str
+    state: Piece
+    count: str
+    conflicts: tuple[str, ...]
+    lines: tuple[LineView, ...]
+
+
+class SettingViewer:
+    """Describes robots of the console state; `arrows` and `requests` tell what it does not know."""
+
+    def __init__(
+        self, state: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, requests: SettingRequests
+    ) -> None:
+        self._picture, self._glyphs = state, glyphs
+        self._arrows, self._requests = arrows, requests
+
+    def lines(self, driver: str, outline: RobotOutline) -> list[SettingLine]:
+        """All lines; in a replay those of the robot's own settings."""
+        found = lines_of(outline, self._picture.verbs.get(driver, ()))
+        if self._picture.replay is None:
+            return found
+        return [line for line in found if line.kind is LineKind.SETTING]
+
+    def value(self, driver: str, line: SettingLine) -> Json:
+        """The value from which an arrow key goes on: the requested one, else the robot's."""
+        if line.kind is LineKind.STEP:
+            return self._arrows.value(line.setting.name)
+        awaited = self._requests.awaited(driver, line)
+        name = "robot" if line.kind is LineKind.ADDRESS else line.setting.name
+        return self._robot(driver).values.get(name) if awaited is None else awaited
+
+    def locked(self, driver: str, line: SettingLine) -> str:
+        """The panel whose lock covers the line's verb of this driver, or nothing."""
+        if line.kind is LineKind.STEP or not line.setting.verb:
+            return ""
+        return locked_by(self._picture, line.setting.verb, driver)
+
+    def see(self, driver: str, outline: RobotOutline, now: int) -> RobotView:
+        """The robot as it is at `now`, session time."""
+        robot = self._robot(driver)
+        stale = is_stale(self._picture, driver)
+        lines = tuple(self._line(driver, line, stale) for line in self.lines(driver, outline))
+        count = "" if stale else trouble_words(robot)
+        sentences = self._why(driver) if stale else tuple(robot.conflicts)
+        return RobotView(driver, self._state(driver, now), count, sentences, lines)
+
+    def _robot(self, driver: str) -> SettingsShown:
+        shown = self._picture.session.robots.shown.get(driver)
+        return shown or SettingsShown(driver=driver, values={})
+
+    def _state(self, driver: str, now: int) -> Piece:
+        if (lost := self._picture.lost) is not None:
+            return f"{self._glyphs.error} {lost.part.sentence}", "bad"
+        known = self._picture.drivers.get(driver)
+        health = self._picture.health(driver)
+        if known is None or health == "unknown":
+            return f"{self._glyphs.no} not heard of yet", "muted"
+        if health == "connected":
+            return f"{self._glyphs.yes} {known.detail or 'connected'}", "good"
+        if health == "lost":
+            return f"{self._glyphs.error} lost {age(now - known.t)} ago", "bad"
+        why = f": {known.detail}" if known.detail and health == "faulted" else ""
+        return f"{self._glyphs.warning} {health}{why}", "warn"
+
+    def _why(self, driver: str) -> tuple[str, ...]:
+        """Why a robot is not there and what to do, whole: the reason of a loss takes a line."""
+        known = self._picture.drivers.get(driver)
+        if self._picture.lost or known is None:
+            return ()
+        remedy = remedy_text(known.remedy, self._picture)
+        return tuple(text for text in (known.detail, remedy) if text)
+
+    def _line(self, driver: str, line: SettingLine, stale: bool) -> LineView:
+        setting, glyphs = line.setting, self._glyphs
+        robot = self._robot(driver)
+        read = line.kind is LineKind.SETTING
+        value = robot.values.get(setting.name) if read else None
+        if line.kind is LineKind.STEP:
+            value = self._arrows.value(setting.name)
+        text = value_text(setting, value, glyphs) if read or line.kind is LineKind.STEP else ""
+        if line.kind is LineKind.ROBOT and self._is_connected(robot, setting.name):
+            text = f"{glyphs.yes} this one"
+        wanted = ""
+        if read and not stale and setting.name in robot.wanted:
+            wanted = value_text(setting, robot.wanted[setting.name], glyphs)
+        old = stale and line.kind is not LineKind.STEP
+        signs, sentences = self._trouble(driver, line, text, wanted)
+        return LineView(
+            setting.section,
+            _label(line),
+            f"{glyphs.stale} {text}" if old and text not in ("", glyphs.dash) else text,
+            color="" if old or setting.kind != "color" else color_of(value),
+            stale=stale and read,
+            fixed=read and not line.is_set,
+            signs=tuple(signs),
+            about=(*sentences, *self._about(line)),
+        )
+
+    def _is_connected(self, robot: SettingsShown, address: str) -> bool:
+        here = robot.values.get("robot")
+        return isinstance(here, str) and bare_address(here) == bare_address(address)
+
+    def _trouble(
+        self, driver: str, line: SettingLine, text: str, wanted: str
+    ) -> tuple[list[Piece], list[Piece]]:
+        """Signs behind a line: locked; else: asked for, otherwise than wanted, refused. And what
+        is wrong in sentences.
+        """
+        glyphs, refusal = self._glyphs, self._requests.refusal(driver, line)
+        signs: list[Piece] = []
+        sentences: list[Piece] = []
+        if refusal:
+            sentences.append((f"{glyphs.refused} Not done: {refusal}", "bad"))
+        if panel := self.locked(driver, line):
+            signs = [(f"{glyphs.locked} locked with {panel}", "warn")]
+            sentences.append((f"{glyphs.locked} Unlock {panel} to change it.", "warn"))
+        if wanted:
+            sentence = f"{glyphs.warning} Wanted: {wanted}; the robot has {text}."
+            sentences.append((sentence, "warn"))
+        if panel:
+            return signs, sentences
+        if (awaited := self._requests.awaited(driver, line)) is not None:
+            asked = value_text(line.setting, awaited, glyphs) if line.is_set else "asked"
+            signs.append((f"{glyphs.next} {asked}", "run"))
+        elif wanted:
+            signs.append((f"{glyphs.warning} wanted {wanted}", "warn"))
+        if refusal:
+            signs.append((f"{glyphs.refused} {refusal}", "bad"))
+        return signs, sentences
+
+    def _about(self, line: SettingLine) -> tuple[Piece, ...]:
+        words = [line.setting.help, allowed_values(line.setting) if line.is_set else ""]
+        if line.kind is LineKind.SETTING and not line.is_set:
+            connects = line.setting.verb == "connect"
+            words.append(f"chosen under {CONNECTION}" if connects else "only shown")
+        if line.setting.section == CONNECTION:
+            words.append(_CONNECTION[line.kind])
+        told = "; ".join(filter(None, words))
+        return ((self._glyphs.plain(told), "muted"),) if told else ()
+
+
+_CONNECTION = {
+    LineKind.ROBOT: "enter connects to this robot",
+    LineKind.ADDRESS: "enter asks for the address of any robot",
+    LineKind.DISCONNECT: "enter lets go of the robot; it is not looked for any more",
+}
+
+
+def _label(line: SettingLine) -> str:
+    """An address stays as it is; everything else begins with a capital letter."""
+    label = line.setting.label
+    return label if line.kind is LineKind.ROBOT else label[:1].upper() + label[1:]
+
+
+def locked_by(state: ConsoleState, verb: str, driver: str) -> str:
+    """The title of a locked panel that covers `verb` of `driver`, or nothing."""
+    covering = (panel for panel in state.panels if covers_verb(panel.covers, verb, driver))
+    return next((clean(panel.title) for panel in covering if state.is_locked(panel)), "")

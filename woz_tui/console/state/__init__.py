@@ -1,0 +1,1 @@
+"""What the console knows, and its words for it; nothing here draws."""

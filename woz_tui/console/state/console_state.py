@@ -1,0 +1,785 @@
+"""What the screen shows, as plain data: what holds in the session, and what only a screen needs.
+
+Nothing here draws, waits or looks at a clock. All times are microseconds on the session's `t`
+axis; `ConsoleState.now` turns a local clock into that axis, so that things can age between
+messages. Messages may come in any order, twice or not at all: the state takes what it can from each
+and never raises.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from operator import itemgetter
+
+import msgspec
+
+from woz_tui.console.drawing.number_text import seconds
+from woz_tui.console.link.message_feed import Incoming, Loss
+from woz_tui.console.state.command_text import spoken_text
+from woz_tui.console.state.driver_outlines import Outline, outlines_of, robots_of
+from woz_tui.console.state.engagement import EngagementView
+from woz_tui.console.state.event_sentences import EventLine, event_line, explained
+from woz_tui.console.state.replay import ReplayState, updated
+from woz_tui.console.state.running_actions import ActiveRun, RunningActions, RunOutcome
+from woz_tui.console.state.stop_confirmation import short_names
+from woz_tui.console.state.study import StudyView
+from woz_tui.console.state.view_models import (
+    STALE_US,
+    ButtonState,
+    ButtonView,
+    DriverView,
+    SensorView,
+)
+from woz_tui.console.state.wizard_overrides import toggled_text
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import GatedCall, PlayAction, RequestOrigin
+from woz_tui.gate.table import why_not
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.protocol.codec import WireError, decode_message
+from woz_tui.protocol.markup import sentence
+from woz_tui.protocol.panel_players import panel_players, part_names, verb_players
+from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.refusal import Refusal
+from woz_tui.protocol.robot_outline import RobotOutline
+from woz_tui.protocol.welcome import Allowance, WelcomeSettings
+from woz_tui.session.redactor import PerceptionFilter, Redactor
+from woz_tui.timeline.episodes import LostDriverEpisode, StopEpisode, keep_latest
+from woz_tui.timeline.session_state import SessionState
+
+#: What may be used where no profile is in use.
+EVERYTHING = "everything"
+#: What a profile names -> before the names; in this order.
+_KINDS = {"panels": "panels", "actions": "actions", "controls": "knobs", "verbs": "by themselves"}
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileList:
+    """Names in the file's order; `current` is empty where everything may be used. `allows` has
+    what each profile names, as far as the robot process tells.
+    """
+
+    current: str = ""
+    names: tuple[str, ...] = ()
+    allows: Mapping[str, Allowance] = field(default_factory=dict)
+
+    @property
+    def offered(self) -> tuple[str, ...]:
+        """What can be chosen: everything (an empty name), the file's profiles, and the one in use
+        if it has gone from the file.
+        """
+        return tuple(dict.fromkeys(("", *self.names, self.current)))
+
+    def words(self, name: str) -> str:
+        """What the profile allows; empty where nobody has told."""
+        if not name:
+            return "no profile: every panel, knob and verb"
+        if name not in self.names:
+            return "not in the file any more"
+        told = self.allows.get(name)
+        if told is None:
+            return ""
+        parts = [
+            f"{word}: {', '.join(map(str, names))}"
+            for kind, word in _KINDS.items()
+            if (names := getattr(told, kind))
+        ]
+        return "; ".join([*parts, "the rest is hidden"] if told.hide else parts)
+
+
+#: How long an action that is over still shows how it ended.
+DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
+#: Events kept for the list; the log on disk has them all.
+EVENTS = 400
+#: Commands whose end is remembered: of those that a dialog waits for there are a few at a time.
+ENDS = 64
+#: Events that may tell what the wizard was not to see, when that changes in the middle.
+_TELLING = ("info", "forced", "heard")
+_LINGER = {"done": DONE_US, "sent": DONE_US, "refused": REFUSED_US} | dict.fromkeys(
+    ("stopped", "replaced", "waits", "left_out"), STOPPED_US
+)
+
+
+@dataclass(slots=True)
+class ConsoleState:
+    """Everything the console knows. Fields are for reading; `apply` changes them."""
+
+    #: What holds, as far as the wizard may know it.
+    session: SessionState = field(default_factory=SessionState)
+    title: str = ""
+    #: What the robot process calls this console, and whether it plays or watches.
+    console: str = ""
+    role: str = ""
+    #: The part that it plays, or would if it played; empty: none in particular.
+    part: str = ""
+    log: str = ""
+    welcomed: bool = False
+    #: Who took part in the session before, if the robot process was lost meanwhile.
+    before: str = ""
+    panels: tuple[PanelView, ...] = ()
+    #: Lines of each script, by the phase whose it is; the file's own has no name.
+    scripts: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    #: Driver -> the verbs it offers.
+    verbs: dict[str, list[str]] = field(default_factory=dict)
+    variables: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    keyboard: str = "us"
+    settings: WelcomeSettings = field(default_factory=WelcomeSettings)
+    #: What the wizard does not get to see.
+    perception: PerceptionFilter = field(default_factory=PerceptionFilter)
+    #: What drivers look like.
+    outlines: dict[str, Outline] = field(default_factory=dict)
+    robot_outlines: dict[str, RobotOutline] = field(default_factory=dict)
+    #: What only a screen needs of study, engagement model and actions.
+    study: StudyView = field(init=False)
+    engaged: EngagementView = field(init=False)
+    runs: RunningActions = field(init=False)
+    #: How the last commands ended, by command.
+    ends: dict[str, m.End] = field(default_factory=dict)
+    events: deque[EventLine] = field(default_factory=lambda: deque(maxlen=EVENTS))
+    #: The last act of the wizard or of a program; once it is done, what is likely to follow.
+    act: str = ""
+    _then: tuple[str, ...] = ()
+    lost: Loss | None = None
+    #: Action -> its key, as a cap shows it.
+    keys: Mapping[str, str] = field(default_factory=dict)
+    #: Raised whenever panels or script are new, so that keys and layout follow.
+    edition: int = 0
+    #: How a replay stands, and its places to go to; None in a session.
+    replay: ReplayState | None = None
+    #: How fast the session's time goes on: 1, or the speed of a replay, which may stand still.
+    rate: float = 1.0
+    _t: int = 0
+    _local: int = 0
+
+    def __post_init__(self) -> None:
+        session = self.session
+        self.study, self.engaged, self.runs = (
+            StudyView(session),
+            EngagementView(session),
+            RunningActions(session),
+        )
+
+    # -- what holds -------------------------------------------------------------------------
+
+    @property
+    def line(self) -> str:
+        """What stands between this console and its terminal: tmux, screen or mosh, or nothing."""
+        attached = self.session.consoles.get(self.console)
+        return attached.line if attached is not None else ""
+
+    @property
+    def participant(self) -> str:
+        """The participant's code; empty while nobody has set one."""
+        return self.session.study.participant
+
+    @property
+    def condition(self) -> str:
+        """As the wizard may know it."""
+        return self.session.study.condition
+
+    @property
+    def trial(self) -> int | None:
+        """The number that was begun or set last."""
+        return self.session.study.number
+
+    @property
+    def ended(self) -> str:
+        """Why the session has ended; empty: it goes on."""
+        end = self.session.end
+        return (end.reason or "ended") if end is not None else ""
+
+    @property
+    def stop(self) -> StopEpisode | None:
+        """The stop while it is latched."""
+        return self.session.stop
+
+    @property
+    def phase(self) -> PhaseView | None:
+        """The phase that holds, as the file has it."""
+        begun = self.session.study.phase
+        phases = self.settings.phases if begun is not None else ()
+        return next((each for each in phases if begun and each.name == begun.label), None)
+
+    @property
+    def without_phase(self) -> bool:
+        """Whether the file has phases and none holds."""
+        return bool(self.settings.phases) and self.session.study.phase is None
+
+    @property
+    def front(self) -> tuple[PanelView, ...]:
+        """The panels in front: without those that only other phases have there."""
+        phase = self.phase
+        if phase is None or not phase.panels:
+            return self.panels
+        others = {title for each in self.settings.phases for title in each.panels}
+        others -= {*phase.panels}
+        return tuple(panel for panel in self.panels if panel.title not in others)
+
+    @property
+    def script_name(self) -> str:
+        """Whose script Space plays: the phase's, or the file's (empty)."""
+        phase = self.phase
+        return phase.name if phase is not None and phase.script else ""
+
+    @property
+    def script(self) -> tuple[str, ...]:
+        """The lines of the script that Space plays."""
+        return self.scripts.get(self.script_name, ())
+
+    @property
+    def played(self) -> Collection[int]:
+        """Those of its lines that were played, from 0."""
+        moved = self.session.scripts.get(self.script_name)
+        old = range(self.position) if moved is not None else ()
+        return moved.played if moved is not None and moved.played is not None else old
+
+    @property
+    def halted(self) -> str:
+        """How the next line ended when it was played: the script stands still at it."""
+        moved = self.session.scripts.get(self.script_name)
+        return moved.halted if moved is not None else ""
+
+    @property
+    def position(self) -> int:
+        """The script's next line, from 0; its length at the end."""
+        moved = self.session.scripts.get(self.script_name)
+        return 0 if moved is None else max(0, min(moved.position, len(self.script)))
+
+    @property
+    def profiles(self) -> ProfileList:
+        """Those of the experiment file, and the one in use."""
+        settings, changed = self.settings, self.session.profile_changed
+        told = ProfileList(settings.profile, tuple(settings.profiles), settings.allows)
+        return told if changed is None else replace(told, current=changed.profile)
+
+    @property
+    def drivers(self) -> dict[str, DriverView]:
+        """Those of the robot file, and whoever else was heard of."""
+        listed = self.session.plan.drivers if self.session.plan is not None else ()
+        names = dict.fromkeys((*listed, *self.session.drivers))
+        return {name: self._driver(name) for name in names}
+
+    @property
+    def short_names(self) -> dict[str, str]:
+        """Driver -> what the screen calls it where room is short."""
+        return short_names(self.drivers)
+
+    def _driver(self, name: str) -> DriverView:
+        driver = self.session.drivers.get(name)
+        if driver is None:
+            return DriverView(name)
+        health = driver.health
+        return DriverView(name, driver.state, health.detail, health.remedy, driver.since.t)
+
+    @property
+    def sensors(self) -> list[str]:
+        """Names of those that have given a reading, or of which a state is known."""
+        return sorted({*self.session.readings, *self.session.sensors})
+
+    def sensor(self, name: str) -> SensorView | None:
+        """The sensor of this name, if it was heard of."""
+        session = self.session
+        reading, changed = session.readings.get(name), session.sensors.get(name)
+        state = session.sensor_state(name) if changed is not None else ""
+        if reading is None:
+            return SensorView(name, changed.t, state=state) if changed is not None else None
+        known = (reading.t, reading.value, reading.text, reading.unit, reading.driver)
+        every = round(changed.every_s * 1_000_000) if changed is not None else 0
+        return SensorView(name, *known, state, every)
+
+    # -- time -------------------------------------------------------------------------------
+
+    def now(self, local_us: int) -> int:
+        """The session's `t` at the local clock's `local_us`."""
+        return self._t + round(max(0, local_us - self._local) * self.rate)
+
+    def _tie_clocks(self, t: int, local_us: int) -> None:
+        """Tie the clocks: forward at once, back only if they are far apart (a paused feed)."""
+        behind = self.now(local_us) - t
+        if behind < 0 or behind > STALE_US:
+            self._t, self._local = t, local_us
+
+    def _pulse(self, pulse: r.Pulse, local_us: int) -> None:
+        if pulse.rate != self.rate:
+            self._t, self._local, self.rate = pulse.t, local_us, pulse.rate
+        self._tie_clocks(pulse.t, local_us)
+
+    # -- reducing ---------------------------------------------------------------------------
+
+    def apply(self, batch: Iterable[Incoming], local_us: int) -> None:
+        """Work a batch in, oldest first; `local_us` is the local clock's time of arrival."""
+        for message in batch:
+            if isinstance(message, r.Welcome):
+                self._welcome(message, local_us)
+            elif isinstance(message, r.PanelsChanged):
+                self._panels(message)
+            elif isinstance(message, r.Pulse):
+                self._pulse(message, local_us)
+            elif isinstance(message, r.Replaying):
+                self.replay = updated(self.replay, message)
+            elif isinstance(message, m.Message):
+                if message.t >= 0 and not isinstance(message, m.Reading):
+                    self._tie_clocks(message.t, local_us)
+                self._message(message, tell=True)
+
+    def lose(self, loss: Loss) -> None:
+        """The connection to the robot process is gone."""
+        self.lost = loss
+
+    def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
+        """Begin anew; what the wizard has seen of this session stays seen."""
+        fresh = ConsoleState(edition=self.edition, before=self.participant or self.before)
+        seen, start = self.runs.seen, self.session.start
+        for name in self.__slots__:
+            setattr(self, name, getattr(fresh, name))
+        self._t, self._local = welcome.t, local_us
+        self.welcomed = True
+        self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
+        self.runs.console = self.console
+        self.variables = tuple(welcome.variables)
+        self.settings = welcome.settings
+        self.outlines = outlines_of(self.settings.outlines)
+        self.robot_outlines = robots_of(self.settings.outlines)
+        self.perception = PerceptionFilter.of(self.settings.study)
+        self._plan(welcome, welcome.drivers)
+        self._recall(welcome)
+        if self.session.start == start:  # else the numbers of runs have begun anew
+            self.runs.seen = seen
+        self.role, self.part = welcome.role, welcome.part  # whatever old lines say of it
+        self.study.read_news()  # old ones
+
+    def _recall(self, welcome: r.Welcome) -> None:
+        """What holds and the last lines, each once and in their order: only these are listed."""
+        held, recent = _decoded(welcome.state), _decoded(welcome.recent)
+        listed = {message.seq for message in recent if message.seq >= 0}
+        lines = [(each.seq, each, each.seq in listed) for each in held]
+        known = {each.seq for each in held}
+        place = -1
+        for each in recent:  # a code of a replay has no number: it comes behind the line before it
+            place = each.seq if each.seq >= 0 else place
+            if each.seq < 0 or each.seq not in known:
+                lines.append((place, each, True))
+        for _, message, tell in sorted(lines, key=itemgetter(0)):
+            self._message(message, tell)
+        # The last lines begin in the middle, so what holds is what the robot process says.
+        self._go_by(held)
+        self.study.follow()
+
+    def _go_by(
+        self,
+        lines: Iterable[m.Message],
+        see: Callable[[m.Message], m.Message | None] = lambda message: message,
+    ) -> None:
+        """Begin anew with what `lines` say that holds; which steps of an action are over, they do
+        not say.
+        """
+        before, fresh = self.session, SessionState()
+        if before.plan is not None:
+            fresh.apply(before.plan)
+        for line in lines:
+            if not isinstance(line, m.SessionPlan) and (seen := see(line)) is not None:
+                fresh.apply(seen)
+        fresh.t, fresh.actions, fresh.commands = before.t, before.actions, before.commands
+        self.session = self.study.session = self.engaged.session = self.runs.session = fresh
+
+    def _panels(self, changed: r.PanelsChanged) -> None:
+        before = self.settings
+        if before.engagement and not changed.engagement:
+            self.engaged.forget()  # the file has no such section any more
+        news = {name: getattr(changed, name) for name in r.PANEL_SETTINGS}
+        news = {name: value for name, value in news.items() if value is not None}
+        self.settings = msgspec.structs.replace(before, **news)
+        if changed.variables is not None:
+            self.variables = tuple(changed.variables)
+        if self.settings.study.blind and not before.study.blind:
+            self._go_by(self.session.messages(), Redactor(self.settings.study).message)
+            self._unsay()
+            if (given := self.session.study.assigned) is not None:
+                order = [*self.settings.study.assigned]  # by its labels
+                self.session.study.assigned = msgspec.structs.replace(given, order=order)
+        self._perceive(PerceptionFilter.of(self.settings.study))
+        plan = self.session.plan
+        self._plan(changed, plan.drivers if plan is not None else [])
+
+    def _perceive(self, perception: PerceptionFilter) -> None:
+        """Keep this from the wizard from now on, also what is on the screen already."""
+        if perception == self.perception:
+            return
+        self.perception = perception
+        redactor = Redactor()
+        redactor.perception = perception
+        self._go_by(self.session.messages(), redactor.message)
+        self.engaged.forget()
+        told = [event for event in self.events if event.mark not in _TELLING]
+        self.events = deque(told, maxlen=EVENTS)
+        self._unsay()
+
+    def _unsay(self) -> None:
+        """Take what was said from the list of events: it may tell what is kept from now on."""
+        for event in self.events:
+            event.utterance = ""
+
+    def _plan(self, plan: r.Welcome | r.PanelsChanged, drivers: list[str]) -> None:
+        self.title = plan.title
+        self.panels = tuple(plan.panels)
+        own = {phase.name: tuple(phase.script) for phase in self.settings.phases}
+        self.scripts = {"": tuple(plan.script), **own}
+        self.verbs = dict(plan.verbs)
+        self.conditions = tuple(plan.conditions)
+        self.keyboard = plan.keyboard
+        self.edition += 1
+        shown = m.SessionPlan(
+            title=plan.title,
+            panels=plan.panels,
+            script=plan.script,
+            verbs=plan.verbs,
+            variables=[*self.variables],
+            conditions=[*self.conditions],
+            keyboard=plan.keyboard,
+            drivers=drivers,
+            settings=self.settings,
+        )
+        self.session.apply(shown)
+        self.study.adopt()
+
+    def _message(self, message: m.Message, tell: bool) -> None:
+        if isinstance(message, m.SessionPlan):
+            return  # the console is told of it otherwise
+        if isinstance(message, m.PerceptionChanged):
+            self._perceive(PerceptionFilter(message.hidden, message.blurred))
+        if isinstance(message, m.Reading):  # hundreds a second, of which only the last are shown
+            self.session.apply(message)
+            return
+        recorder = self.session.recorder
+        lost = (
+            self.session.lost.get(message.driver)
+            if isinstance(message, m.DriverConnected)
+            else None
+        )
+        outcome = self.runs.apply(self.session.apply(message))
+        self.engaged.apply(message)
+        self.study.apply(message)
+        self._follow_up(message)
+        match message:
+            case m.End():
+                keep_latest(self.ends, message.command, message, ENDS)
+            case m.ActionRequested(run=run, action=name) if self.session.filled is not None:
+                self.runs.expect(run, self.sentence(name))
+            case m.Mistake():
+                for event in self.events:
+                    event.mistake = event.mistake or event.run == message.run != ""
+            case m.ConsoleLost(console=self.console):
+                self.role = "watcher"  # a console that gets the news of its own loss lives on
+            case m.ConsoleAttached(console=self.console):
+                self.role, self.part = message.role, message.part  # it has taken over
+            case m.RecorderState() if recorder is not None:
+                # Only how far it lags is different: no news.
+                tell = tell and (message.level, message.detail) != (
+                    recorder.level,
+                    recorder.detail,
+                )
+        if tell:
+            self._add_event(message, outcome, lost)
+        if isinstance(message, m.Command):
+            self._put_said(message)
+
+    def _put_said(self, command: m.Command) -> None:
+        """Put what is said behind the event that began it."""
+        run = command.run or command.command
+        for event in reversed(self.events):
+            if event.run == run:
+                if command.run:
+                    event.say(spoken_text(command))
+                event.untimed = event.untimed or self._untold(command)
+                return
+
+    def _follow_up(self, message: m.Message) -> None:
+        """What an action brings within reach, from its end to the next act."""
+        match message:
+            case m.ActionRequested() | m.Command() if message.console in self.others:
+                pass  # another wizard's
+            case m.ActionRequested(run=run, source=source) if source in HANDS:
+                self.act, self._then = run, ()
+            case m.Command(run="", passing=False, source=source) if source in HANDS:
+                self.act, self._then = message.command, ()
+            case m.StopPressed(scope="all") | m.TrialStarted() | m.TrialEnded():
+                self.act, self._then = "", ()
+            case m.ActionDone(run=self.act, action=name) if self.act:
+                action = self.action(name)
+                self._then = tuple(action.then) if action is not None else ()
+
+    def _add_event(
+        self,
+        message: m.Message,
+        outcome: RunOutcome | None,
+        lost: LostDriverEpisode | None,
+    ) -> None:
+        """Put it on the list of events, or its outcome behind the event that began it. `lost`: how
+        the driver had been lost that is connected now.
+        """
+        if outcome is not None:
+            for event in reversed(self.events):
+                if event.run == outcome.run:
+                    event.end(outcome)
+                    event.text = toggled_text(message) or event.text
+                    return
+        if isinstance(message, m.DriverLost | m.DriverConnecting):
+            kept = [event for event in self.events if not explained(event, message, self)]
+            self.events = deque(kept, maxlen=EVENTS)
+        told = event_line(message, self)
+        if told is None or (self.events and self.events[-1].again(told)):
+            return
+        if outcome is not None:  # its beginning was not on the list
+            told.t = outcome.begin
+            told.end(outcome)
+        if lost is not None:  # as important as the loss, which stands on the list
+            told.machine = False
+            told.detail = f"after {seconds(message.t - lost.begin)}, {told.detail}"
+        if told.model:  # one line says where the model is: the last one
+            kept = [event for event in self.events if not event.model]
+            self.events = deque(kept, maxlen=EVENTS)
+        self.events.append(told)
+
+    # -- reading ----------------------------------------------------------------------------
+
+    def untimed(self, action: str) -> bool:
+        """Whether something an action does is kept from the wizard: then its length is, too."""
+        return self.keeps and any(map(self._untold, self.calls(action)))
+
+    def _untold(self, command: m.Command | m.FilledCall) -> bool:
+        blind = bool(self.settings.study.blind)
+        return (blind and "condition" in command.tells) or self.perception.keeps(*command.tells)
+
+    @property
+    def keeps(self) -> bool:
+        """Whether anything is kept from the wizard."""
+        return bool(self.perception or self.settings.study.blind)
+
+    @property
+    def unrecorded(self) -> bool:
+        """Whether actions are refused because no folder takes the log."""
+        recorder = self.session.recorder
+        return recorder is not None and recorder.level == "failed" and not recorder.waived
+
+    @property
+    def nobody_plays(self) -> bool:
+        """Whether this console watches and no other one plays the robot, or this one's part."""
+        watches = self.role == "watcher" and not self.lost and not self.ended
+        parts = self.session.wizards.values()
+        vacant = bool(self.part) and self.part not in parts
+        return watches and (vacant or not parts)
+
+    @property
+    def then(self) -> tuple[str, ...]:
+        """Names of the actions that are likely to follow the last one, of those that may be played
+        now.
+        """
+        there = {name: self.action(name) for name in self._then}
+        return tuple(name for name, view in there.items() if view is not None and not view.locked)
+
+    def moves(self, now: int) -> bool:
+        """Whether a figure on the screen changes by itself."""
+        under_way = self.session.actions or self.session.commands
+        return bool(under_way) or (not self.lost and self.engaged.moves(now))
+
+    def label(self, name: str) -> str:
+        """The label of the action called `name`, or the name itself."""
+        action = self.action(name)
+        return action.label if action is not None else name
+
+    def heading(self, phase: str) -> str:
+        """What the screen calls a phase."""
+        return next((each.heading for each in self.settings.phases if each.name == phase), phase)
+
+    def steps(self, name: str) -> Sequence[Sequence[m.FilledCall] | float]:
+        """What the action called `name` would do if it were played now, as far as the wizard may
+        know it; nothing where no log line says so.
+        """
+        filled = self.session.filled
+        return filled.actions.get(name, ()) if filled is not None else ()
+
+    def calls(self, name: str) -> list[m.FilledCall]:
+        """The verbs of its steps, without the pauses."""
+        steps = self.steps(name)
+        return [call for step in steps if not isinstance(step, float | int) for call in step]
+
+    @property
+    def home_action(self) -> str:
+        """The action that does nothing but take the home pose; empty: there is none."""
+        actions = (action for panel in self.panels for action in panel.actions)
+        return next((each.name for each in actions if each.verbs == ["home"]), "")
+
+    def sentence(self, name: str) -> str:
+        """What the action called `name` would say now; empty: nothing."""
+        if not self.steps(name) and (action := self.action(name)) is not None:
+            return " ".join(sentence(self.filled(words)) for words in action.utterances)
+        return " ".join(filter(None, dict.fromkeys(map(spoken_text, self.calls(name)))))
+
+    def words_on(self, name: str, standing: ButtonView) -> str:
+        """What the run of an action says of which its button tells how it stands; where it tells of
+        none, what the action would say now.
+        """
+        run, over = self.runs.of(name), self.runs.outcomes.get(name)
+        said = ""
+        if run is not None:
+            said = self.runs.utterance(run.id)
+        elif over is not None and standing.of_run:
+            said = over.utterance
+        return said or self.sentence(name)
+
+    def filled(self, words: str) -> str:
+        """An utterance with the variables whose values the console knows; of a robot process, or a
+        log, that does not say itself what actions would do.
+        """
+        values: dict[str, str | int] = {**self.settings.values}
+        trial = "" if self.trial is None else self.trial
+        now = {"participant": self.participant, "condition": self.condition, "trial": trial}
+        values |= {name: value for name, value in now.items() if value != ""}
+        if self.settings.study.blind:
+            values.pop("condition", None)  # a label, and not what is said
+        for name, value in values.items():
+            if value not in ("", None):
+                words = words.replace(f"{{{name}}}", str(value))
+        return words
+
+    def action(self, name: str) -> ActionView | None:
+        """The action called `name`, or None."""
+        for panel in self.panels:
+            for action in panel.actions:
+                if action.name == name:
+                    return action
+        return next((action for action in self.settings.repairs if action.name == name), None)
+
+    def is_locked(self, panel: PanelView) -> bool:
+        """Whether the panel takes no input at the moment."""
+        changed = self.session.locks.get(panel.title)
+        return panel.locked if changed is None else changed.locked
+
+    @property
+    def others(self) -> dict[str, str]:
+        """The other consoles that play the robot, where several do, each with its part."""
+        return self.session.other_wizards(self.console)
+
+    def played_by(self, panel: PanelView) -> str:
+        """Who plays a panel, where several wizards play and this one does not play it."""
+        wizards = self.session.wizards
+        if len(wizards) < 2:
+            return ""
+        found = panel_players(panel, self.panels, wizards)
+        return "" if self.console in found else part_names(found, wizards)
+
+    @property
+    def own_verbs(self) -> Mapping[str, Sequence[str]]:
+        """Driver -> its verbs, without those that another wizard plays on this driver and this one
+        on another.
+        """
+        wizards = self.session.wizards
+        if self.role != "wizard" or len(wizards) < 2:
+            return self.verbs
+        own = {
+            driver: [
+                verb
+                for verb in verbs
+                if self.console in verb_players(verb, self.panels, wizards, driver)
+            ]
+            for driver, verbs in self.verbs.items()
+        }
+        found = {verb for verbs in own.values() for verb in verbs}
+        return {
+            driver: [verb for verb in verbs if verb in own[driver] or verb not in found]
+            for driver, verbs in self.verbs.items()
+        }
+
+    def is_of_others(self, panel: PanelView) -> bool:
+        """Whether this wizard's keys of the panel are refused, because another one plays it."""
+        return self.role == "wizard" and self.played_by(panel) != ""
+
+    def why_not(self, panel: PanelView, action: ActionView) -> Refusal | None:
+        """Why the gate would not let an action be played, as far as this console knows; the status
+        line says that of a stop, and of a log that nobody takes.
+        """
+        wizards = self.session.wizards
+        facts = Facts(
+            panels=self.panels,
+            locked={panel.title: self.is_locked(panel)},
+            wizards=wizards if self.role == "wizard" and len(wizards) > 1 else {},
+        )
+        button = _Button(action.label, panel.title, action.locked)
+        origin = RequestOrigin("key", "", self.console)
+        return why_not(facts, PlayAction(action.name, button, origin))
+
+    def button_view(self, panel: PanelView, action: ActionView, now: int) -> ButtonView:
+        """How an action stands at `now`."""
+        current = self.runs.of(action.name)
+        if current is not None:
+            return _under_way(current, now, timed=not self.untimed(action.name))
+        outcome = self.runs.outcomes.get(action.name)
+        if outcome is not None and now - outcome.t <= _LINGER.get(outcome.how, 0):
+            return ButtonView(ButtonState(outcome.how), note=outcome.reason)
+        failure = self.runs.failure_of(action.name)
+        if failure is not None:
+            return ButtonView(ButtonState.FAILED, note=failure.reason)
+        if (refusal := self.why_not(panel, action)) is not None:
+            return ButtonView(ButtonState.LOCKED, note=refusal.reason)
+        missing = self.missing_driver(action)
+        if missing:
+            return ButtonView(ButtonState.UNREACHABLE, note=missing)
+        return ButtonView(ButtonState.READY)
+
+    def missing_driver(self, action: ActionView) -> str:
+        """A driver this action needs and that is lost, or cannot do its verb now (a servo without
+        torque); empty: none.
+
+        A verb that several drivers offer counts as missing only if none of them can.
+        """
+        for verb in action.verbs:
+            drivers = [name for name, verbs in self.verbs.items() if verb in verbs]
+            lost = [name for name in drivers if not self._can(name, verb)]
+            if lost and len(lost) == len(drivers):
+                return lost[0]
+        return ""
+
+    def _can(self, driver: str, verb: str) -> bool:
+        """Whether a driver's hardware can carry a verb out now, as far as it says."""
+        told = self.session.unable.get(driver)
+        return self.health(driver) != "lost" and (told is None or verb not in told.unable)
+
+    def health(self, driver: str) -> str:
+        """A driver's health, `unknown` if it was never heard of."""
+        known = self.session.drivers.get(driver)
+        return known.state if known is not None else "unknown"
+
+    def is_stale(self, sensor: SensorView, now: int) -> bool:
+        """Whether a sensor's value should look old."""
+        return bool(self.lost) or sensor.is_stale(now, self.health(sensor.driver))
+
+
+@dataclass(frozen=True, slots=True)
+class _Button:
+    """An action, as the gate wants to know it. What a profile does not allow is locked here."""
+
+    label: str
+    panel: str
+    locked: bool
+    calls: Sequence[GatedCall] = ()
+
+
+def _under_way(run: ActiveRun, now: int, *, timed: bool) -> ButtonView:
+    """How an action stands that has been played and is not over."""
+    if (held := run.held_for(now)) is not None:
+        return ButtonView(ButtonState.HELD, *held)
+    left_us, share = run.timing(now) if timed else (None, None)
+    return ButtonView(ButtonState.RUNNING if run.running else ButtonState.QUEUED, left_us, share)
+
+
+def _decoded(lines: Iterable[msgspec.Raw]) -> list[m.Message]:
+    found: list[m.Message] = []
+    for raw in lines:
+        with contextlib.suppress(WireError):  # a newer host's message: not for this version
+            found.append(decode_message(bytes(raw)))
+    return found

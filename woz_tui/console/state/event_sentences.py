@@ -1,0 +1,532 @@
+"""Messages as short lines for the wizard's list of events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.console.state.command_text import command_words
+from woz_tui.console.state.engagement import texts
+from woz_tui.console.state.engagement_text import (
+    change_reason,
+    forced_by_another,
+    state_sentence,
+)
+from woz_tui.console.state.running_actions import RunOutcome, shown_end
+from woz_tui.console.state.stop_confirmation import missing_words
+from woz_tui.console.state.study import StudyView
+from woz_tui.console.state.study_sentences import event_text
+from woz_tui.console.state.view_models import DriverView
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView
+from woz_tui.timeline.episodes import StopEpisode
+from woz_tui.timeline.session_state import SessionState
+
+#: Who or what pressed, where it was not a key.
+_SOURCES = {
+    "script": "script",
+    "palette": "found",
+    "midi": "panel",
+    "gamepad": "gamepad",
+    "stream-deck": "deck",
+    "program": "program",
+    "phase": "phase",
+    "engagement": "robot",
+    "replay": "replay",
+}
+
+
+#: What happened to a visitor in the store.
+_VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
+
+#: What comes back so soon behind its driver comes back with it, in microseconds.
+_BACK_US = 3_000_000
+#: Marks of what is wrong, or needs the wizard.
+_FAULTS = frozenset({"failed", "refused", "warning", "error", "stop"})
+#: Verbs that move something by one step: pressed in a row, they are one line.
+_STEPPING = frozenset({"control", "nudge"})
+#: How the step before may stand, so that one more of the same is no line of its own.
+_STEPS_AGAIN = frozenset({"running", "done", "sent", "waits", "stopped", "replaced"})
+
+
+class EventContext(Protocol):
+    """What sentences need to know of the console's state."""
+
+    @property
+    def drivers(self) -> Mapping[str, DriverView]:
+        """Health by driver."""
+        ...
+
+    @property
+    def keeps(self) -> bool:
+        """Whether anything is kept from the wizard."""
+        ...
+
+    @property
+    def short_names(self) -> Mapping[str, str]:
+        """Driver -> what the screen calls it."""
+        ...
+
+    @property
+    def others(self) -> Mapping[str, str]:
+        """The other consoles that play the robot, each with its part."""
+        ...
+
+    @property
+    def session(self) -> SessionState:
+        """What holds."""
+        ...
+
+    @property
+    def stop(self) -> StopEpisode | None:
+        """The stop while it is latched."""
+        ...
+
+    @property
+    def study(self) -> StudyView:
+        """The study around the session."""
+        ...
+
+    def action(self, name: str) -> ActionView | None:
+        """The action of this name."""
+        ...
+
+    def label(self, name: str) -> str:
+        """What the wizard calls it."""
+        ...
+
+    def heading(self, phase: str) -> str:
+        """What the screen calls a phase."""
+        ...
+
+
+@dataclass(slots=True)
+class EventLine:
+    """One line of the list.
+
+    `mark` names its glyph and colour (running, done, left_out, failed, refused, stopped, replaced,
+    info, warning, error, note, marker, driver, stop, forced, heard). A run's line gets its outcome
+    when it ends.
+    """
+
+    mark: str
+    text: str
+    detail: str = ""
+    t: int = 0
+    run: str = ""
+    action: str = ""
+    took_us: int | None = None
+    mistake: bool = False
+    times: int = 1
+    #: An action whose verbs move something by one step.
+    stepping: bool = False
+    #: The sensor whose line it is.
+    sensor: str = ""
+    #: What an action has said so far.
+    utterance: str = ""
+    #: The program that asked for it.
+    asker: str = ""
+    #: Whether how long it took is kept from the wizard.
+    untimed: bool = False
+    #: A change of the engagement model: of these there is one line, the last one.
+    model: bool = False
+    #: Told by the machine of itself or of its surroundings; what people do comes first.
+    machine: bool = False
+
+    @property
+    def fault(self) -> bool:
+        """Something is wrong: no view hides it."""
+        return self.mark in _FAULTS
+
+    def again(self, other: EventLine) -> bool:
+        """Take in the same step made once more, so that a held or repeated key is one line."""
+        same = bool(self.run) and self.text == other.text and not self.mistake
+        bare = not self.action and not other.action and not self.text.startswith("“")
+        steps = self.stepping and self.action == other.action
+        if not (same and (bare or steps) and self.mark in _STEPS_AGAIN):
+            return False
+        self.t, self.mark, self.run, self.took_us = other.t, other.mark, other.run, None
+        self.detail = other.detail
+        self.times += 1
+        return True
+
+    def say(self, text: str) -> None:
+        """Put what is said behind the action; what two robots say together is there once."""
+        if text and text not in self.utterance:
+            self.utterance = f"{self.utterance} {text}".strip()
+
+    def end(self, outcome: RunOutcome) -> None:
+        """Put the outcome behind what was begun."""
+        self.mark = outcome.how
+        self.took_us = max(0, outcome.t - self.t)
+        if outcome.reason:
+            self.detail = ": ".join(filter(None, (self.asker, outcome.reason)))
+
+
+#: Messages whose line needs nothing but their fields: mark, text, detail.
+_TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
+    m.SessionEnd: ("info", "Session ended", "{0.reason}"),
+    m.DriverConnecting: ("driver", "{whose} connecting", "{0.detail}"),
+    m.DriverConnected: ("done", "{whose} connected", "{0.detail}"),
+    m.DriverLost: ("error", "{whose} lost", "{0.detail}"),
+    m.DriverFaulted: ("error", "{whose} faulted", "{0.detail}"),
+    m.LaneFaulted: ("error", "{whose}: {0.lane} hangs", "until its job ends"),
+    m.LaneRecovered: ("done", "{whose}: {0.lane} works again", ""),
+    m.ModeChanged: ("info", "{whose} mode {0.now}", "{0.why}"),
+}
+
+
+def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
+    """The line for `message`, or None if it is not worth one."""
+    if (template := _TEMPLATES.get(type(message))) is not None:
+        mark, text, detail = template
+        driver = str(getattr(message, "driver", ""))
+        whose = shown.short_names.get(driver, driver)
+        event: EventLine | None = EventLine(
+            mark, text.format(message, whose=whose), detail.format(message)
+        )
+    else:
+        event = SENTENCES.get(type(message), _of_study)(message, shown)
+    if event is not None:
+        event.t = message.t
+        event.machine = type(message) in _OF_MACHINES or _by_robot(message)
+    return event
+
+
+def _by_robot(message: m.Message) -> bool:
+    """Whether the robot does it by itself, as an effect of the engagement model."""
+    return isinstance(message, m.ActionRequested | m.Command) and message.source == ENGAGEMENT
+
+
+def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | None:
+    if _is_effect(message.action, shown):
+        return None  # the state's own line tells of it
+    without = f"without {', '.join(message.without)}" if message.without else ""
+    source = ", ".join(filter(None, (_asker(message, shown), without)))
+    action = shown.action(message.action)
+    return EventLine(
+        "running",
+        shown.label(message.action),
+        source,
+        run=message.run,
+        asker=_other(message.console, shown),
+        action=message.action,
+        stepping=action is not None and bool(action.verbs) and _STEPPING.issuperset(action.verbs),
+    )
+
+
+def _asker(message: m.ActionRequested, shown: EventContext) -> str:
+    return _other(message.console, shown) or _SOURCES.get(message.source, "")
+
+
+def _other(console: str, shown: EventContext) -> str:
+    """The program behind a connection, as it calls itself, or the other wizard; empty: it is this
+    console.
+    """
+    if console in shown.others:
+        return shown.others[console] or console
+    attached = shown.session.consoles.get(console)
+    if attached is None or attached.role != "program":
+        return ""
+    return f"program {attached.name or console}"
+
+
+def _is_effect(action: str, shown: EventContext) -> bool:
+    """Whether it is what a state of the engagement model brings with it: `on RobotThinks`."""
+    return action.startswith("on ") and shown.action(action) is None
+
+
+def _command(message: m.Command, shown: EventContext) -> EventLine | None:
+    if message.run or message.passing:
+        return None  # its action has a line, or the panel's picture shows it
+    if message.driver == "session" and message.verb in ("mark", "note"):
+        return None  # so has the marker or the note
+    asker = _other(message.console, shown)
+    words = command_words(message)
+    return EventLine("running", words, asker, run=message.command, asker=asker)
+
+
+def _action_end(message: m.ActionEnd, shown: EventContext) -> EventLine | None:
+    """Only reached if the beginning is not on the list, or not any more."""
+    left = isinstance(message, m.ActionStopped | m.ActionSuperseded) and _is_effect(
+        message.action, shown
+    )
+    if isinstance(message, m.ActionDone) or left:
+        return None
+    return EventLine(
+        shown_end(message), shown.label(message.action), message.reason, run=message.run
+    )
+
+
+def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None:
+    fields = ("participant", "condition", "trial")
+    values = ((name, getattr(message, name)) for name in fields)
+    parts = [f"{name} {value}" for name, value in values if value is not None]
+    return EventLine("info", ", ".join(parts), _other(message.console, shown)) if parts else None
+
+
+def _withdrawn(message: m.ParticipantWithdrawn, shown: EventContext) -> EventLine | None:
+    if not message.removed:  # samples alone, between lines that stayed
+        return None
+    lines = f"{message.removed} line{'s' * (message.removed > 1)}"
+    return EventLine("info", f"{lines} of somebody who withdrew taken out", message.day)
+
+
+def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None:
+    if message.level == "ok":
+        return None
+    mark = "warning" if message.level == "warn" else "error"
+    if message.level == "failed":
+        what = "Log is not written" if message.waived else "Log is not written: actions are refused"
+        return EventLine(mark, what, message.detail)
+    if message.detail:
+        return EventLine(mark, f"Log: {message.detail}", message.remedy)
+    return EventLine(mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
+
+
+def _waived(message: m.RecordWaived, shown: EventContext) -> EventLine:
+    return EventLine("warning", "Going on without a record", _other(message.console, shown))
+
+
+def _notice(message: m.Notice, shown: EventContext) -> EventLine:
+    mark = message.level if message.level in ("info", "warning", "error") else "info"
+    return EventLine(mark, message.text, message.remedy)
+
+
+def _stop(message: m.StopPressed, shown: EventContext) -> EventLine:
+    if message.scope != "all":
+        return EventLine("stop", "Driving stopped", message.source)
+    return EventLine("stop", "STOP", f"by {_other(message.console, shown) or message.source}")
+
+
+def _released(message: m.StopReleased, shown: EventContext) -> EventLine:
+    who = _other(message.console, shown) or message.source
+    return EventLine("info", "Stop released", f"by {who}")
+
+
+def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
+    if message.missing:
+        parts = shown.stop.parts_missing if shown.stop is not None else {}
+        words = missing_words(message.missing, message.unreached, parts, shown.short_names)
+        missing = "; ".join(words)
+        what, _, names = missing.partition(": ")
+        return EventLine("error", what.capitalize(), names)
+    if message.late:
+        return EventLine(
+            "warning", "Stop confirmed late", f"after {message.elapsed_us / 1e6:.1f} s"
+        )
+    return EventLine("stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
+
+
+def _sensor(message: m.SensorChanged, shown: EventContext) -> EventLine | None:
+    if message.state != "stale" and message.was != "stale":
+        return None  # speaking and quiet are on the meter
+    if _with_its_driver(message, shown):
+        return None
+    mark = "warning" if message.state == "stale" else "done"
+    text = f"{message.sensor} {message.state}"
+    return EventLine(mark, text, message.why, sensor=message.sensor)
+
+
+def _with_its_driver(message: m.SensorChanged, shown: EventContext) -> bool:
+    """Whether the sensor went or came only because its driver did: that is one event, not ten.
+
+    Whose a sensor is that has never given a reading, such as a tablet that nobody has touched, is
+    not known: then any driver will do.
+    """
+    name = _driver_of(message.sensor, shown)
+    drivers = [driver for driver in shown.drivers.values() if name in ("", driver.name)]
+    if message.state == "stale":
+        return any(driver.health in ("lost", "connecting") for driver in drivers)
+    # A driver may hear its sensors before it calls itself connected.
+    return any(
+        driver.health != "connected" or message.t - driver.t < _BACK_US for driver in drivers
+    )
+
+
+def _driver_of(sensor: str, shown: EventContext) -> str:
+    """The driver of a sensor that has given a reading, or nothing."""
+    reading = shown.session.readings.get(sensor)
+    return reading.driver if reading is not None else ""
+
+
+def explained(event: EventLine, message: m.DriverHealth, shown: EventContext) -> bool:
+    """Whether `message` tells why a sensor fell silent: its driver was lost, or takes another
+    robot, a moment after. The sensor's own line then says nothing any more.
+    """
+    if not event.sensor or event.mark != "warning":
+        return False
+    whose = _driver_of(event.sensor, shown)
+    return whose in ("", message.driver) and 0 <= message.t - event.t < _BACK_US
+
+
+def _engagement(message: m.EngagementChanged, shown: EventContext) -> EventLine:
+    told = state_sentence(message.now, message.visitor)
+    if message.forced:
+        by = "" if forced_by_another(message) else "by hand: "
+        return EventLine("forced", told, f"{by}{change_reason(message)}", model=True)
+    return EventLine("info", told, message.why, model=True)
+
+
+def _speech(message: m.SpeechEnded, shown: EventContext) -> EventLine | None:
+    """Only that nothing was kept of it; what it says comes later."""
+    if not message.detail or message.file:
+        return None
+    return EventLine("warning", "Speech not saved", message.detail)
+
+
+def _transcript_line(message: m.SpeechText, shown: EventContext) -> EventLine:
+    if message.text.strip():
+        return EventLine("heard", f"“{message.text}”", "heard")
+    mark = "warning" if message.detail else "info"
+    return EventLine(mark, "Speech not understood", message.detail)
+
+
+def _visitor(message: m.VisitorChanged, shown: EventContext) -> EventLine:
+    about = ", ".join(value for value in texts(message.about).values() if value)
+    if message.what == "renamed" and message.was:
+        return EventLine("info", f"Visitor {message.was} is {message.visitor} now", about)
+    what = _VISITOR.get(message.what, message.what)
+    return EventLine("info", f"Visitor {message.visitor} {what}".rstrip(), about)
+
+
+def _addressed(message: m.AddressedChanged, shown: EventContext) -> EventLine:
+    if message.face is None:
+        return EventLine("info", "Nobody is addressed")
+    by = "by hand" if message.chosen == "hand" else ""
+    return EventLine("info", f"Face {message.face} is addressed", by)
+
+
+def _marker(message: m.Marker, shown: EventContext) -> EventLine:
+    _, coder, name = message.source.partition("coder ")
+    detail = ", ".join(filter(None, (message.text, _other(message.console, shown))))
+    return EventLine("marker", f"Code of {name}" if coder else "Marker", detail)
+
+
+def _note(message: m.Note, shown: EventContext) -> EventLine:
+    return EventLine("note", message.text, _other(message.console, shown))
+
+
+def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
+    what = shown.label(message.action) if message.action else message.run
+    return EventLine("note", f"Mistake: {what}", message.text)
+
+
+def _phase(message: m.PhaseChanged, shown: EventContext) -> EventLine:
+    heading = shown.heading(message.phase)
+    asker = _other(message.console, shown)
+    return EventLine("info", f"Phase {heading}" if heading else "No phase holds", asker)
+
+
+def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:
+    if message.source == "phase":
+        return None  # the phase has a line
+    what = f"{message.panel} {'locked' if message.locked else 'unlocked'}"
+    return EventLine("info", what, _other(message.console, shown))
+
+
+def _profile(message: m.ProfileChanged, shown: EventContext) -> EventLine:
+    return EventLine(
+        "info",
+        f"Profile {message.profile}" if message.profile else "No profile: everything may be used",
+        _other(message.console, shown),
+    )
+
+
+def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
+    return EventLine("info", "File reloaded", "; ".join(message.changes) or "no changes")
+
+
+def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
+    line = event_text(message)
+    missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
+    if line is not None and missing and shown.study.last is None:
+        line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
+    if line is not None and isinstance(message, m.CueAnswered):
+        names = shown.study.right_actions(message)
+        right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
+        line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
+    if line is not None and isinstance(message, m.NAMES_CONSOLE):
+        asker = _other(message.console, shown)
+        line = line._replace(detail=", ".join(filter(None, (line.detail, asker))))
+    return EventLine(*line) if line is not None else None
+
+
+def _lost(message: m.ConsoleLost, shown: EventContext) -> EventLine:
+    what = f"{message.role} {message.part}".rstrip()
+    return EventLine("warning", f"{what} disconnected", message.why)
+
+
+def _attached(message: m.ConsoleAttached, shown: EventContext) -> EventLine:
+    what = f"{message.role} {message.name or message.part}".rstrip()
+    what = f"{message.via} joined as {what}" if message.via else f"{what} attached"
+    if message.sees == "all" and shown.keeps:
+        return EventLine("info", what, "it sees what is hidden from you")
+    return EventLine("info", what, "from another machine" if message.via else message.console)
+
+
+def _listener(message: m.ListenerJoined | m.ListenerLeft, shown: EventContext) -> EventLine:
+    if isinstance(message, m.ListenerJoined):
+        return EventLine("info", f"{message.console} listens to {message.driver}", "live sound")
+    seconds, lost = message.duration_us / 1e6, message.lost_us / 1e6
+    what = f"{message.console} no longer listens to {message.driver}"
+    return EventLine("info", what, f"after {seconds:.1f} s, {lost:.2f} s of it dropped")
+
+
+def _stalled(message: m.ProcessStalled, shown: EventContext) -> EventLine:
+    seconds = f"for {message.duration_us / 1e6:.1f} s"
+    if message.cause == "starved":
+        return EventLine("warning", f"Robot process got no processor time {seconds}")
+    if message.cause == "stopped":
+        return EventLine("warning", f"Robot process was stopped {seconds}")
+    where = ", ".join(filter(None, (message.call, message.place)))
+    who = shown.short_names.get(message.driver, message.driver) or "something"
+    return EventLine("warning", f"{who} held up the robot process {seconds}", where)
+
+
+SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {
+    m.ActionRequested: _requested,
+    m.Command: _command,
+    m.ActionDone: _action_end,
+    m.ActionFailed: _action_end,
+    m.ActionStopped: _action_end,
+    m.ActionSuperseded: _action_end,
+    m.ActionRefused: _action_end,
+    m.SessionChanged: _session,
+    m.ParticipantWithdrawn: _withdrawn,
+    m.RecorderState: _recorder,
+    m.RecordWaived: _waived,
+    m.Notice: _notice,
+    m.StopPressed: _stop,
+    m.StopReleased: _released,
+    m.StopConfirmed: _confirmed,
+    m.SensorChanged: _sensor,
+    m.EngagementChanged: _engagement,
+    m.SpeechEnded: _speech,
+    m.SpeechText: _transcript_line,
+    m.VisitorChanged: _visitor,
+    m.AddressedChanged: _addressed,
+    m.Marker: _marker,
+    m.Note: _note,
+    m.Mistake: _mistake,
+    m.PanelLocked: _lock,
+    m.PhaseChanged: _phase,
+    m.ProfileChanged: _profile,
+    m.ExperimentReloaded: _reloaded,
+    m.ConsoleAttached: _attached,
+    m.ConsoleLost: _lost,
+    m.ListenerJoined: _listener,
+    m.ListenerLeft: _listener,
+    m.ProcessStalled: _stalled,
+}
+#: What machines tell of themselves, in events that are no faults.
+_OF_MACHINES = frozenset(
+    {
+        *(m.RecorderState, m.Notice, m.DriverConnecting, m.DriverConnected, m.DriverLost),
+        *(m.DriverFaulted, m.LaneFaulted, m.LaneRecovered, m.SensorChanged, m.ModeChanged),
+        *(m.EngagementChanged, m.StopConfirmed, m.ConsoleAttached, m.ConsoleLost),
+        *(m.ListenerJoined, m.ListenerLeft, m.ProcessStalled),
+    }
+)

@@ -1,0 +1,257 @@
+"""The study for the screen: order, trial, break, questionnaires, preflight list."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import msgspec
+
+from woz_tui.console.drawing.number_text import seconds
+from woz_tui.console.state.questionnaires import OpenQuestionnaire, items_of
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.protocol.welcome import Questionnaire
+from woz_tui.timeline.session_state import SessionState
+
+#: Sentences for the wizard that may wait to be read.
+_MOST_NEWS = 8
+#: Sources of actions that a wizard plays by hand.
+_HANDS = HANDS - {"program", "phase"}
+#: What a wizard did with a cue: how it is said, and its look.
+_JUDGED = {
+    "right": ("right", "good"),
+    "wrong": ("wrong", "bad"),
+    "missed": ("missed", "warn"),
+    "uncalled": ("no cue was waiting", "warn"),
+}
+
+
+class StudyNews(NamedTuple):
+    """A sentence for the wizard and its look. `right`: names of the actions that would have
+    answered a cue; `command`: that of the console which helps, and what to do with it.
+    """
+
+    text: str
+    look: str
+    right: tuple[str, ...] = ()
+    command: tuple[str, str] = ("", "")
+
+
+_OUTSIDE = StudyNews("Played outside of a trial", "warn", command=("trial", "begin one"))
+
+
+class RunningTrial(NamedTuple):
+    """The trial under way: since `began`, in microseconds on the axis of `t`."""
+
+    number: int
+    began: int
+
+
+@dataclass(slots=True)
+class StudyView:
+    """What holds is in `session`; `adopt` and `apply` add what only a screen needs."""
+
+    session: SessionState = field(default_factory=SessionState)
+    questionnaires: tuple[Questionnaire, ...] = ()
+    #: The questionnaire that is put to somebody now.
+    open_questionnaire: OpenQuestionnaire | None = None
+    #: The last cue of a training.
+    _cue: m.CueGiven | None = None
+    #: What became of it, or of a press without one.
+    judged: m.CueAnswered | None = None
+    #: The run of which it was said that no trial is under way; empty: not yet since the last one.
+    _outside_run: str = ""
+    _news: deque[StudyNews] = field(default_factory=lambda: deque(maxlen=_MOST_NEWS))
+
+    # -- reading ------------------------------------------------------------------------------
+
+    @property
+    def designed(self) -> bool:
+        """Whether the file has a design: then the robot process proposes orders and counts
+        trials.
+        """
+        return self.session.study.settings.design is not None
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The participant's conditions in their order, as the wizard may know them."""
+        return tuple(self.session.study.order)
+
+    @property
+    def planned(self) -> int:
+        """Trials of the participant in all (0: unknown)."""
+        return self.session.study.planned
+
+    @property
+    def trial(self) -> RunningTrial | None:
+        """The one under way."""
+        trial = self.session.study.trial
+        return RunningTrial(trial.started.trial, trial.begin) if trial is not None else None
+
+    @property
+    def next(self) -> int:
+        """The number of the next trial, or of the present one."""
+        return self.session.study.next_trial
+
+    @property
+    def last(self) -> tuple[int, str] | None:
+        """The participant's last trial that is over: its number and how it ended."""
+        ended = self.session.study.last_ended
+        return (ended.trial, ended.outcome) if ended is not None else None
+
+    @property
+    def break_began(self) -> int | None:
+        """Since when there is a break."""
+        in_break = self.session.study.in_break
+        return in_break.begin if in_break is not None else None
+
+    @property
+    def due(self) -> list[str]:
+        """Names of questionnaires that are due now."""
+        return [due.questionnaire for due in self.session.study.due]
+
+    @property
+    def over(self) -> Collection[str]:
+        """Names of those that this participant has answered or declined."""
+        return self.session.study.had.keys()
+
+    @property
+    def checks(self) -> dict[str, bool]:
+        """What a human has to see to -> whether it is ticked."""
+        study = self.session.study
+        return {each.check: study.ticked(each.check) for each in study.settings.preflight}
+
+    @property
+    def participants(self) -> set[str]:
+        """Consoles at which a participant sits."""
+        there = self.session.consoles.values()
+        return {each.console for each in there if each.role == "participant"}
+
+    @property
+    def seers(self) -> dict[str, str]:
+        """Programs that see what is kept from the wizard: what each calls itself, by console."""
+        there = self.session.consoles.values()
+        return {each.console: each.name or each.console for each in there if each.sees == "all"}
+
+    @property
+    def counts(self) -> bool:
+        """Whether trials are counted: by the design, or because one has been begun."""
+        running = self.trial is not None or self.break_began is not None
+        return self.designed or running or self.last is not None
+
+    @property
+    def all_over(self) -> bool:
+        """Whether the participant has had all trials that were planned."""
+        return self.trial is None and self.next > self.planned > 0
+
+    def questionnaire(self, name: str) -> Questionnaire | None:
+        """The questionnaire of this name."""
+        return next((one for one in self.questionnaires if one.name == name), None)
+
+    def unticked(self) -> list[str]:
+        """What nobody has seen to."""
+        return [check for check, ticked in self.checks.items() if not ticked]
+
+    @property
+    def trials_left(self) -> int:
+        """Trials of the participant that are planned and not over; 0: unknown."""
+        return self.session.study.trials_left
+
+    def unasked(self) -> list[str]:
+        """Questionnaires that are due or for the end of the session, that nobody has answered or
+        declined and that are not being asked.
+        """
+        asked = self.open_questionnaire.name if self.open_questionnaire is not None else None
+        wanted = (each.questionnaire for each in self.session.study.open_at_end())
+        return [name for name in dict.fromkeys(wanted) if name != asked]
+
+    def right_actions(self, told: m.CueAnswered) -> tuple[str, ...]:
+        """Names of the actions that would have answered a cue that was missed or answered wrongly;
+        none for others, or if nobody knows.
+        """
+        cue = self._cue
+        wanted = cue is not None and cue.cue == told.cue and told.judged in ("wrong", "missed")
+        return tuple(cue.expects) if wanted and cue is not None else ()
+
+    def read_news(self) -> list[StudyNews]:
+        """Sentences that nobody has read, oldest first."""
+        told = list(self._news)
+        self._news.clear()
+        return told
+
+    # -- from the robot process -----------------------------------------------------------------
+
+    def adopt(self) -> None:
+        """The file has been read, again."""
+        self.questionnaires = tuple(self.session.study.settings.questionnaires)
+
+    def apply(self, message: m.Message) -> None:
+        """Work a message in that `session` has taken."""
+        match message:
+            case m.ActionRequested(run=run, source=source) if source in _HANDS:
+                self._outside(run)
+            case m.ActionRefused(run=run) if run == self._outside_run:  # nothing was played
+                self._outside_run = ""
+                if _OUTSIDE in self._news:
+                    self._news.remove(_OUTSIDE)
+            case m.TrialEnded():
+                self._outside_run = ""
+            case m.TrialStarted():
+                missing = self.unticked() if self.last is None else []
+                if missing:
+                    what = "item is" if len(missing) == 1 else "items are"
+                    text = f"{len(missing)} preflight {what} not ticked"
+                    self._news.append(StudyNews(text, "warn", command=("preflight", "list them")))
+            case m.CueGiven():
+                self._cue = message
+            case m.CueAnswered():
+                self.judged = message
+                self._news.append(StudyNews(*verdict_text(message), self.right_actions(message)))
+            case m.QuestionnaireStarted() | m.QuestionnaireEnded():
+                self.follow()
+            case m.QuestionnaireAnswered():
+                self.follow()
+                if self.open_questionnaire is not None:
+                    self.open_questionnaire.apply(message)
+
+    def _outside(self, run: str) -> None:
+        """Say once that what is played belongs to no trial, in a study that has trials."""
+        study = self.session.study
+        apart = study.trial is not None or study.in_break is not None or self._outside_run
+        if self.designed and not apart:
+            self._outside_run = run
+            self._news.append(_OUTSIDE)
+
+    def follow(self) -> None:
+        """Ask what `session` asks now; in the same round the sheet that shows it keeps what was
+        answered there and is not confirmed yet.
+        """
+        current = self.session.study.questionnaire
+        if current is None:
+            self.open_questionnaire = None
+            return
+        started, asked = current.started, self.open_questionnaire
+        began = started.t if started is not None else None
+        if asked is None or asked.round != (current.name, began):
+            opened = OpenQuestionnaire(self._open(current.name, started), began=began)
+            self.open_questionnaire = opened
+            for answer in current.answers.values():
+                opened.apply(answer)
+
+    def _open(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
+        """As it was begun; what that does not say, as the file has it."""
+        known = self.questionnaire(name) or Questionnaire(name)
+        if started is None:
+            return known
+        items = items_of(started.items) or known.items
+        return msgspec.structs.replace(known, title=started.title, items=items)
+
+
+def verdict_text(told: m.CueAnswered) -> tuple[str, str]:
+    """`right, 1.24 s`, with its look."""
+    word, look = _JUDGED.get(told.judged, (told.judged, "plain"))
+    took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
+    return f"{word}{took}", look

@@ -1,0 +1,98 @@
+"""Puts messages of the study into lines for the wizard's list of events.
+
+Answers of a participant have no line: they are for the log, not for whoever plays the robot.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from woz_tui.console.drawing.number_text import millis, seconds
+from woz_tui.protocol import messages as m
+
+
+class EventText(NamedTuple):
+    """The mark (see `event_sentences.EventLine`), what happened, and details."""
+
+    mark: str
+    text: str
+    detail: str = ""
+
+
+_OUTCOMES = {"done": "done", "aborted": "stopped", "excluded": "warning"}
+#: What was made of a cue: its mark, and how it is said.
+_JUDGED = {
+    "right": ("done", "Cue answered"),
+    "wrong": ("failed", "Cue answered wrongly"),
+    "missed": ("warning", "Cue missed"),
+    "uncalled": ("warning", "No cue was waiting"),
+}
+
+
+def event_text(message: m.Message) -> EventText | None:
+    """The line for `message`, or None if it is not worth one."""
+    match message:
+        case m.ConditionsAssigned():
+            how = "chosen by hand" if message.method == "hand" else message.method
+            order = f"{message.participant}: {', '.join(message.order)}"
+            return EventText("info", order, ", ".join(filter(None, (how, message.why))))
+        case m.TrialStarted():
+            of = f" of {message.planned}" if message.planned else ""
+            return EventText("info", f"Trial {message.trial}{of} begins", message.condition)
+        case m.TrialEnded(outcome=outcome):
+            mark = _OUTCOMES.get(outcome, "info")
+            return EventText(mark, f"Trial {message.trial} {outcome}", message.text)
+        case m.BreakStarted():
+            return EventText("info", "Break", message.text)
+        case m.BreakEnded():
+            return EventText("info", "Break over", message.text)
+        case m.PreflightChecked(source="robot"):
+            return None  # what a program found out stands in the preflight
+        case m.PreflightChecked(level="ok"):
+            return EventText("done", f"Ticked: {message.check}", message.detail)
+        case m.PreflightChecked():
+            return EventText("warning", f"Not ticked: {message.check}", message.detail)
+        case m.QuestionnaireStarted():
+            about = f"after trial {message.trial}" if message.trial >= 0 else ""
+            return EventText("info", f"Asked: {message.title or message.questionnaire}", about)
+        case m.QuestionnaireEnded(reason=reason):
+            ended = {"done": "answered", "left": "not finished"}.get(reason, reason)
+            mark = "done" if reason == "done" else "info"
+            return EventText(mark, f"Questionnaire {ended}", f"{message.answered} answered")
+        case m.ShapingChanged(floor_us=0, jitter_us=0):
+            return EventText("info", "Robot answers are not delayed")
+        case m.ShapingChanged(jitter_us=jitter):
+            most = f" to {seconds(message.floor_us + jitter)}" if jitter else ""
+            delayed = f"Robot answers are delayed by {seconds(message.floor_us)}{most}"
+            return EventText("info", delayed, f"after: {', '.join(message.cues)}")
+        case m.PerceptionChanged(hidden=hidden, blurred=blurred):
+            if not hidden and not blurred:
+                return EventText("info", "Nothing is hidden from you")
+            rough = f"Shown roughly: {', '.join(blurred)}" if blurred else ""
+            if not hidden:
+                return EventText("info", rough)
+            return EventText("info", f"Hidden: {', '.join(hidden)}", rough)
+        case m.TrainingChanged(state=state):
+            if state == "over":
+                judged = message.right + message.wrong + message.missed
+                cues = f"{judged} cue{'' if judged == 1 else 's'}"
+                return EventText("done", f"Training over: {message.right} of {cues} right")
+            cues = f"{message.planned} cue{'' if message.planned == 1 else 's'}"
+            begins = "waits for you" if state == "waits" else "begins"
+            return EventText("info", f"Training {begins}: {cues}", "nothing moves")
+        case m.CueGiven():
+            return EventText("heard", f"Cue: {message.sort}", message.text)
+        case m.CueAnswered(judged=judged, reaction_us=reaction):
+            mark, text = _JUDGED.get(judged, ("info", f"Cue {judged}"))
+            return EventText(mark, text, seconds(reaction) if reaction >= 0 else "")
+        case m.RerunStarted():
+            commands = f"{message.commands} commands"
+            return EventText("info", f"Run again: {message.original}", commands)
+        case m.RerunSkipped():
+            return EventText("warning", f"Left out: {message.original_command}", message.reason)
+        case m.RerunEnded():
+            most = millis(message.late_max_us)
+            late = f"late by {millis(message.late_p50_us)}, {most} at the most"
+            counts = f"{message.sent_again} sent, {message.skipped_commands} left out, {late}"
+            return EventText("info", f"Re-run over: {message.reason}", counts)
+    return None

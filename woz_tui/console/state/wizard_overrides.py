@@ -1,0 +1,219 @@
+"""The wizard's overrides of the engagement model: keys, requests, legend, sentences."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from woz_tui.config.engagement_words import STATES
+from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.console.drawing.cells import Row, clean, cut, length
+from woz_tui.console.drawing.glyphs import Glyphs
+from woz_tui.console.state.engagement import HOLD, OFF, EngagementView
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import EngagementShown, Json
+from woz_tui.protocol.requests import AskVerb
+from woz_tui.sensing.state_machine import State, named_from
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """One thing that the wizard can do to the model: its id and key, one or two words for the
+    legend, a sentence for the lists, the request. Without a verb a dialog must be filled in first.
+    """
+
+    id: str
+    key: str
+    word: str
+    text: str
+    verb: str = ""
+    args: Mapping[str, Json] = field(default_factory=dict)
+
+
+OVERRIDES = (
+    Override("presence", "p", "person", "engagement: somebody is there, or nobody (by hand)",
+             "toggle", {"sign": "presence"}),
+    Override("gaze", "g", "looks", "engagement: looks at the robot, or away (by hand)",
+             "toggle", {"sign": "gaze"}),
+    Override("near", "d", "near", "engagement: near enough, or too far (by hand)",
+             "toggle", {"sign": "distance"}),
+    Override("sensors", "s", "sensors", "engagement: all signs back to their sensors",
+             "sense", {"sign": "all", "value": "sensor"}),
+    Override("identity", "i", "identity", "engagement: who it is (by hand)"),
+    Override("hold", "h", "hold/run", "engagement: hold the machine, or let it run",
+             "engagement", {"run": HOLD}),
+    Override("step", "n", "step", "engagement: take the edge that is held back",
+             "engagement", {"run": "step"}),
+    Override("force", "f", "force", "engagement: force a state or an outcome"),
+    Override("off", "o", "off/run", "engagement: switch the machine off, or on",
+             "engagement", {"run": OFF}),
+    Override("visitor", "v", "visitor", "engagement: name the visitor who stands there"),
+    Override("greeted", "k", "known", "engagement: the handshake worked",
+             "handshake", {"what": "ok"}),
+    Override("unknown", "x", "unknown", "engagement: the handshake failed",
+             "handshake", {"what": "fail"}),
+)  # fmt: skip
+BY_KEY = {order.key: order for order in OVERRIDES}
+KEYS = frozenset(BY_KEY)
+
+
+def is_offered(engaged: EngagementView, verbs: dict[str, list[str]]) -> bool:
+    """Whether this session has a model that takes overrides."""
+    return engaged.shown is not None or ENGAGEMENT in verbs
+
+
+def verb_request(name: str, args: dict[str, Json], key: str = "") -> AskVerb:
+    """The request for one of the model's verbs."""
+    source = "key" if key else "palette"
+    return AskVerb(verb=name, args=args, on=ENGAGEMENT, source=source, key=key)
+
+
+def override_request(order: Override, engaged: EngagementView, key: str = "") -> AskVerb:
+    """What `order` asks for as things stand; only for those that need no dialog."""
+    args = dict(order.args)
+    if engaged.shown is not None and engaged.shown.run == args.get("run"):
+        args["run"] = "run"  # pressed again it lets the machine run
+    return verb_request(order.verb, args, key)
+
+
+def needs_name(engaged: EngagementView) -> bool:
+    """Whether a handshake cannot end well because nobody has a name yet."""
+    shown = engaged.shown
+    if shown is None:
+        return False
+    identity = shown.signs.get("identity")
+    named = identity is not None and identity.name not in ("", "Unknown")
+    return not shown.visitor and not named
+
+
+def forceable(shown: EngagementShown | None) -> list[tuple[str, str]]:
+    """What may be forced: outcomes that leave the present state with the state that each leads
+    to, then all other states with nothing behind them.
+    """
+    here = shown.state if shown is not None else ""
+    edges = named_from(State(here)) if here in set(State) else ()
+    found = dict.fromkeys((edge.outcome, edge.target.value) for edge in edges)
+    reached = {state for _, state in found}
+    rest = [state for state in STATES if state not in reached and state != here]
+    return [*found, *((state, "") for state in rest)]
+
+
+_RUNS = {"run": "runs", "hold": "held", "off": "off", "step": "one step"}
+_FLAGS = {"on": "yes", "off": "no", "sensor": "back to its sensor"}
+#: Verbs of the model in words, with their arguments.
+_SENTENCES = {
+    "toggle": "{sign} the other way, by hand",
+    "force": "force {to}",
+    "social_distance": "near: up to {metres} m",
+    "attend": "attention {mode}",
+    "handshake": "handshake {what} {code}",
+}
+Args = Mapping[str, Json]
+
+
+def override_text(verb: str, args: Args) -> str:
+    """`gaze the other way, by hand`; any arguments do, the log of another version may hold any."""
+    texts = _texts(args)
+    match verb:
+        case "sense":
+            return _sense(texts)
+        case "filter":
+            parts = [
+                "filter of",
+                *(texts[each] for each in ("sign", "kind", "samples", "threshold")),
+            ]
+            return " ".join(filter(None, parts))
+        case "visitor":
+            parts = [f"visitor {texts['code']}", texts["age_group"], texts["address"]]
+            return ", ".join(filter(None, parts))
+        case "engagement":
+            return f"engagement {_RUNS.get(texts['run'], texts['run'])}"
+    if verb in _SENTENCES:
+        return _SENTENCES[verb].format_map(texts).rstrip()
+    return " ".join(str(part) for part in (verb, *args.values()) if part not in ("", None))
+
+
+def toggled_text(message: m.Message) -> str:
+    """How a sign is after the wizard has turned it the other way; else nothing."""
+    if isinstance(message, m.Done) and message.driver == ENGAGEMENT and "value" in message.sent:
+        return _sense(_texts(message.sent))
+    return ""
+
+
+def _texts(args: Args) -> defaultdict[str, str]:
+    return defaultdict(
+        str,
+        {
+            name: f"{value:g}" if isinstance(value, float) else "" if value is None else str(value)
+            for name, value in args.items()
+        },
+    )
+
+
+def _sense(texts: Mapping[str, str]) -> str:
+    sign, value = texts["sign"], texts["value"]
+    if sign == "all" and value == "sensor":
+        return "all signs back to their sensors"
+    shown = _FLAGS.get(value, f"{value} m" if sign == "distance" else value)
+    return f"{sign} {shown}" if value == "sensor" else f"{sign} {shown}, by hand"
+
+
+def is_override(command: m.Command | m.FilledCall) -> bool:
+    """Whether a command is for the engagement model."""
+    return command.driver == ENGAGEMENT
+
+
+#: Lines of the legend at the most.
+HEIGHT = 4
+
+
+def legend_rows(
+    engaged: EngagementView, covered: Mapping[str, str], width: int, glyphs: Glyphs, *, steers: bool
+) -> list[Row]:
+    """What the keys do. `covered`: key of an override that else plays an action -> its label."""
+    if steers:
+        rows = _orders(engaged, width)
+        rows += [_covered(covered, glyphs)] if covered else []
+    else:
+        keys = " ".join(order.key for order in OVERRIDES)
+        rows = [
+            (
+                ("Keys play the robot. ", "muted"),
+                (" tab ", "key"),
+                (" takes the model in hand: ", "plain"),
+                (keys, "muted"),
+            )
+        ]
+    return [cut(row, width, glyphs.ellipsis) for row in rows[:HEIGHT]]
+
+
+def _orders(engaged: EngagementView, width: int) -> list[Row]:
+    """The overrides' keys on as few lines as they fill; pale where one would do nothing now."""
+    rows: list[Row] = [()]
+    for order in OVERRIDES:
+        now = _counts(order, engaged)
+        piece: Row = (
+            (f" {order.key} ", "key" if now else "muted"),
+            (f" {order.word}  ", "plain" if now else "faint"),
+        )
+        if rows[-1] and length(rows[-1]) + length(piece) > width:
+            rows.append(())
+        rows[-1] += piece
+    return rows
+
+
+def _counts(order: Override, engaged: EngagementView) -> bool:
+    shown = engaged.shown
+    if shown is None:
+        return False
+    if order.id == "step":
+        return engaged.held
+    if order.id in ("greeted", "unknown"):
+        return shown.state == "Handshake"
+    return True
+
+
+def _covered(covered: Mapping[str, str], glyphs: Glyphs) -> Row:
+    told = ", ".join(f"{key} {clean(label)}" for key, label in covered.items())
+    return ((f"{glyphs.warning} not played meanwhile: {told}", "warn"),)

@@ -1,0 +1,395 @@
+"""Lines at the bottom: repairs, the script with its next sentence, hints, news, the stop."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from rich.cells import cell_len
+
+from woz_tui.config.utterance_template import HIDDEN_TEXT
+from woz_tui.console.drawing.cells import (
+    Cells,
+    Piece,
+    Row,
+    clean,
+    cut,
+    fit,
+    heading,
+    length,
+    spread,
+    wrap_row,
+)
+from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
+from woz_tui.console.drawing.number_text import millis
+from woz_tui.console.link.message_feed import Loss
+from woz_tui.console.state.command_text import command_words
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.stop_confirmation import settled_row, stopped_words
+from woz_tui.protocol.messages import FilledCall
+from woz_tui.protocol.panels import ActionView
+from woz_tui.timeline.episodes import StopEpisode
+
+
+def repair_row(state: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) -> Row:
+    """Each repair with its key, in a replay alone; what is under way stands out."""
+    found = [_repair(state, frame, action, keys) for action in state.settings.repairs]
+    need = sum(map(length, found))
+    apart = 3 if need + 3 * len(found) <= frame.width else 1
+    row: Row = ((" ", "plain"),)
+    for each in found:
+        row += (*each, (" " * apart, "plain"))
+    return cut(row, frame.width, frame.glyphs.ellipsis)
+
+
+def _repair(
+    state: ConsoleState, frame: PaintFrame, action: ActionView, keys: Mapping[str, str]
+) -> Row:
+    key = keys.get(action.name, "")
+    if state.runs.of(action.name) is not None:
+        mark, look = frame.glyphs.running, "run"
+    elif state.runs.failure_of(action.name) is not None:
+        mark, look = frame.glyphs.failed, "bad"
+    else:
+        mark, look = " ", "muted"
+    label: Piece = (f"{mark}{clean(action.label)}", look)
+    if state.replay is not None:  # no key plays anything there
+        return (label,)
+    return (key, "key") if key else ("no key", "faint"), label
+
+
+class RepairRow(Cells):
+    """One row."""
+
+    #: Action -> its key, as a cap shows it; the app says so.
+    keys: Mapping[str, str] = {}
+
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
+        """Show it."""
+        self.show([repair_row(state, frame, self.keys)])
+
+
+#: What stands for a text that is kept from the wizard.
+KEPT = "what it says is kept from you"
+
+
+def step_words(step: Sequence[FilledCall] | float) -> str:
+    """`say “Hello” + play nod`, or `wait 0.5 s`; what several robots do alike stands there once."""
+    if isinstance(step, float | int):
+        return f"wait {step:g} s"
+    alike = Counter(map(_call_words, step))
+    return " + ".join(
+        words if count == 1 else f"{words} ({count} robots)" for words, count in alike.items()
+    )
+
+
+def _call_words(call: FilledCall) -> str:
+    text = command_words(call)
+    return f"{call.verb} {text}" if call.args.get("text") else text
+
+
+def steps_text(state: ConsoleState, action: str) -> str:
+    """All of its steps in one line; empty where nobody has told."""
+    return ", ".join(map(step_words, state.steps(action)))
+
+
+def quoted(state: ConsoleState, action: str, glyphs: Glyphs) -> str:
+    """What it says, between quotation marks; empty if it says nothing, or it is kept."""
+    return quotation(state.sentence(action), glyphs)
+
+
+def quotation(text: str, glyphs: Glyphs) -> str:
+    """A text between quotation marks; nothing of an empty one, or one that is kept."""
+    said = clean(text)
+    if not said or said == HIDDEN_TEXT:
+        return ""
+    return f"{glyphs.opening}{glyphs.plain(said)}{glyphs.closing}"
+
+
+def sentence_rows(state: ConsoleState, frame: PaintFrame, action: str) -> list[Row]:
+    """What it says, or what it does if it says nothing, in as many rows as the frame has."""
+    if state.sentence(action) == HIDDEN_TEXT:
+        text, look = KEPT, "muted"
+    elif said := quoted(state, action, frame.glyphs):
+        text, look = said, "strong"
+    else:
+        text, look = frame.glyphs.plain(clean(steps_text(state, action))), "muted"
+    rows = wrap_row(((f" {text}", look),), 2, frame.width) if text else []
+    if len(rows) > frame.height > 0:
+        rest = " ".join(
+            "".join(piece for piece, _ in row).strip() for row in rows[frame.height - 1 :]
+        )
+        rows[frame.height - 1 :] = [(("  " if frame.height > 1 else " ", "plain"), (rest, look))]
+    rows += [()] * (frame.height - len(rows))
+    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows]
+
+
+def upcoming(state: ConsoleState) -> str:
+    """The action that the script plays next; empty at its end."""
+    return state.script[state.position] if state.position < len(state.script) else ""
+
+
+def script_row(
+    state: ConsoleState,
+    frame: PaintFrame,
+    key: str,
+    skip: str = "",
+    *,
+    then: Sequence[tuple[str, str]] = (),
+    begin: tuple[str, str] = ("", ""),
+) -> Row:
+    """The line that `key` plays next, those after it that were not played, and how many were;
+    `skip` is the key that leaves the line out. What is likely to follow the last act, `then`,
+    stands first: key and label of each. `begin`: where there is no script yet, the key that begins
+    something, and what.
+    """
+    glyphs = frame.glyphs
+    if then:
+        row: Row = ((" then ", "title"),)
+        for cap, label in then:
+            row += ((f" {cap or glyphs.dash} ", "key"), (f" {clean(label)}  ", "strong"))
+        room = frame.width - length(row)
+        if room >= THEN_ROOM:
+            return row + script_row(state, replace(frame, width=room), key, skip, begin=begin)
+        return cut(row, frame.width, glyphs.ellipsis)
+    if not state.script:
+        press, does = begin
+        if press:
+            row = ((f" {press} ", "key"), (f" {does}", "strong"))
+            return cut(row, frame.width, glyphs.ellipsis)
+        return ((fit(" no script", frame.width), "muted"),)
+    count = len(state.script)
+    right = f" {len(state.played)}/{count} "
+    front: Row = ((f" {key} ", "key"), (" ", "plain"))
+    room = frame.width - sum(cell_len(text) for text, _ in front) - len(right)
+    if state.position >= count:
+        body: Row = (("Script has ended", "muted"),)
+    else:
+        first = state.script[state.position]
+        behind = [at for at in range(state.position + 1, count) if at not in state.played]
+        body = ((f"{glyphs.here} {clean(state.label(first))}", "strong"),)
+        if state.halted:
+            goes_on = f", {skip} goes on" if skip else ""
+            stands = f"{_HALTED.get(state.halted, state.halted)}: {key} plays it{goes_on}"
+            body += ((f" {glyphs.warning} {stands} ", "warn"),)
+        for name in (state.script[at] for at in behind[:AHEAD]):
+            body += ((f"  {glyphs.next} {clean(state.label(name))}", "muted"),)
+    return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
+
+
+#: How a line ended at which the script stands still, where another word is plainer.
+_HALTED = {"stopped": "was cut", "superseded": "was cut", "mistake": "marked as a mistake"}
+#: Lines of the script behind the next one, at the most, in its row.
+AHEAD = 11
+#: Cells that the script needs at least behind what is likely to follow.
+THEN_ROOM = 24
+#: Lines of the script that stay above the next one where not all have room.
+BEFORE = 1
+#: Lines an entry's words get at most.
+WORDS = 2
+#: Cells that words are indented by.
+INDENT = 5
+
+
+def script_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
+    """Every line of the script with what is said; what has been played is quiet.
+
+    Where not all of it has room it begins shortly before the next line.
+    """
+    entries = [_entry(state, index, frame) for index in range(len(state.script))]
+    first = 0
+    if sum(map(len, entries)) > frame.height:
+        last = len(entries)
+        while last and sum(map(len, entries[last - 1 :])) <= frame.height:
+            last -= 1
+        first = min(max(0, state.position - BEFORE), last)
+    rows = [row for entry in entries[first:] for row in entry]
+    return rows[: frame.height]
+
+
+def _entry(state: ConsoleState, index: int, frame: PaintFrame) -> list[Row]:
+    glyphs, name = frame.glyphs, state.script[index]
+    played, following = index in state.played, index == state.position
+    mark = glyphs.here if following else glyphs.done if played else " "
+    look = "strong" if following else "muted" if played else "plain"
+    label = clean(state.label(name))
+    rows: list[Row] = [((f" {mark} {label}", look),)]
+    rows += [
+        ((" " * INDENT, "plain"), (line, "faint" if played else "muted"))
+        for line in _wrapped(clean(state.sentence(name)), frame)
+    ]
+    return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
+
+
+def _wrapped(words: str, frame: PaintFrame) -> list[str]:
+    room = max(10, frame.width - INDENT - 1)
+    return textwrap.wrap(words, room, max_lines=WORDS, placeholder=f" {frame.glyphs.ellipsis}")
+
+
+class ScriptPane(Cells):
+    """The whole script."""
+
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
+        """Show a heading and the lines."""
+        if not self.display:
+            return
+        inner = replace(frame, height=frame.height - 1)
+        self.show([heading("Script", frame), *script_rows(state, inner)])
+
+
+@dataclass(frozen=True, slots=True)
+class News:
+    """A sentence in the place of the hints; `look` as in `theme.LOOKS`."""
+
+    text: str = ""
+    look: str = "muted"
+
+
+@dataclass(frozen=True, slots=True)
+class BarInfo:
+    """What does not come from messages.
+
+    `news` takes the place of the `hints` (keys with a word each) for a while; `page` stands behind
+    the hints and says which page of the panels is shown. `next` is the key of the script, `skip`
+    leaves its line out, `release` the one that releases the stop, `stop` the one that stops,
+    `take_over` lets a console that watches play, `failures` shows what can be done. `then`: keys
+    and labels of what is likely to follow the last act. `asked_us`: session time at which this
+    console asked for a stop that has not been answered yet. `begin`: where there is no script yet,
+    the key that begins something, and what.
+    """
+
+    news: News = News()
+    hints: tuple[tuple[str, str], ...] = ()
+    next: str = ""
+    release: str = ""
+    asked_us: int | None = None
+    page: str = ""
+    skip: str = ""
+    take_over: str = ""
+    then: tuple[tuple[str, str], ...] = ()
+    stop: str = ""
+    failures: str = ""
+    begin: tuple[str, str] = ("", "")
+
+
+def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
+    """As many rows as the frame has, two at least. What is urgent takes the lowest."""
+    lines = max(2, frame.height)
+    urgent = _urgent(state, frame, bar)
+    script = [script_row(state, frame, bar.next, bar.skip, then=bar.then, begin=bar.begin)]
+    if state.nobody_plays:
+        what = clean(state.part) or "the robot"
+        what = f" {frame.glyphs.warning} Nobody plays {what}. {bar.take_over} plays it from here."
+        script = [((fit(what, frame.width), "alarm-soft"),)]
+    if lines > len(script) + 1:
+        script += sentence_rows(state, replace(frame, height=2), upcoming(state))
+    hints = [hint_row(bar.hints, frame.width, bar.page)]
+    rows = [*script, *hints][:lines]
+    if urgent:
+        rows[lines - len(urgent) :] = urgent
+    return rows
+
+
+def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
+    """What the wizard must know now, in two rows at most."""
+    glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
+    if state.ended and state.lost and asked_us is None:
+        where = f" {bar.failures} shows where its log is" if bar.failures else ""
+        over = " The session has ended."
+        return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
+    if state.stop is not None and (not state.lost or (state.stop.settled and asked_us is None)):
+        return _stopped(state, state.stop, bar, frame)
+    if state.lost and (asked_us is not None or state.stop is not None):
+        what = "CONFIRMED" if asked_us is None else "DELIVERED"
+        return _undelivered(state.lost, what, glyphs, width)
+    if state.lost:
+        why = f" {glyphs.error} {state.lost.part.title}: {clean(state.lost.why)}"
+        more = f" {bar.failures} shows what the robot does and what can be done"
+        what = f"No key is sent.{more if bar.failures else ''}"
+        return [((fit(why, width), "alarm"),), _below(what, bar.news, frame)]
+    if asked_us is not None:
+        waited = millis(frame.now - asked_us)
+        first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
+        return [((fit(first, width), "alarm"),), ((" " * width, "alarm-soft"),)]
+    return _news_rows(bar.news, glyphs, width, bar.stop)
+
+
+def _news_rows(news: News, glyphs: Glyphs, width: int, stop: str) -> list[Row]:
+    """News on one line, or on two if it takes them: the remedy stands at its end, and behind it the
+    key of the stop, which no sentence hides.
+    """
+    if not news.text:
+        return []
+    behind: Row = ((f" {stop}", "strong"), (" stop ", "muted")) if stop else ()
+    row: Row = ((f" {glyphs.plain(clean(news.text))}", news.look),)
+    room = width - length(behind)
+    first, *rest = wrap_row(row, 1, room if length(row) <= width else width)
+    last = spread(sum(rest, ()) or first, behind, width, glyphs.ellipsis)
+    return [cut(first, width, glyphs.ellipsis), last] if rest else [last]
+
+
+def _below(what: str, news: News, frame: PaintFrame) -> Row:
+    """What stands below an alarm, or news for their time."""
+    text, look = (news.text, news.look) if news.text else (what, "alarm-soft")
+    text = f" {frame.glyphs.plain(clean(text))}"
+    return ((fit(text, frame.width, frame.glyphs.ellipsis), look),)
+
+
+def _undelivered(loss: Loss, what: str, glyphs: Glyphs, width: int) -> list[Row]:
+    first = f" {glyphs.stop} STOP NOT {what}: use the robot's own switch"
+    if len(told := f"{first}; {loss.part.sentence}") <= width:
+        first = told
+    second = f" {loss.part.robot}"
+    return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
+
+
+def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintFrame) -> list[Row]:
+    glyphs, width = frame.glyphs, frame.width
+    release = "" if state.lost else bar.release  # no key is sent
+    left = stopped_words(stop, state.others, glyphs)
+    confirmed = stop.settled and not stop.missing
+    does = "releases" if confirmed else "releases (asks first)"
+    hint = f"{release} {does} " if release else ""
+    if state.lost:
+        left += ", confirmed by all" if confirmed else ""
+        part = state.lost.part
+        hint = f"{part.sentence} "
+        if len(left) + len(hint) >= width:
+            hint = f"{part.sign} "
+    if len(left) + len(hint) >= width:
+        hint = ""
+    first = spread(((left, "alarm"), (" " * width, "alarm")), ((hint, "alarm"),), width, " ")
+    if not stop.settled:
+        second: Row = ((fit(" waiting for the drivers to confirm", width), "alarm-soft"),)
+        return [first, second]
+    if confirmed and (state.lost or bar.news.text):
+        why = state.lost.why if state.lost else ""
+        more = f"{bar.failures} shows what can be done ({why})" if bar.failures else why
+        return [first, _below(more, bar.news, frame)]
+    row = settled_row(stop, state.short_names, glyphs, width, release)
+    blanks = max(0, width - length(row))
+    return [first, cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)]
+
+
+def hint_row(hints: tuple[tuple[str, str], ...], width: int, page: str = "") -> Row:
+    """Keys with a word each, as many as have room beside the page's number."""
+    row: Row = ((" ", "plain"),)
+    used = 1
+    behind = f"{page} " if page else ""
+    for key, what in hints:
+        need = cell_len(key) + cell_len(what) + 3
+        if used + need > width - cell_len(behind):
+            break
+        row += ((key, "strong"), (f" {what}", "muted"), ("  ", "plain"))
+        used += need
+    return spread(row, ((behind, "muted"),), width) if behind else row
+
+
+class StopBar(Cells):
+    """The bar over the whole width at the bottom of every screen."""
+
+    def paint(self, state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> None:
+        """Show the stop, or the news and hints."""
+        self.show(bar_rows(state, frame, bar))

@@ -1,0 +1,260 @@
+"""Main screen: gives its parts their places and paints them.
+
+Size and experiment file decide the places. Narrow: panels above, meters and events side by side
+below. Wide: panels at the left, meters and events at the right. Roomy: the same with the events
+under the panels, where their lines have room, and the script with its words under the meters.
+Bodies stand with the meters: beside them where it is narrow, under them elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+from rich.cells import cell_len
+from textual.app import ComposeResult
+from textual.containers import Container
+from textual.geometry import Size
+from textual.screen import Screen
+
+from woz_tui.console.bodies.pane import BodyPane
+from woz_tui.console.drawing.cells import Cells, Row, clean, fit, wrap_row
+from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.driver_outlines import body_outlines
+from woz_tui.console.state.study import verdict_text
+from woz_tui.console.widgets.action_panels import ActionPanels
+from woz_tui.console.widgets.bottom_rows import BarInfo, RepairRow, ScriptPane, StopBar
+from woz_tui.console.widgets.event_list import EventList
+from woz_tui.console.widgets.meters import Meters
+from woz_tui.console.widgets.status_rows import StatusInfo, StatusLines
+
+#: From this width on meters and events stand beside the panels, in cells.
+WIDE = 120
+#: From this height on a wide screen is roomy, in lines.
+ROOMY = 40
+#: Lines of meters and events below the panels, on a low screen and on one of 32 lines or more.
+SIDE, TALL_SIDE, TALL = 7, 12, 32
+#: Lines of status, repairs and stop bar: without a script, and with its next sentence.
+STATUS, REPAIRS, BAR, SCRIPT_BAR = 2, 1, 2, 4
+#: Below this height the sentence gives way to panels, in lines.
+SENTENCE_FROM = 18
+#: Lines of bodies under the meters on a wide screen and on a roomy one; columns of each body, and
+#: bodies at the most, beside the meters.
+LOW_BODIES, BODIES, BODY_WIDTH, NARROW_BODIES = 6, 20, 14, 2
+#: Lines the events keep at least.
+EVENTS = 10
+#: The smallest screen with all parts, and the smallest with panels.
+FULL_SIZE, LEAST_SIZE = Size(80, 24), Size(50, 12)
+
+
+class Needs(NamedTuple):
+    """Lines that panels and meters would like to have, headings included; how many bodies; lines
+    of the stop bar.
+    """
+
+    panels: int
+    meters: int
+    bodies: int = 0
+    bar: int = BAR
+
+
+def shape(screen: Size) -> str:
+    """`narrow`, `wide` or `roomy`."""
+    if screen.width < WIDE or screen.height < FULL_SIZE.height:
+        return "narrow"
+    return "roomy" if screen.height >= ROOMY else "wide"
+
+
+def bar_lines(screen: Size, script: bool) -> int:
+    """Lines of the stop bar."""
+    return SCRIPT_BAR if script and screen.height >= SENTENCE_FROM else BAR
+
+
+def upper_lines(screen: Size, needs: Needs) -> int:
+    """Lines of the upper row of parts; the lower row has the rest."""
+    body = screen.height - STATUS - REPAIRS - needs.bar
+    match shape(screen):
+        case "narrow":
+            return max(3, body - (TALL_SIDE if screen.height >= TALL else SIDE))
+        case "wide":
+            return max(3, min(needs.meters + body_lines(screen, needs) + 1, body * 3 // 5))
+        case _:
+            side = needs.meters + body_lines(screen, needs)
+            return max(3, min(max(needs.panels, side) + 1, body - EVENTS))
+
+
+def body_lines(screen: Size, needs: Needs) -> int:
+    """Lines of bodies under the meters."""
+    if not needs.bodies:
+        return 0
+    return {"narrow": 0, "wide": LOW_BODIES, "roomy": BODIES}[shape(screen)]
+
+
+def body_columns(screen: Size, needs: Needs) -> int:
+    """Columns of bodies beside the meters."""
+    if shape(screen) != "narrow":
+        return 0
+    return BODY_WIDTH * min(needs.bodies, NARROW_BODIES)
+
+
+class SidePane(Container):
+    """Meters and bodies."""
+
+    def lay_out(self, lines: int, columns: int) -> None:
+        """Give the bodies their place: lines under the meters, or columns beside them."""
+        bodies = self.query_one("BodyPane")
+        bodies.display = bool(lines or columns)
+        self.set_class(bool(columns), "-beside")
+        bodies.styles.height = lines or "100%"
+        bodies.styles.width = columns or "100%"
+
+
+class MainArea(Container):
+    """All between the status line and the stop bar."""
+
+    _laid_out: tuple[object, ...] | None = None
+
+    def lay_out(self, screen: Size, needs: Needs) -> None:
+        """Give every part its place."""
+        below, beside = body_lines(screen, needs), body_columns(screen, needs)
+        wanted = (shape(screen), upper_lines(screen, needs), below, beside and screen.width)
+        if wanted == self._laid_out:
+            return
+        self._laid_out = wanted
+        for name in ("narrow", "wide", "roomy"):
+            self.set_class(name == wanted[0], f"-{name}")
+        self.styles.grid_rows = f"{wanted[1]} 1fr"
+        columns = f"{(screen.width + beside) // 2} 1fr" if beside else "1fr 1fr"
+        self.styles.grid_columns = columns if wanted[0] == "narrow" else "1fr 50"
+        self.query_one(SidePane).lay_out(below, beside)
+
+
+#: Lines on a low screen, and on one of so many lines or more.
+_LOW, _HIGH, _TALL = 3, 5, 32
+_SORTS = {
+    "approach": "A visitor comes.",
+    "silence": "The visitor is silent.",
+    "turn-away": "The visitor turns away.",
+    "leave": "The visitor leaves.",
+}
+
+
+def cue_lines(size: Size, state: ConsoleState) -> int:
+    """Lines of the cue; none outside of a training."""
+    training = state.session.training
+    if training is None or training.state != "runs":
+        return 0
+    return _HIGH if size.height >= _TALL else _LOW
+
+
+class CueBoard(Cells):
+    """The cue that waits; between two of them what became of the last one."""
+
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
+        """Show it."""
+        cue, last = state.session.cue, state.study.judged
+        if cue is not None:
+            given = cue.given
+            text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
+            said = _wrapped(text if given.text else _SORTS.get(given.sort, given.sort), frame)
+            left = max(0, given.t + given.window_us - frame.now)
+            full = round(left / max(1, given.window_us) * (frame.width // 2))
+            rows = [*((line, "strong") for line in said), (frame.glyphs.bar * full, "run")]
+        elif last is not None:
+            rows = [verdict_text(last), ("", "plain")]
+        else:
+            rows = [("The first cue comes soon.", "muted"), ("", "plain")]
+        above: list[Row] = [()] * max(0, (frame.height - len(rows)) // 2)
+        self.show([*above, *(_centred(text, look, frame) for text, look in rows)])
+
+
+def _wrapped(text: str, frame: PaintFrame) -> list[str]:
+    """The words of a cue, in as many lines as the board has beside the bar."""
+    plain, room = frame.glyphs.plain(clean(text)), max(1, frame.height - 1)
+    rows = wrap_row(((plain, "strong"),), 0, frame.width)
+    lines = ["".join(piece for piece, _ in row).strip() for row in rows]
+    return [*lines[: room - 1], " ".join(lines[room - 1 :])]
+
+
+def _centred(text: str, look: str, frame: PaintFrame) -> Row:
+    shown = frame.glyphs.plain(clean(text))
+    if cell_len(shown) > frame.width:
+        shown = fit(shown, frame.width, frame.glyphs.ellipsis)
+    return ((shown.center(frame.width), look),)
+
+
+SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
+
+
+class MainScreen:
+    """Status on top, panels, meters and bodies, events, script, repairs, stop bar."""
+
+    def __init__(self, bar: StopBar | None = None) -> None:
+        self.status = StatusLines()
+        self.cue = CueBoard()
+        self.panels = ActionPanels()
+        self.meters = Meters()
+        self.bodies = BodyPane()
+        self.events = EventList()
+        self.script = ScriptPane()
+        self.repairs = RepairRow()
+        self.bar = bar or StopBar()
+        self.small = Cells(id="small")
+        self.body = MainArea()
+        self.side = SidePane()
+
+    def compose(self) -> ComposeResult:
+        """All widgets in their order."""
+        yield from (self.status, self.cue)
+        with self.body:
+            yield self.panels
+            with self.side:
+                yield from (self.meters, self.bodies)
+            yield from (self.events, self.script)
+        yield self.small
+        yield self.repairs
+        yield self.bar
+
+    def measure(
+        self, size: Size, base: Screen[object], state: ConsoleState, glyphs: Glyphs
+    ) -> None:
+        """Choose what fits: everything, no side, or a sentence and the stop."""
+        width, height = size
+        base.set_class(width < FULL_SIZE.width or height < FULL_SIZE.height, "-small")
+        base.set_class(width < LEAST_SIZE.width or height < LEAST_SIZE.height, "-tiny")
+        lines = bar_lines(size, any(state.scripts.values()))
+        if self.bar.styles.height is None or self.bar.styles.height.value != lines:
+            self.bar.styles.height = lines
+        cue = cue_lines(size, state)
+        self.cue.display = cue > 0
+        self.cue.styles.height = cue or 1
+        self.body.lay_out(
+            Size(width, height - cue),
+            Needs(
+                self.panels.needs(state, glyphs),
+                self.meters.needs,
+                len(body_outlines(state.outlines)),
+                lines,
+            ),
+        )
+
+    def paint(
+        self,
+        state: ConsoleState,
+        frame: Callable[[Cells], PaintFrame],
+        line: StatusInfo,
+        bar: BarInfo,
+        size: Size,
+    ) -> None:
+        """Show what has changed; `frame` tells each part's room and the moment."""
+        self.status.paint(state, frame(self.status), line)
+        if self.cue.display:
+            self.cue.paint(state, frame(self.cue))
+        parts = (self.panels, self.meters, self.bodies, self.events, self.script, self.repairs)
+        for part in parts:
+            part.paint(state, frame(part))
+        self.bar.paint(state, frame(self.bar), replace(bar, page=self.panels.page))
+        ellipsis = frame(self.small).glyphs.ellipsis
+        self.small.show([((fit(f" {SMALL.format(*size)}", size.width, ellipsis), "warn"),)])

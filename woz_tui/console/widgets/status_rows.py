@@ -1,0 +1,371 @@
+"""The two lines on top: what is being recorded, and how everything is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from rich.cells import cell_len
+
+from woz_tui.console.drawing.cells import (
+    Cells,
+    Piece,
+    Row,
+    clean,
+    cut,
+    fit,
+    fit_most,
+    length,
+    spread,
+)
+from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
+from woz_tui.console.drawing.number_text import millis, seconds
+from woz_tui.console.robot_settings.status import driver_trouble
+from woz_tui.console.state.command_text import command_words, spoken_text
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.replay import wall_time
+from woz_tui.console.state.view_models import DriverView
+from woz_tui.protocol.panel_players import part_names
+from woz_tui.system.text_cleaning import elapsed
+
+#: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
+SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
+#: The log is so far behind that an alarm is about time.
+LATE_US = 1_000_000
+#: Cells of a profile's name at the most, and columns from which its word stands before it.
+PROFILE, WORDY = 14, 100
+#: Cells of a phase's title at the most.
+PHASE = 18
+#: Cells between the drivers and what stands at the right.
+GAP = 3
+#: Cells that drivers keep beside a planner's block, and cells that this has at least.
+DRIVERS, LEAST_BLOCK = 18, 40
+#: Cells that a long title keeps beside a trial.
+TITLE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class StatusInfo:
+    """The line to the wizard's terminal: whether it takes output, its round trip if known; and
+    the keys that show what has failed, that go on to the next phase, that say what is wrong with a
+    driver, and that cut short what began last.
+    """
+
+    well: bool = True
+    round_trip_us: int | None = None
+    failures: str = "enter"
+    phase: str = ""
+    drivers: str = ""
+    cut: str = ""
+
+
+def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> list[Row]:
+    """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
+    glyphs, width = frame.glyphs, frame.width
+    vitals = _log(state, glyphs) or (
+        *(("  ", "plain"), *_recorder(state, frame)),
+        *(("  ", "plain"), *_line(state, line, frame)),
+    )
+    vitals = (*_profile(state, frame), *vitals)
+    failures = (
+        *_seers(state),
+        *_why(state, line.drivers),
+        *_failures(state, glyphs, line.failures),
+    )
+    room = width - length(vitals)
+    first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
+    block = _block(state, frame, line.cut, width - length(failures))
+    failures = (*block, *failures)
+    room = width - length(failures) - length(phase := _phase(state, frame))
+    drivers = _drivers(state, glyphs, room - GAP if phase else room)
+    phase += _next_phase(state, line.phase, room - length(drivers) - GAP)
+    return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
+
+
+def _fitting(parts: list[Row], width: int) -> Row:
+    """As many parts as fit, at least the first."""
+    row = parts[0]
+    for part in parts[1:]:
+        if length(row) + length(part) > width:
+            break
+        row += part
+    return row
+
+
+def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
+    """The more important, the earlier. A long title gives way to the time."""
+    glyphs = frame.glyphs
+    time = elapsed(frame.now) if state.welcomed else "--:--"
+    title = clean(state.title) or "woz"
+    values = _values(state, frame)
+    badge = _badge(state)
+    spare = room - len(time) - 3 - length(badge)
+    if state.study.counts:  # then who and what is worth more than the title
+        spare -= sum(cell_len(value) + 3 for value in values[:3])
+        spare = max(spare, 1 if state.role == "watcher" else TITLE)
+    cells = min(cell_len(title), max(1, spare))
+    named = ((f" {fit(title, cells, glyphs.ellipsis)}  ", "strong"), (time, "plain"))
+    parts: list[Row] = [badge, named] if badge else [named]
+    for value in values:
+        look = "warn" if value.startswith("no ") else "plain"
+        if value.startswith(("break ", "questions ")):
+            look = "wait"
+        parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
+    # What is left out behind it leaves room for more of the title.
+    cells = min(cell_len(title), cells + room - length(_fitting(parts, room)))
+    title = fit(title, max(1, cells), glyphs.ellipsis)
+    parts[1 if badge else 0] = ((f" {title}  ", "strong"), (time, "plain"))
+    return parts
+
+
+def _badge(state: ConsoleState) -> Row:
+    """What this console is, if it does not play."""
+    part = clean(state.part)
+    if state.role == "watcher":
+        what = "NOBODY PLAYS" if state.nobody_plays else "WATCHING"
+        return ((f" {what} {part} " if part else f" {what} ", "alarm-soft"),)
+    if part:
+        return ((f" {part} ", "fill"),)
+    if state.replay is not None:
+        told = state.settings.replay
+        coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"
+        return ((f" {coder} ", "fill"),)
+    return ()
+
+
+def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
+    """Who takes part, under which condition, in which trial, and so on."""
+    asked, start = state.study.open_questionnaire, state.session.start
+    others = clean(part_names(state.others, state.others))
+    found = (
+        clean(state.participant) or "no participant",
+        clean(state.condition) or ("no condition" if state.conditions else ""),
+        _trial(state, frame),
+        f"with {others}" if others and state.role == "wizard" else "",
+        f"questions {asked.answered}/{len(asked.items)}" if asked is not None else "",
+        f"session {clean(start.session)}" if start is not None and start.session else "",
+    )
+    return [value for value in found if value]
+
+
+def _trial(state: ConsoleState, frame: PaintFrame) -> str:
+    """The trial's number and, where the robot process counts them, its time, or the break's."""
+    study, now = state.study, frame.now
+    of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
+    if study.break_began is not None:
+        return f"break {elapsed(now - study.break_began)}"
+    if study.trial is not None:
+        return f"trial {study.trial.number}{of} {elapsed(now - study.trial.began)}"
+    if study.open_questionnaire is not None:
+        return ""  # how far that is has its place
+    if study.last is not None:
+        return f"trial {study.last[0]}{of} {study.last[1]:<5}"
+    if study.designed:
+        return "no trial yet"
+    return f"trial {state.trial}" if state.trial is not None else ""
+
+
+def _profile(state: ConsoleState, frame: PaintFrame) -> Row:
+    """At the right, where it takes nothing else's place and is never left out."""
+    name = clean(state.profiles.current)
+    if not name:
+        return ()
+    word = "profile " if frame.width >= WORDY else ""
+    shown = fit(name, min(PROFILE, cell_len(name)), frame.glyphs.ellipsis)
+    return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
+
+
+def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:
+    """Whether the log is written; how far it lags, where there is room or it is too much."""
+    glyphs = frame.glyphs
+    if state.ended:
+        return (("session over", "muted"),)
+    if state.lost:
+        return ((f" {glyphs.error} {state.lost.part.sign} ", "alarm"),)
+    recorder = state.session.recorder
+    if recorder is None:
+        return ((f"{glyphs.no} Not recording yet", "muted"),)
+    lag = millis(recorder.lag_us)
+    figure: Row = ((f"{f' ({lag})':<9}", "muted"),) if frame.width >= WORDY else ()
+    levels: dict[str, Row] = {
+        "ok": ((f"{glyphs.yes} Recording", "good"), *figure),
+        "warn": ((f"{glyphs.warning} Recording {lag} late", "warn"),),
+        "alarm": ((f" {glyphs.error} RECORDING {_alarm(recorder.lag_us)} ", "alarm"),),
+        "failed": ((f" {glyphs.error} {_unrecorded(recorder.waived)} ", "alarm"),),
+    }
+    return levels.get(recorder.level, ((f"{glyphs.no} Not recording yet", "muted"),))
+
+
+def _unrecorded(waived: bool) -> str:
+    """No folder takes the log: everything is refused, or the wizard goes on all the same."""
+    return "WITHOUT A RECORD" if waived else "NOT RECORDED"
+
+
+def _log(state: ConsoleState, glyphs: Glyphs) -> Row:
+    """In a replay: the day of the session, and whether all of its log is there."""
+    if state.replay is None:
+        return ()
+    began = wall_time(state.settings, 0)
+    day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
+    damaged = bool(state.settings.replay and state.settings.replay.notes)
+    found = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")
+    return (day, "plain"), found
+
+
+def _alarm(lag_us: int) -> str:
+    """Behind the disk, or in trouble with a file: the events say which."""
+    return f"{millis(lag_us)} LATE" if lag_us >= LATE_US else "TROUBLE"
+
+
+def _line(state: ConsoleState, line: StatusInfo, frame: PaintFrame) -> Row:
+    """How the terminal is reached; its round trip, where there is room or it is too long. Inside
+    tmux, screen or mosh it is they who answer: then nobody knows it.
+    """
+    glyphs, round_trip = frame.glyphs, line.round_trip_us
+    if not line.well:
+        return ((f" {glyphs.error} CONNECTION STALLED ", "alarm"),)
+    if own := state.line:
+        if state.settings.driving == "pressed":
+            return ((f"{glyphs.warning} via {own}: a lost line drives on ", "warn"),)
+        wide = frame.width >= WORDY
+        return ((f"via {own}{', hold a key to drive' if wide else ''} ", "muted"),)
+    if round_trip is not None and round_trip >= SLOW_LINE_US:
+        look = "bad" if round_trip >= BAD_LINE_US else "warn"
+        return ((f"{glyphs.warning} connection {millis(round_trip)} ", look),)
+    if frame.width < WORDY:
+        return (("connected ", "muted"),)
+    shown = glyphs.dash if round_trip is None else millis(round_trip)
+    return ((f"connection {shown:<6} ", "muted"),)
+
+
+_HEALTH = {
+    "connected": ("yes", "good", ""),
+    "connecting": ("driver", "warn", " connecting"),
+    "lost": ("error", "bad", " lost"),
+    "faulted": ("warning", "warn", " faulted"),
+    "unknown": ("no", "muted", ""),
+}
+
+
+def _drivers(state: ConsoleState, glyphs: Glyphs, room: int) -> Row:
+    """Every driver's health. Where they do not fit, a robot of one driver has the robot's name; if
+    that is not enough, what troubles a driver is a sign alone, and whoever is not well comes first.
+    """
+    drivers = [*state.drivers.values()]
+    row = _drivers_row(state, glyphs, [(driver, driver.name) for driver in drivers])
+    if length(row) <= room:
+        return row
+    names = state.short_names
+    short = [(driver, names[driver.name]) for driver in drivers]
+    row = _drivers_row(state, glyphs, short)
+    if length(row) <= room:
+        return row
+    first = sorted(short, key=lambda each: wellness(state, each[0]))
+    return _drivers_row(state, glyphs, first, brief=True)
+
+
+def wellness(state: ConsoleState, driver: DriverView) -> tuple[bool, bool]:
+    """Sorts drivers so that whoever is not well comes first."""
+    return driver.health == "connected", not driver_trouble(state, driver.name)
+
+
+def _drivers_row(
+    state: ConsoleState,
+    glyphs: Glyphs,
+    named: Iterable[tuple[DriverView, str]],
+    brief: bool = False,
+) -> Row:
+    row: list[Piece] = [(" ", "plain")]
+    for driver, name in named:
+        sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
+        row.append((f"{getattr(glyphs, sign)} {clean(name)}{word}", look))
+        changed = state.session.modes.get(driver.name)
+        if changed is not None and changed.now not in ("", "normal"):
+            row.append((f" {changed.now}", "wait"))
+        trouble = driver_trouble(state, driver.name)
+        if trouble:
+            said = f" {glyphs.warning}" if brief else f": {glyphs.warning} {trouble}"
+            row.append((said, "warn"))
+        row.append(("   ", "plain"))
+    return tuple(row[:-1])
+
+
+def _why(state: ConsoleState, key: str) -> Row:
+    """The key that says what is wrong with a driver, and what helps, in whole sentences."""
+    ill = any(
+        driver.health in ("lost", "faulted") or driver_trouble(state, driver.name)
+        for driver in state.drivers.values()
+    )
+    return ((f" {key} ", "key"), (" why ", "warn")) if ill and key else ()
+
+
+def _failures(state: ConsoleState, glyphs: Glyphs, key: str) -> Row:
+    count = len(state.runs.unseen())
+    if not count:
+        return ()
+    return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
+
+
+def _phase(state: ConsoleState, frame: PaintFrame) -> Row:
+    """The phase with its time."""
+    study, phases = state.session.study, state.settings.phases
+    if not phases:
+        return ()
+    row: Row = (("no phase ", "muted"),)
+    if (present := study.phase) is not None:
+        name = fit_most(state.heading(present.label), PHASE, frame.glyphs.ellipsis)
+        planned, passed = present.changed.planned_us, frame.now - present.begin
+        limit = f"/{elapsed(planned)}" if planned else ""
+        late = "warn" if 0 < planned < passed else "plain"
+        row = ((f"{name} ", "title"), (f"{elapsed(passed)}{limit} ", late))
+    return row
+
+
+def _next_phase(state: ConsoleState, key: str, room: int) -> Row:
+    """The key that goes on, and the phase that it begins, where there is room."""
+    following = state.session.study.next_phase(state.settings.phases)
+    if following is None or not key:
+        return ()
+    then: Row = ((f" {key} ", "key"), (f" {clean(following.heading)} ", "muted"))
+    return then if length(then) <= room else ()
+
+
+def _block(state: ConsoleState, frame: PaintFrame, key: str, width: int) -> Row:
+    """The newest block that a planner has begun: its id, who it is, what is done now, how long it
+    still takes, and the key that cuts it where that is what began last.
+    """
+    runs, glyphs = state.runs, frame.glyphs
+    if not (blocks := runs.blocks) or (run := runs.get(blocks[-1].request.command)) is None:
+        return ()
+    block = blocks[-1]
+    who = state.session.consoles.get(block.request.console)
+    name = command_words(block.request).removeprefix("block ")
+    more = f" +{len(blocks) - 1}" if len(blocks) > 1 else ""
+    left = run.timing(frame.now)[0]
+    waits = "" if run.running else " waits "
+    back: Row = ((f" {seconds(left)} left " if left is not None else waits, "run"),)
+    if key and runs.active[-1] == run.id:
+        back += ((f" {key} ", "key"), (" cuts ", "muted"))
+    front: Row = (
+        (f"  {glyphs.running} {clean(name)}{more}", "run"),
+        (f" {glyphs.middle} {clean(who.name)}" if who is not None and who.name else "", "muted"),
+    )
+    parts = sorted(runs.parts(block), key=lambda each: not spoken_text(each.request))
+    words = ", ".join(command_words(each.request) for each in parts)
+    room = max(LEAST_BLOCK, width - DRIVERS) - length(back)
+    body = (*front, (f"  {glyphs.plain(clean(words))}" if words else "", "plain"))
+    return (*cut(body, max(1, room), glyphs.ellipsis), *back)
+
+
+def _seers(state: ConsoleState) -> Row:
+    """Programs that see what is kept from the wizard."""
+    names = ", ".join(map(clean, state.study.seers.values()))
+    return ((f" {names} sees all ", "wait"),) if names and state.keeps else ()
+
+
+class StatusLines(Cells):
+    """The status line."""
+
+    def paint(self, state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> None:
+        """Show the state of the session."""
+        self.show(status_rows(state, frame, line))

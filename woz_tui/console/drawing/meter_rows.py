@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from woz_tui.console.drawing.cells import Piece, Row, cut, fit
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.number_text import age
-from woz_tui.console.state.view_models import SensorView
 from woz_tui.session.redactor import HIDDEN
 
 #: Cells of the names at the left and the values at the right.
@@ -58,9 +57,9 @@ def hidden_row(name: str, frame: PaintFrame) -> Row:
     return meter_row(name, ((frame.glyphs.track * track_width(frame), "faint"),), HIDDEN, "faint")
 
 
-def age_note(sensor: SensorView, frame: PaintFrame) -> str:
-    """How old a value is that should not be trusted any more."""
-    return f"{frame.glyphs.stale}{age(frame.now - sensor.t)} old"
+def age_note(t: int, frame: PaintFrame) -> str:
+    """How old a value of `t` is that should not be trusted any more."""
+    return f"{frame.glyphs.stale}{age(frame.now - t)} old"
 
 
 def side_by_side(

@@ -260,6 +260,6 @@ def _hidden_distance(state: ConsoleState, frame: PaintFrame) -> Row:
     if sensor is None or state.perception.hides("distance"):
         return hidden_row("distance", frame)
     stale = state.is_stale(sensor, frame.now)
-    text = age_note(sensor, frame) if stale else sensor.text or "nothing seen"
+    text = age_note(sensor.t, frame) if stale else sensor.text or "nothing seen"
     bar: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
     return meter_row("distance", bar, text, "stale" if stale else "plain")

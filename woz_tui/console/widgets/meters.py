@@ -145,7 +145,7 @@ def _joint(state: ConsoleState, name: str, shown: str, frame: PaintFrame) -> Row
             "stale" if stale else "strong",
         )
     ticks = {track_cell(-low / (high - low), width): glyphs.tick} if low < 0 < high else {}
-    text = age_note(present, frame) if stale and present is not None else " ".join(texts)
+    text = age_note(present.t, frame) if stale and present is not None else " ".join(texts)
     return meter_row(shown, ruler(width, ticks, spots, glyphs), text, "stale" if stale else "plain")
 
 
@@ -237,7 +237,7 @@ def _alone(sensor: SensorView, state: ConsoleState, frame: PaintFrame) -> Row:
     stale = bool(ever) and state.is_stale(sensor, frame.now)
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))
     text = " ".join(part for part in parts if part) or "nothing"
-    note = age_note(sensor, frame) if stale else clean(sensor.state)
+    note = age_note(sensor.t, frame) if stale else clean(sensor.state)
     room = max(1, frame.width - NAME - cell_len(note) - 2)
     return (
         name_piece(sensor.name),
@@ -321,7 +321,7 @@ def _distance(state: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
     ticks = {track_cell(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
     stale = state.is_stale(sensor, frame.now)
     if sensor.value is None:
-        text = age_note(sensor, frame) if stale else "nothing seen"
+        text = age_note(sensor.t, frame) if stale else "nothing seen"
         look = "stale" if stale else "muted"
         return [meter_row(_short(name), ruler(width, ticks, {}, glyphs), text, look)]
     spot = {
@@ -329,7 +329,7 @@ def _distance(state: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
     }
     text = f"{sensor.value:.2f} m {zone(sensor.value)}"
     if stale:
-        text = f"{sensor.value:.1f} m {age_note(sensor, frame)}"
+        text = f"{sensor.value:.1f} m {age_note(sensor.t, frame)}"
     look = "stale" if stale else "plain"
     return [meter_row(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
 
@@ -338,7 +338,7 @@ def _coarse(state: ConsoleState, sensor: SensorView, frame: PaintFrame) -> Row:
     """A blurred value in a word, on a track without marks."""
     stale = state.is_stale(sensor, frame.now)
     track_row: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
-    text = age_note(sensor, frame) if stale else sensor.text or "nothing seen"
+    text = age_note(sensor.t, frame) if stale else sensor.text or "nothing seen"
     return meter_row(_short(sensor.name), track_row, text, "stale" if stale else "plain")
 
 
@@ -369,7 +369,7 @@ def _loudness(state: ConsoleState, name: str, frame: PaintFrame, speech: str = "
     glyphs, width = frame.glyphs, track_width(frame)
     if sensor.value is None or state.is_stale(sensor, frame.now):
         empty: Row = ((glyphs.track * width, "faint"),)
-        return [meter_row(_short(name), empty, age_note(sensor, frame), "stale")]
+        return [meter_row(_short(name), empty, age_note(sensor.t, frame), "stale")]
     level = decibels(sensor.value)
     speaking = sensor.state == "speaking"
     full = track_cell(1 - level / SILENCE_DB, width + 1)

@@ -102,10 +102,10 @@ class Console(ScreenApp):
         self._builtins = builtins or own
         self.keymap = key_map((), terminal, builtins=self._builtins)
         self.caps: Mapping[str, KeyCap] = {}
+        self.arrows = ArrowSteps(keyboard)
         self.requests = RobotRequests(
             feed,
             self.state,
-            ArrowSteps(keyboard),
             news=self.news,
             key=self._key,
             later=self.call_later,
@@ -328,7 +328,7 @@ class Console(ScreenApp):
         self.keyboard.bind(self.keymap.table, self._own_keys())
         self.keyboard.holds = state.settings.driving == "held"
         self._bind_arrows()
-        self.requests.arrows.adopt(state.settings.steps)
+        self.arrows.adopt(state.settings.steps)
         if self.keymap.warnings != warned and self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
 

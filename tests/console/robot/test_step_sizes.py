@@ -66,7 +66,7 @@ async def test_an_arrow_key_goes_as_far_as_it_was_told() -> None:
         keyboard = pilot.console.keyboard
         assert keyboard.press("left")
         assert keyboard.press("alt+up")
-        pilot.console.requests.arrows.change("head", 12.0)
+        pilot.console.arrows.change("head", 12.0)
         assert keyboard.press("left")
         asked = [each for each in pilot.feed.asked if isinstance(each, r.AskVerb)]
         assert [each.args for each in asked] == [{"yaw": 7.0}, {"x": 0.25}, {"yaw": 12.0}]
@@ -86,6 +86,6 @@ async def test_steps_of_a_file_that_was_read_again() -> None:
         )
         await pilot.tell(panels_changed)
         assert pilot.console.keyboard.steps.head == 1.0
-        pilot.console.requests.arrows.change("head", 4.0)
+        pilot.console.arrows.change("head", 4.0)
         await pilot.tell(msgspec.structs.replace(panels_changed, profile="child"))
         assert pilot.console.keyboard.steps.head == 4.0

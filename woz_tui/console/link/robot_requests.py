@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Protocol
 
-from woz_tui.console.link.message_feed import GONE, MessageFeed
-from woz_tui.console.robot_settings.step_sizes import ArrowSteps
-from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.link.message_feed import GONE, Loss, MessageFeed
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.messages import Json
@@ -23,13 +22,18 @@ def press_to(key: str, what: str) -> str:
     return f"press {key} to {what}" if what else f"press {key}"
 
 
+class Connection(Protocol):
+    """Knows whether the robot process can be reached."""
+
+    lost: Loss | None
+
+
 class RobotRequests:
     """Requests with their replies, and drafts of dialogs.
 
     Args:
         feed: Where requests go.
-        state: State of the console.
-        arrows: How far the arrow keys go.
+        connection: Whether it is there; what is asked meanwhile is refused.
         news: Shows a sentence above the hints.
         key: The key of one of the console's own commands, as a cap shows it.
         later: Calls with a reply once the console has worked through what it has.
@@ -39,15 +43,14 @@ class RobotRequests:
     def __init__(
         self,
         feed: MessageFeed,
-        state: ConsoleState,
-        arrows: ArrowSteps,
+        connection: Connection,
         *,
         news: Callable[[str, str], None],
         key: Callable[[str], str],
         later: Callable[[OnReply, r.Reply], object],
         over: Callable[[], None],
     ) -> None:
-        self._feed, self._picture, self.arrows = feed, state, arrows
+        self._feed, self._connection = feed, connection
         self._news, self._key, self._later, self._over = news, key, later, over
         self._waiting: dict[int, OnReply] = {}
         self._watching: dict[int, OnPicture] = {}
@@ -61,7 +64,7 @@ class RobotRequests:
 
     def ask(self, request: r.Request, on_reply: OnReply | None = None) -> None:
         """Send a request; without `on_reply` a refusal is shown above the hints."""
-        if self._picture.lost:
+        if self._connection.lost:
             self._later(on_reply or self.refused, r.Reply(ref=0, ok=False, reason=GONE))
             return
         self._waiting[self._feed.ask(request)] = on_reply or self.refused

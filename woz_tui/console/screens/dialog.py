@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from woz_tui.console.input.keyboard import Keyboard
     from woz_tui.console.link.message_feed import MessageFeed
     from woz_tui.console.link.robot_requests import RobotRequests
+    from woz_tui.console.robot_settings.step_sizes import ArrowSteps
     from woz_tui.console.state.console_state import ConsoleState
     from woz_tui.system.clock import Clock
 
@@ -89,6 +90,7 @@ class ConsoleApp(Protocol):
     feed: MessageFeed
     requests: RobotRequests
     keyboard: Keyboard
+    arrows: ArrowSteps
     clock: Clock
     look: Appearance
     theme: str

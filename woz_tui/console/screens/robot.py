@@ -83,7 +83,7 @@ class RobotDialog(DrawingDialog):
 
     @cached_property
     def _viewer(self) -> SettingViewer:
-        return SettingViewer(self.state, self.glyphs, self.requests.arrows, self._hand)
+        return SettingViewer(self.state, self.glyphs, self.console_app.arrows, self._hand)
 
     def _first_line(self) -> int:
         """Where it opens: without a robot where one is taken, with settings that differ at the
@@ -231,7 +231,7 @@ class RobotDialog(DrawingDialog):
         if line.kind is not LineKind.STEP:
             self._hand.change(driver or self._driver, line, value)
         elif isinstance(value, int | float):
-            self.requests.arrows.change(line.setting.name, value)
+            self.console_app.arrows.change(line.setting.name, value)
 
 
 class ValueDialog(EntryDialog):

@@ -1,4 +1,4 @@
-"""What each role may see, decided before a line is sent: docs/how-to/study.md has the table.
+"""What each role may see, decided before a line is sent: docs/reference/roles.md has the table.
 
 Nothing here reads words to find out what they tell. Who makes a message says it: `tells` of a
 message with words, `unfilled` of a command, `telling` of a reload.

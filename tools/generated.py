@@ -42,7 +42,6 @@ FILES: Mapping[str, Callable[[str], str]] = {
     "docs/explanation/engagement.md": engagement_diagram.refreshed,
     "docs/how-to/export.md": redaction_lists.refreshed,
     "docs/how-to/keymap.md": keymap_reference.refreshed,
-    "docs/how-to/pepper.md": pepper_coverage.refreshed,
     "docs/how-to/render.md": lambda page: replaced(page, "inputs", inputs_table()),
     "docs/how-to/robots.md": lambda page: replaced(page, "robots", robots.markdown(bundled())),
     "docs/images/engagement-states.svg": lambda _: engagement_diagram.svg(),

@@ -10,7 +10,6 @@ from collections import Counter
 from woz_drivers.pepper.model import PEPPER
 
 from tools import marked_tests as marked
-from tools import replaced
 from woz_tui.drivers.robot_settings import RobotSetting
 
 
@@ -177,19 +176,20 @@ def unknown(table: str) -> list[str]:
     return sorted({one.statement for one in marked.found(mark)} - rows.keys())
 
 
-def refreshed(page: str) -> str:
-    """`page` with the table of settings as it is today."""
-    return replaced(page, "settings", _settings())
-
-
 def page() -> str:
-    """The page with the calls and the keys."""
+    """The page with the settings, the calls and the keys."""
     return f"""\
-# Pepper: every call and every key, and which test shows it
+# Pepper: every setting, call and key, and which test shows it
 
-Look up here how a wizard reaches a call of NAOqi, what becomes of a key of a WoZ4U file, and which
-tests show that it works. `make generated` writes this page; `pytest -m naoqi` and `pytest -m woz4u`
-run the tests.
+Look up here which verb changes a setting of the robot, how a wizard reaches a call of NAOqi, what
+becomes of a key of a WoZ4U file, and which tests show that it works. `make generated` writes this
+page; `pytest -m naoqi` and `pytest -m woz4u` run the tests.
+
+## Every setting
+
+As the robot's screen (`@`) shows them.
+
+{_settings()}
 
 ## Every call
 

@@ -1,7 +1,7 @@
 """Every setting that the robot itself has, with the calls of NAOqi that read and set it.
 
 The robot file (`settings.py`), the verbs, the screen (`NaoqiRobot.outline`), what is read back and
-compared, and the table in `docs/how-to/pepper.md` are made from here.
+compared, and the table in `docs/reference/pepper-coverage.md` are made from here.
 """
 
 from __future__ import annotations

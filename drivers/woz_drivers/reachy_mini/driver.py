@@ -96,7 +96,7 @@ class ReachyMini(RobotOfParts[DaemonLink, ReachyMiniSettings]):
         """A live voice, unless the file says so; its microphones are another driver's."""
         ears = (
             "its microphones are heard by a driver of `type: microphone` where they are connected;"
-            " docs/how-to/reachy-mini.md has the lines"
+            " docs/how-to/reachy-mini-camera.md has the lines"
         )
         return {LISTEN: ears, **(TALK_UNWRITTEN if settings.talk is None else {})}
 

@@ -770,7 +770,7 @@ async def test_it_has_no_wheels_to_stop(rig: ReachyRig) -> None:
 
 
 def test_the_table_of_calls_names_tests_that_there_are() -> None:
-    page = (Path(__file__).parents[3] / "docs/how-to/reachy-mini.md").read_text("utf-8")
+    page = (Path(__file__).parents[3] / "docs/reference/reachy-mini-coverage.md").read_text("utf-8")
     rows = re.findall(r"^\| `?[A-Z/].*\| `(test_\w+)` \|$", page, re.MULTILINE)
     assert len(rows) > 15
     assert [name for name in rows if name not in globals()] == []

@@ -165,6 +165,11 @@ class SessionState:
             setattr(other, name, value.copy() if type(value) in _COPIED else value)
         return other
 
+    def become(self, other: SessionState) -> None:
+        """Take over what `other` holds, which is given up; whoever keeps this one goes by it."""
+        for name in _FIELDS:
+            setattr(self, name, getattr(other, name))
+
     def messages(self, *, plan: bool = True) -> list[m.Message]:
         """The few messages from which a fresh `SessionState` becomes the same, in order of `seq`.
 

@@ -378,14 +378,14 @@ class ConsoleState:
         """Begin anew with what `lines` say that holds; which steps of an action are over, they do
         not say.
         """
-        before, fresh = self.session, SessionState()
-        if before.plan is not None:
-            fresh.apply(before.plan)
+        session, fresh = self.session, SessionState()
+        if session.plan is not None:
+            fresh.apply(session.plan)
         for line in lines:
             if not isinstance(line, m.SessionPlan) and (seen := see(line)) is not None:
                 fresh.apply(seen)
-        fresh.t, fresh.actions, fresh.commands = before.t, before.actions, before.commands
-        self.session = self.study.session = self.engaged.session = self.runs.session = fresh
+        fresh.t, fresh.actions, fresh.commands = session.t, session.actions, session.commands
+        session.become(fresh)
 
     def _panels(self, changed: r.PanelsChanged) -> None:
         before = self.settings

@@ -182,7 +182,7 @@ async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
         await pilot.tell(panels_changed, m.SessionChanged(condition="cold", t=NOW))
         assert "Orange" in pilot.text("StatusLines")
         assert pilot.console.state.conditions == ("Lemon", "Orange")
-        assert pilot.console.state.study.order == ("Lemon", "Orange")
+        assert pilot.console.state.session.study.order == ["Lemon", "Orange"]
 
 
 def blind(labels: dict[str, str] = study_scene.LABELS, **more: Any) -> Redactor:

@@ -58,8 +58,8 @@ HAD = questionnaire_ended("robot"), questionnaire_ended("end", "declined")
 COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], object]] = {
     "a participant who comes back has had nothing": (
         [conditions_assigned(), *HAD, somebody("P08"), somebody("P07")],
-        lambda picture: (picture.participant, picture.study.over),
-        ("P07", set()),
+        lambda picture: (picture.participant, picture.session.study.had),
+        ("P07", {}),
     ),
     "a questionnaire that was had, and then begun and left, was had": (
         [
@@ -69,8 +69,8 @@ COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], obje
             questionnaire_started(),
             questionnaire_ended("robot", "left"),
         ],
-        lambda picture: (picture.study.over, picture.study.open_questionnaire),
-        ({"robot"}, None),
+        lambda picture: ([*picture.session.study.had], picture.study.open_questionnaire),
+        (["robot"], None),
     ),
     "where a participant sits": (
         [
@@ -115,7 +115,11 @@ COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], obje
             m.TrialEnded(trial=1, outcome="done"),
             somebody("P08"),
         ],
-        lambda picture: (picture.study.last, picture.study.next, picture.trial),
+        lambda picture: (
+            picture.session.study.last_ended,
+            picture.session.study.next_trial,
+            picture.trial,
+        ),
         (None, 1, 1),
     ),
     "an utterance that goes on": (

@@ -497,12 +497,8 @@ def test_another_participant_begins_anew() -> None:
     )
     assert study_view.unasked() == []
     tell(study_view, m.SessionChanged(participant="P08", t=NOW))
-    assert (study_view.order, study_view.planned, study_view.due, study_view.last) == (
-        (),
-        0,
-        [],
-        None,
-    )
+    state = study_view.session.study
+    assert (state.order, state.planned, study_view.due, state.last_ended) == ((), 0, [], None)
     assert study_view.unasked() == ["robot"]
 
 

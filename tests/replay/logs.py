@@ -239,13 +239,14 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
         "recorder": session.recorder,
         "events": [_words(event) for event in state.events],
         "study": {
-            name: getattr(state.study, name)
-            for name in (
-                *("trial", "last", "break_began", "planned", "order", "due", "checks", "next"),
-                *("participants", "open_questionnaire"),
-            )
+            name: getattr(session.study, name)
+            for name in ("trial", "last_ended", "in_break", "planned", "order", "next_trial")
         },
-        "had": set(state.study.over),
+        "questions": {
+            name: getattr(state.study, name)
+            for name in ("due", "checks", "participants", "open_questionnaire")
+        },
+        "had": set(session.study.had),
         "model": (state.engaged.speaking(session.t), state.engaged.transcripts()),
         "changes": [*state.engaged.changes],
         "robots": session.robots.shown,

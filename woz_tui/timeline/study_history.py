@@ -180,9 +180,16 @@ class StudyState:
         return check in self.checks and self.checks[check].level == "ok"
 
     @property
+    def designed(self) -> bool:
+        """Whether the file has a design: then the robot process proposes orders and counts
+        trials.
+        """
+        return self.settings.design is not None
+
+    @property
     def between_trials(self) -> bool:
         """Whether the study has trials and none is under way: then no phase can begin."""
-        return self.settings.design is not None and self.trial is None
+        return self.designed and self.trial is None
 
     def can_begin(self, phase: PhaseLike, phases: Sequence[PhaseLike]) -> bool:
         """Whether this one of the file's `phases` can begin now; in a trial whatever has begun

@@ -102,8 +102,8 @@ class LeaveDialog(ChoiceDialog):
         if self.state.role == "watcher":
             return []
         study, found = self.state.study, []
-        if study.trial is not None:
-            trial = f"Trial {study.trial.number} is still running; ending the session marks it as"
+        if (running := self.state.session.study.trial) is not None:
+            trial = f"Trial {running.label} is still running; ending the session marks it as"
             found.append(OpenQuestion(_TRIAL, (f"{trial} aborted.", f"{trial} done.")))
         for name in study.unasked() if study.open_questionnaire is None else ():
             title = f"{clean(questionnaire_title(study, name))} has not been answered"
@@ -166,6 +166,7 @@ def cut_off(study: StudyView) -> list[str]:
             f"{clean(questionnaire_title(study, name))} has not been answered"
             for name in study.unasked()
         ]
-    if study.trial is None and study.last is not None and (left := study.trials_left):
-        found.append(f"{left} of {study.planned} trials {'is' if left == 1 else 'are'} still to do")
+    state = study.session.study
+    if state.trial is None and state.last_ended is not None and (left := state.trials_left):
+        found.append(f"{left} of {state.planned} trials {'is' if left == 1 else 'are'} still to do")
     return found

@@ -203,9 +203,9 @@ class StartDialog(FormDialog):
         self.complain("")
         self._propose(None)
         self._accepts, self._refused = False, ""
-        if self.state.participant not in ("", code) and not self.state.study.designed:
+        if self.state.participant not in ("", code) and not self.state.session.study.designed:
             self._clear_previous()
-        self._awaited = self.state.study.designed and bool(code)
+        self._awaited = self.state.session.study.designed and bool(code)
         if self._awaited:
             self.requests.ask(
                 AskProposal(participant=code), functools.partial(self._proposed, code)
@@ -289,7 +289,7 @@ class StartDialog(FormDialog):
     def _assign(self, code: str, trial: int | None) -> None:
         """The order, unless it is the participant's already: then only another trial."""
         state, order = self.state, self._order()
-        if code == state.participant and tuple(order) == state.study.order:
+        if code == state.participant and [*order] == [*state.session.study.order]:
             self._assigned(trial if trial != state.trial else None, Reply(ref=0, ok=True))
             return
         assign = AskAssign(participant=code, order=order)

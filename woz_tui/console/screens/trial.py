@@ -16,9 +16,10 @@ from woz_tui.console.drawing.cells import Row, clean, fit_most
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.state.questionnaires import OpenQuestionnaire
-from woz_tui.console.state.study import RunningTrial, StudyView
+from woz_tui.console.state.study import StudyView
 from woz_tui.protocol.requests import AskQuestionnaire, AskTrial, Reply
 from woz_tui.system.text_cleaning import elapsed
+from woz_tui.timeline.episodes import TrialEpisode
 
 #: Questionnaires that have a digit of their own.
 _NUMBERED = 9
@@ -62,8 +63,8 @@ class TrialDialog(Dialog):
         study, now = self.state.study, self.now
         first: Row = ((trial_status(study, now), "strong"),)
         rows: list[Row] = [first]
-        if study.order:
-            rows.append(order_row(study.order, _here(study), self.glyphs.here))
+        if order := self.state.session.study.order:
+            rows.append(order_row(order, _here(study), self.glyphs.here))
         if study.open_questionnaire is not None:
             asked = study.open_questionnaire
             told = f"{asked.questionnaire.heading}: {progress(asked)}"
@@ -156,6 +157,7 @@ class OfferDialog(ChoiceDialog):
 def trial_steps(study: StudyView) -> list[TrialStep]:
     """All that makes sense now, the most likely first."""
     found: list[TrialStep] = []
+    state = study.session.study
     if study.open_questionnaire is not None:
         title = study.open_questionnaire.questionnaire.heading
         found.append(
@@ -165,9 +167,9 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
     elif study.due:
         title = fit_most(questionnaire_title(study, study.due[0]), 50, "…")
         found.append(TrialStep("q", f"ask: {title}", _offer(study.due[0])))
-    if study.break_began is not None:
+    if state.in_break is not None:
         found.append(TrialStep("r", "resume: the break is over", _trial("resume")))
-    if (of := study.trial) is not None:
+    if (of := state.trial) is not None:
         found += [
             TrialStep("d", "done: this trial is over", _trial("done", of)),
             TrialStep("a", "aborted: it will be run again", _trial("aborted", of), asks=True),
@@ -175,40 +177,42 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
         ]
     elif study.open_questionnaire is None and not study.all_over:
         found.append(TrialStep("b", _beginning(study), _trial("begin")))
-    if study.break_began is None:
+    if state.in_break is None:
         found.append(TrialStep("p", "pause: a break", _trial("break")))
     if study.open_questionnaire is None:
         others = [one for one in study.questionnaires if one.name not in study.due[:1]]
         for number, one in enumerate(others[:_NUMBERED], start=1):
-            over = "  (asked already)" if one.name in study.over else ""
+            over = "  (asked already)" if one.name in state.had else ""
             found.append(TrialStep(str(number), f"ask: {one.heading}{over}", _offer(one.name)))
     return found
 
 
 def _beginning(study: StudyView) -> str:
     """`begin trial 3`, or that it is run again."""
-    return f"begin trial {study.next}{' again' if study.session.study.again else ''}"
+    state = study.session.study
+    return f"begin trial {state.next_trial}{' again' if state.again else ''}"
 
 
 def trial_status(study: StudyView, now: int) -> str:
     """`trial 3 of 12, 02:41`."""
-    of = f" of {study.planned}" if study.planned else ""
-    if study.break_began is not None:
-        return f"break, {elapsed(now - study.break_began)}"
-    if study.trial is not None:
-        return f"trial {study.trial.number}{of}, {elapsed(now - study.trial.began)}"
+    state = study.session.study
+    planned, last = state.planned, state.last_ended
+    of = f" of {planned}" if planned else ""
+    if state.in_break is not None:
+        return f"break, {elapsed(now - state.in_break.begin)}"
+    if state.trial is not None:
+        return f"trial {state.trial.label}{of}, {elapsed(now - state.trial.begin)}"
     if study.all_over:
-        return f"all {study.planned} trials are over" if study.planned > 1 else "the trial is over"
-    if study.last is not None:
-        number, outcome = study.last
-        return f"trial {number}{of} is over: {outcome}"
-    return f"no trial yet, {study.planned} planned" if study.planned else "no trial yet"
+        return f"all {planned} trials are over" if planned > 1 else "the trial is over"
+    if last is not None:
+        return f"trial {last.trial}{of} is over: {last.outcome}"
+    return f"no trial yet, {planned} planned" if planned else "no trial yet"
 
 
 def _here(study: StudyView) -> str:
     """The condition of the trial that is running or comes next; none, if none is left."""
     state = study.session.study
-    following = "" if study.trial is not None else state.condition_of(study.next)
+    following = "" if state.trial is not None else state.condition_of(state.next_trial)
     return "" if study.all_over else following or state.condition
 
 
@@ -264,12 +268,13 @@ def _leave(name: str) -> Callable[[ConsoleApp, str], None]:
     return lambda app, why: app.requests.ask(AskQuestionnaire(questionnaire=name, what="left"))
 
 
-def _trial(what: str, of: RunningTrial | None = None) -> Callable[[ConsoleApp, str], None]:
+def _trial(what: str, of: TrialEpisode | None = None) -> Callable[[ConsoleApp, str], None]:
     """`of`: the trial that it is said of; somebody else may have ended it meanwhile."""
 
     def do(app: ConsoleApp, why: str) -> None:
-        if of is not None and app.state.study.trial != of:
-            app.news(f"Trial {of.number} is over already: nothing was done", "warn")
+        running = app.state.session.study.trial
+        if of is not None and (running is None or running.begin != of.begin):
+            app.news(f"Trial {of.label} is over already: nothing was done", "warn")
             return
 
         def over(reply: Reply) -> None:

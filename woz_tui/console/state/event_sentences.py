@@ -442,7 +442,7 @@ def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
 def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
     line = event_text(message)
     missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
-    if line is not None and missing and shown.study.last is None:
+    if line is not None and missing and shown.session.study.last_ended is None:
         line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
     if line is not None and isinstance(message, m.CueAnswered):
         names = shown.study.right_actions(message)

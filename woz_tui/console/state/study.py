@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -43,13 +42,6 @@ class StudyNews(NamedTuple):
 _OUTSIDE = StudyNews("Played outside of a trial", "warn", command=("trial", "begin one"))
 
 
-class RunningTrial(NamedTuple):
-    """The trial under way: since `began`, in microseconds on the axis of `t`."""
-
-    number: int
-    began: int
-
-
 @dataclass(slots=True)
 class StudyView:
     """What holds is in `session`; `adopt` and `apply` add what only a screen needs."""
@@ -69,54 +61,9 @@ class StudyView:
     # -- reading ------------------------------------------------------------------------------
 
     @property
-    def designed(self) -> bool:
-        """Whether the file has a design: then the robot process proposes orders and counts
-        trials.
-        """
-        return self.session.study.settings.design is not None
-
-    @property
-    def order(self) -> tuple[str, ...]:
-        """The participant's conditions in their order, as the wizard may know them."""
-        return tuple(self.session.study.order)
-
-    @property
-    def planned(self) -> int:
-        """Trials of the participant in all (0: unknown)."""
-        return self.session.study.planned
-
-    @property
-    def trial(self) -> RunningTrial | None:
-        """The one under way."""
-        trial = self.session.study.trial
-        return RunningTrial(trial.started.trial, trial.begin) if trial is not None else None
-
-    @property
-    def next(self) -> int:
-        """The number of the next trial, or of the present one."""
-        return self.session.study.next_trial
-
-    @property
-    def last(self) -> tuple[int, str] | None:
-        """The participant's last trial that is over: its number and how it ended."""
-        ended = self.session.study.last_ended
-        return (ended.trial, ended.outcome) if ended is not None else None
-
-    @property
-    def break_began(self) -> int | None:
-        """Since when there is a break."""
-        in_break = self.session.study.in_break
-        return in_break.begin if in_break is not None else None
-
-    @property
     def due(self) -> list[str]:
         """Names of questionnaires that are due now."""
         return [due.questionnaire for due in self.session.study.due]
-
-    @property
-    def over(self) -> Collection[str]:
-        """Names of those that this participant has answered or declined."""
-        return self.session.study.had.keys()
 
     @property
     def checks(self) -> dict[str, bool]:
@@ -139,13 +86,15 @@ class StudyView:
     @property
     def counts(self) -> bool:
         """Whether trials are counted: by the design, or because one has been begun."""
-        running = self.trial is not None or self.break_began is not None
-        return self.designed or running or self.last is not None
+        study = self.session.study
+        running = study.trial is not None or study.in_break is not None
+        return study.designed or running or study.last_ended is not None
 
     @property
     def all_over(self) -> bool:
         """Whether the participant has had all trials that were planned."""
-        return self.trial is None and self.next > self.planned > 0
+        study = self.session.study
+        return study.trial is None and study.next_trial > study.planned > 0
 
     def questionnaire(self, name: str) -> Questionnaire | None:
         """The questionnaire of this name."""
@@ -154,11 +103,6 @@ class StudyView:
     def unticked(self) -> list[str]:
         """What nobody has seen to."""
         return [check for check, ticked in self.checks.items() if not ticked]
-
-    @property
-    def trials_left(self) -> int:
-        """Trials of the participant that are planned and not over; 0: unknown."""
-        return self.session.study.trials_left
 
     def unasked(self) -> list[str]:
         """Questionnaires that are due or for the end of the session, that nobody has answered or
@@ -200,7 +144,8 @@ class StudyView:
             case m.TrialEnded():
                 self._outside_run = ""
             case m.TrialStarted():
-                missing = self.unticked() if self.last is None else []
+                first = self.session.study.last_ended is None
+                missing = self.unticked() if first else []
                 if missing:
                     what = "item is" if len(missing) == 1 else "items are"
                     text = f"{len(missing)} preflight {what} not ticked"
@@ -221,7 +166,7 @@ class StudyView:
         """Say once that what is played belongs to no trial, in a study that has trials."""
         study = self.session.study
         apart = study.trial is not None or study.in_break is not None or self._outside_run
-        if self.designed and not apart:
+        if study.designed and not apart:
             self._outside_run = run
             self._news.append(_OUTSIDE)
 

@@ -150,16 +150,16 @@ def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
 
 def _trial(state: ConsoleState, frame: PaintFrame) -> str:
     """The trial's number and, where the robot process counts them, its time, or the break's."""
-    study, now = state.study, frame.now
+    study, now = state.session.study, frame.now
     of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
-    if study.break_began is not None:
-        return f"break {elapsed(now - study.break_began)}"
+    if study.in_break is not None:
+        return f"break {elapsed(now - study.in_break.begin)}"
     if study.trial is not None:
-        return f"trial {study.trial.number}{of} {elapsed(now - study.trial.began)}"
-    if study.open_questionnaire is not None:
+        return f"trial {study.trial.label}{of} {elapsed(now - study.trial.begin)}"
+    if state.study.open_questionnaire is not None:
         return ""  # how far that is has its place
-    if study.last is not None:
-        return f"trial {study.last[0]}{of} {study.last[1]:<5}"
+    if study.last_ended is not None:
+        return f"trial {study.last_ended.trial}{of} {study.last_ended.outcome:<5}"
     if study.designed:
         return "no trial yet"
     return f"trial {state.trial}" if state.trial is not None else ""

@@ -58,8 +58,8 @@ def dispatched(run: str = "a1", t: int = NOW) -> m.Dispatched:
 def test_the_welcome_fills_the_picture() -> None:
     picture = welcomed_state()
     assert picture.title == "Museum guide"
-    assert (picture.participant, picture.condition) == ("P07", "warm")
-    assert picture.trial == 3
+    study = picture.session.study
+    assert (study.participant, study.condition, study.number) == ("P07", "warm", 3)
     assert {driver.health for driver in picture.drivers.values()} == {"connected"}
     assert picture.position == 2
     assert picture.now(0) == NOW
@@ -258,7 +258,7 @@ def test_what_a_driver_cannot_do_now_is_grey_like_what_a_lost_one_cannot() -> No
 
 def stop_state(picture: ConsoleState) -> object:
     """Since when, by whom, who confirmed and who did not; None: it is not latched."""
-    stop = picture.stop
+    stop = picture.session.stop
     return stop and (stop.begin, stop.source, stop.confirmed, stop.missing, stop.settled)
 
 
@@ -270,12 +270,12 @@ def test_the_stop_from_press_to_release() -> None:
     picture.apply([m.StopConfirmed(confirmed=["face"], missing=[], elapsed_us=9, t=NOW)], 0)
     assert stop_state(picture) == (NOW, "key", ("head",), ("face",), True)
     picture.apply([m.StopReleased(source="key", t=NOW)], 0)
-    assert picture.stop is None
+    assert picture.session.stop is None
 
 
 def test_a_stop_of_driving_alone_is_an_event_and_latches_nothing() -> None:
     picture = welcomed_state(m.StopPressed(source="console-lost", scope="drive", t=NOW))
-    assert picture.stop is None
+    assert picture.session.stop is None
     assert picture.events[-1].text == "Driving stopped"
     picture.apply([m.StopPressed(source="key", t=NOW)], 0)
     picture.apply([m.StopPressed(source="console-lost", scope="drive", t=NOW + 1)], 0)

@@ -58,7 +58,7 @@ HAD = questionnaire_ended("robot"), questionnaire_ended("end", "declined")
 COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], object]] = {
     "a participant who comes back has had nothing": (
         [conditions_assigned(), *HAD, somebody("P08"), somebody("P07")],
-        lambda picture: (picture.participant, picture.session.study.had),
+        lambda picture: (picture.session.study.participant, picture.session.study.had),
         ("P07", {}),
     ),
     "a questionnaire that was had, and then begun and left, was had": (
@@ -88,7 +88,7 @@ COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], obje
     ),
     "the trial whose number was set last": (
         [m.TrialStarted(trial=1), m.SessionChanged(trial=3), m.TrialEnded(trial=1, outcome="done")],
-        lambda picture: picture.trial,
+        lambda picture: picture.session.study.number,
         3,
     ),
     "the knob that moved last": (
@@ -106,7 +106,7 @@ COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], obje
             m.StopPressed(source="program"),
             m.StopConfirmed(confirmed=[], missing=["head"], elapsed_us=9),
         ],
-        lambda picture: (stop := picture.stop) and (stop.begin, stop.source, stop.missing),
+        lambda picture: (stop := picture.session.stop) and (stop.begin, stop.source, stop.missing),
         (1 * SECOND, "key", ("head",)),
     ),
     "the present participant has had no trial": (
@@ -116,9 +116,9 @@ COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], obje
             somebody("P08"),
         ],
         lambda picture: (
-            picture.session.study.last_ended,
-            picture.session.study.next_trial,
-            picture.trial,
+            (study := picture.session.study).last_ended,
+            study.next_trial,
+            study.number,
         ),
         (None, 1, 1),
     ),

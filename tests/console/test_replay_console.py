@@ -290,7 +290,7 @@ async def test_escape_moves_nothing_says_so_and_closes_dialogs(key: str) -> None
         await pilot.press(key)
         assert len(pilot.console.screen_stack) == 1
         assert "the robot does not move" in pilot.text("StopBar")
-        assert not pilot.console.state.stop
+        assert not pilot.console.state.session.stop
 
 
 async def test_ctrl_q_leaves_at_once() -> None:

@@ -221,15 +221,15 @@ class Viewer:
 
 def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
     """Everything that is on the screen at a moment, as plain data."""
-    session = state.session
+    session, study = state.session, state.session.study
     return {
-        "participant": (state.participant, state.condition, state.trial),
+        "participant": (study.participant, study.condition, study.number),
         "panels": state.panels,
         "position": state.position,
         "locks": {panel: panel_locked.locked for panel, panel_locked in session.locks.items()},
         "drivers": state.drivers,
         "sensors": [state.sensor(name) for name in state.sensors],
-        "stop": state.stop,
+        "stop": session.stop,
         "engagement": session.model.changed,
         "shown": state.engaged.shown,
         "modes": {driver: mode_changed.now for driver, mode_changed in session.modes.items()},
@@ -239,14 +239,14 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
         "recorder": session.recorder,
         "events": [_words(event) for event in state.events],
         "study": {
-            name: getattr(session.study, name)
+            name: getattr(study, name)
             for name in ("trial", "last_ended", "in_break", "planned", "order", "next_trial")
         },
         "questions": {
             name: getattr(state.study, name)
             for name in ("due", "checks", "participants", "open_questionnaire")
         },
-        "had": set(session.study.had),
+        "had": set(study.had),
         "model": (state.engaged.speaking(session.t), state.engaged.transcripts()),
         "changes": [*state.engaged.changes],
         "robots": session.robots.shown,

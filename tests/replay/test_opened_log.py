@@ -158,7 +158,7 @@ def test_no_damage_keeps_the_rest_from_being_seen(
         assert [text for text in told if text in ("Hello", "Go")] == ["Hello", "Go"]
         assert "comes back" in told
         viewer.go(16)
-        assert viewer.state.stop is not None
+        assert viewer.state.session.stop is not None
 
 
 def test_a_log_without_samples_is_played(tmp_path: Path) -> None:
@@ -192,7 +192,7 @@ def test_the_golden_log_is_played() -> None:
         assert viewer.state.ended == "wizard"
         assert viewer.state.panels
         viewer.go(2)
-        assert viewer.state.participant == "P07"
+        assert viewer.state.session.study.participant == "P07"
 
 
 def test_what_a_log_says_of_its_experiment() -> None:

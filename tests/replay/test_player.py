@@ -176,8 +176,8 @@ def test_samples_and_lines_come_in_the_order_of_their_numbers() -> None:
 def test_seeking_begins_anew_with_everything_that_held() -> None:
     replay_viewer = viewer()
     replay_viewer.go(16)
-    assert replay_viewer.state.stop is not None
-    assert replay_viewer.state.stop.confirmed == ("robot",)
+    assert replay_viewer.state.session.stop is not None
+    assert replay_viewer.state.session.stop.confirmed == ("robot",)
     assert [event.run for event in replay_viewer.state.events if event.mistake] == ["a2"]
     assert replay_viewer.do("seek", by_s=-7.0).ok
     assert replay_viewer.visible_state["stop"] is None

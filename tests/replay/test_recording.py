@@ -285,7 +285,7 @@ def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(revea
     viewer = Viewer(recording)
     viewer.wait(4)
     for _ in range(2):  # after playing, and after going there
-        assert viewer.state.condition == ("cold" if reveal else "B")
+        assert viewer.state.session.study.condition == ("cold" if reveal else "B")
         assert (distance(viewer).value == 1.0) is reveal
         viewer.go(3.5)
     assert viewer.state.replay is not None

@@ -388,7 +388,7 @@ class HandClient:
     def _face(
         self, control: _Control, action: tuple[PanelView, ActionView] | None
     ) -> tuple[str, str, str]:
-        stopped = self.state.stop is not None
+        stopped = self.state.session.stop is not None
         if control.stop == "all":
             return control.label, "stopped" if stopped else "stop", ""
         if action is None:

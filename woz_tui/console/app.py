@@ -194,7 +194,8 @@ class Console(ScreenApp):
         if (refusal := self.state.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.state.label(refusal.action)), "warn")
             self._news_driver = refusal.driver
-        if self.state.stop is not None and not self.state.lost:  # else it is the stop of before
+        stopped = self.state.session.stop is not None
+        if stopped and not self.state.lost:  # else it is the stop of before
             self._stop_asked = None
         if self.state.edition != self._edition:
             self._edition = self.state.edition
@@ -236,7 +237,7 @@ class Console(ScreenApp):
 
     def _cut(self, loss: Loss, local: int) -> None:
         self.state.lose(loss)
-        self._loss, self._was_stopped = loss, self.state.stop is not None
+        self._loss, self._was_stopped = loss, self.state.session.stop is not None
         self.requests.forget()
         self._news = News()  # what is lost, and what can be done, comes first
         if not self._was_lost:
@@ -285,7 +286,7 @@ class Console(ScreenApp):
             self.news(f"{stop} stops the robot; {leave} closes; {keys} lists all keys", "strong")
         start = self.state.session.start
         asks = self.ask_participant and welcome.role == "wizard" and start != self._asked_in
-        if asks and not self.state.participant:
+        if asks and not self.state.session.study.participant:
             self._asked_in = start
             self.do("start")
 
@@ -297,10 +298,10 @@ class Console(ScreenApp):
             if ended.how == "refused" and ended.t > self._lost_t
         }
         back = self._loss.part.back
-        if self._stop_asked is not None and self.state.stop is None:
+        if self._stop_asked is not None and self.state.session.stop is None:
             self._stop_asked = None
             self.news(f"{back}; the stop is not pressed: press it again", "warn")
-        elif self._was_stopped and self.state.stop is None:
+        elif self._was_stopped and self.state.session.stop is None:
             self.news(f"{back}; the stop is not pressed any more", "warn")
             now = self.state.now(self.clock.now_us())
             text = "The stop is not pressed any more"

@@ -65,7 +65,7 @@ class ParticipantApp(ScreenApp):
         if self.state.ended and self.state.lost:
             self.exit("ended")
         self._begin()
-        lost, halted = bool(self.state.lost), self.state.stop is not None
+        lost, halted = bool(self.state.lost), self.state.session.stop is not None
         for sheet in self.query(QuestionnaireSheet):
             notice = self._words.stopped if halted else ""
             sheet.follow(
@@ -127,7 +127,7 @@ class ParticipantApp(ScreenApp):
         if self.state.lost:
             lost: Words = [(words.moment, "strong"), ("", "plain"), (words.kept, "muted")]
             return thanks(words) if self._thanks else lost
-        if self.state.stop is not None:
+        if self.state.session.stop is not None:
             return [(words.stopped, "strong"), ("", "plain"), *wait]
         return thanks(words) if self._thanks else wait
 

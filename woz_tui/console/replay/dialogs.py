@@ -164,8 +164,8 @@ class AboutDialog(ReportDialog):
             "began": f"{began:%Y-%m-%d %H:%M:%S} UTC" if began is not None else "",
             "length": length,
             "session": start.session if start is not None else "",
-            "participant": state.participant,
-            "condition": state.condition,
+            "participant": state.session.study.participant,
+            "condition": state.session.study.condition,
             **{name: getattr(told, name) for name in ("wizard", "experiment", "software")},
         }
         rows: list[Row] = [

@@ -62,8 +62,8 @@ def _session_row(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
     glyphs, width = frame.glyphs, frame.width
     if bar.news.text:
         return ((fit(f" {glyphs.plain(bar.news.text)}", width, glyphs.ellipsis), bar.news.look),)
-    if state.stop is not None:
-        return _stop_row(state, state.stop, frame)
+    if (stop := state.session.stop) is not None:
+        return _stop_row(state, stop, frame)
     if state.script:
         return script_row(state, frame, "script")
     return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)

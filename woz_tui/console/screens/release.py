@@ -14,7 +14,7 @@ from woz_tui.protocol.requests import AskRelease
 
 def open_release(app: ConsoleApp) -> None:
     """Release the stop, or ask first if somebody may still move."""
-    stop = app.state.stop
+    stop = app.state.session.stop
     missing = stop is not None and stop.settled and bool(stop.missing)
     waits = app.stop_pending or (stop is not None and not stop.settled)
     if missing or (waits and not app.state.lost):  # nothing is released late, with the line
@@ -39,7 +39,7 @@ class ReleaseDialog(LiveReportDialog):
 
     def lines(self) -> list[Row]:
         """Who did not confirm, who did."""
-        stop = self.state.stop
+        stop = self.state.session.stop
         if stop is None or not stop.settled:
             return [
                 (("The robot has not confirmed the stop yet.", "warn"),),
@@ -63,7 +63,7 @@ class ReleaseDialog(LiveReportDialog):
 
     def refreshed(self) -> None:
         """Follow the confirmations; close when the stop is released."""
-        stop = self.state.stop
+        stop = self.state.session.stop
         missing = () if stop is None else stop.missing
         self._named = self._named or bool(missing)
         if self.console_app.stop_pending:
@@ -84,6 +84,6 @@ class ReleaseDialog(LiveReportDialog):
 
     def _missing(self) -> list[str]:
         """Whom the wizard has read of; before the confirmation that is every driver."""
-        stop = self.state.stop
+        stop = self.state.session.stop
         named = stop.missing if stop is not None and stop.settled else self.state.drivers
         return list(named)

@@ -160,7 +160,7 @@ class StartDialog(FormDialog):
 
     def body(self) -> Iterable[Widget]:
         """Fields filled in with what holds now."""
-        state = self.state
+        state, study = self.state, self.state.session.study
         yield Static("Code of the participant (never a name)", classes="caption")
         yield Input(clean(self._present()), placeholder=clean(self._pattern()), id="participant")
         own = Static("Order (edit to override)", classes="caption", id="order-caption")
@@ -171,9 +171,9 @@ class StartDialog(FormDialog):
             yield Static("Condition", classes="caption one")
             with ConditionList(id="condition"):
                 for condition in state.conditions:
-                    yield ConditionButton(condition, condition == state.condition, self.glyphs)
+                    yield ConditionButton(condition, condition == study.condition, self.glyphs)
         yield Static("Trial (optional)", classes="caption")
-        yield Input("" if state.trial is None else str(state.trial), id="trial")
+        yield Input("" if study.number is None else str(study.number), id="trial")
         yield Static("", id="wrong", classes="wrong")
 
     def on_mount(self) -> None:
@@ -182,7 +182,7 @@ class StartDialog(FormDialog):
 
     def _present(self) -> str:
         """Who takes part; nobody yet: whoever did before the robot process was lost."""
-        return self.state.participant or self.state.before
+        return self.state.session.study.participant or self.state.before
 
     def _pattern(self) -> str:
         found = example(self.state.settings.participant_pattern or PATTERN)
@@ -203,9 +203,10 @@ class StartDialog(FormDialog):
         self.complain("")
         self._propose(None)
         self._accepts, self._refused = False, ""
-        if self.state.participant not in ("", code) and not self.state.session.study.designed:
+        study = self.state.session.study
+        if study.participant not in ("", code) and not study.designed:
             self._clear_previous()
-        self._awaited = self.state.session.study.designed and bool(code)
+        self._awaited = study.designed and bool(code)
         if self._awaited:
             self.requests.ask(
                 AskProposal(participant=code), functools.partial(self._proposed, code)
@@ -288,9 +289,9 @@ class StartDialog(FormDialog):
 
     def _assign(self, code: str, trial: int | None) -> None:
         """The order, unless it is the participant's already: then only another trial."""
-        state, order = self.state, self._order()
-        if code == state.participant and [*order] == [*state.session.study.order]:
-            self._assigned(trial if trial != state.trial else None, Reply(ref=0, ok=True))
+        study, order = self.state.session.study, self._order()
+        if code == study.participant and [*order] == [*study.order]:
+            self._assigned(trial if trial != study.number else None, Reply(ref=0, ok=True))
             return
         assign = AskAssign(participant=code, order=order)
         other = trial if self._proposal is not None and trial != self._proposal.trial else None

@@ -48,7 +48,7 @@ from woz_tui.protocol.refusal import Refusal
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import Allowance, WelcomeSettings
 from woz_tui.session.redactor import PerceptionFilter, Redactor
-from woz_tui.timeline.episodes import LostDriverEpisode, StopEpisode, keep_latest
+from woz_tui.timeline.episodes import LostDriverEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
 
 #: What may be used where no profile is in use.
@@ -173,30 +173,10 @@ class ConsoleState:
         return attached.line if attached is not None else ""
 
     @property
-    def participant(self) -> str:
-        """The participant's code; empty while nobody has set one."""
-        return self.session.study.participant
-
-    @property
-    def condition(self) -> str:
-        """As the wizard may know it."""
-        return self.session.study.condition
-
-    @property
-    def trial(self) -> int | None:
-        """The number that was begun or set last."""
-        return self.session.study.number
-
-    @property
     def ended(self) -> str:
         """Why the session has ended; empty: it goes on."""
         end = self.session.end
         return (end.reason or "ended") if end is not None else ""
-
-    @property
-    def stop(self) -> StopEpisode | None:
-        """The stop while it is latched."""
-        return self.session.stop
 
     @property
     def phase(self) -> PhaseView | None:
@@ -333,8 +313,8 @@ class ConsoleState:
 
     def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
         """Begin anew; what the wizard has seen of this session stays seen."""
-        fresh = ConsoleState(edition=self.edition, before=self.participant or self.before)
-        seen, start = self.runs.seen, self.session.start
+        session, seen = self.session, self.runs.seen
+        fresh = ConsoleState(edition=self.edition, before=session.study.participant or self.before)
         for name in self.__slots__:
             setattr(self, name, getattr(fresh, name))
         self._t, self._local = welcome.t, local_us
@@ -348,7 +328,7 @@ class ConsoleState:
         self.perception = PerceptionFilter.of(self.settings.study)
         self._plan(welcome, welcome.drivers)
         self._recall(welcome)
-        if self.session.start == start:  # else the numbers of runs have begun anew
+        if self.session.start == session.start:  # else the numbers of runs have begun anew
             self.runs.seen = seen
         self.role, self.part = welcome.role, welcome.part  # whatever old lines say of it
         self.study.read_news()  # old ones
@@ -637,8 +617,9 @@ class ConsoleState:
         log, that does not say itself what actions would do.
         """
         values: dict[str, str | int] = {**self.settings.values}
-        trial = "" if self.trial is None else self.trial
-        now = {"participant": self.participant, "condition": self.condition, "trial": trial}
+        study = self.session.study
+        trial = "" if study.number is None else study.number
+        now = {"participant": study.participant, "condition": study.condition, "trial": trial}
         values |= {name: value for name, value in now.items() if value != ""}
         if self.settings.study.blind:
             values.pop("condition", None)  # a label, and not what is said

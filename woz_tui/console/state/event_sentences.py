@@ -21,7 +21,6 @@ from woz_tui.console.state.study_sentences import event_text
 from woz_tui.console.state.view_models import DriverView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
-from woz_tui.timeline.episodes import StopEpisode
 from woz_tui.timeline.session_state import SessionState
 
 #: Who or what pressed, where it was not a key.
@@ -77,11 +76,6 @@ class EventContext(Protocol):
     @property
     def session(self) -> SessionState:
         """What holds."""
-        ...
-
-    @property
-    def stop(self) -> StopEpisode | None:
-        """The stop while it is latched."""
         ...
 
     @property
@@ -308,7 +302,8 @@ def _released(message: m.StopReleased, shown: EventContext) -> EventLine:
 
 def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
     if message.missing:
-        parts = shown.stop.parts_missing if shown.stop is not None else {}
+        stop = shown.session.stop
+        parts = stop.parts_missing if stop is not None else {}
         words = missing_words(message.missing, message.unreached, parts, shown.short_names)
         missing = "; ".join(words)
         what, _, names = missing.partition(": ")

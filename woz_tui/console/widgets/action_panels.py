@@ -287,7 +287,7 @@ def _slot(
     if slot.action is None:
         return _title(state, slot, frame, slot.panel == board.chosen)
     standing = state.button_view(panel, slot.action, frame.now)
-    dim = state.stop is not None or bool(state.lost)
+    dim = state.session.stop is not None or bool(state.lost)
     look = "muted" if dim and standing.state is ButtonState.READY else _LOOK[standing.state]
     key = caption(board.caps.get(slot.action.name, KeyCap(slot.action.key)), frame.glyphs)
     keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"

@@ -299,9 +299,10 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         where = f" {bar.failures} shows where its log is" if bar.failures else ""
         over = " The session has ended."
         return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
-    if state.stop is not None and (not state.lost or (state.stop.settled and asked_us is None)):
-        return _stopped(state, state.stop, bar, frame)
-    if state.lost and (asked_us is not None or state.stop is not None):
+    stop = state.session.stop
+    if stop is not None and (not state.lost or (stop.settled and asked_us is None)):
+        return _stopped(state, stop, bar, frame)
+    if state.lost and (asked_us is not None or stop is not None):
         what = "CONFIRMED" if asked_us is None else "DELIVERED"
         return _undelivered(state.lost, what, glyphs, width)
     if state.lost:

@@ -135,11 +135,12 @@ def _badge(state: ConsoleState) -> Row:
 
 def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
-    asked, start = state.study.open_questionnaire, state.session.start
+    asked, session = state.study.open_questionnaire, state.session
+    study, start = session.study, session.start
     others = clean(part_names(state.others, state.others))
     found = (
-        clean(state.participant) or "no participant",
-        clean(state.condition) or ("no condition" if state.conditions else ""),
+        clean(study.participant) or "no participant",
+        clean(study.condition) or ("no condition" if state.conditions else ""),
         _trial(state, frame),
         f"with {others}" if others and state.role == "wizard" else "",
         f"questions {asked.answered}/{len(asked.items)}" if asked is not None else "",
@@ -162,7 +163,7 @@ def _trial(state: ConsoleState, frame: PaintFrame) -> str:
         return f"trial {study.last_ended.trial}{of} {study.last_ended.outcome:<5}"
     if study.designed:
         return "no trial yet"
-    return f"trial {state.trial}" if state.trial is not None else ""
+    return f"trial {study.number}" if study.number is not None else ""
 
 
 def _profile(state: ConsoleState, frame: PaintFrame) -> Row:

@@ -131,8 +131,8 @@ def test_a_wait_grows_louder_with_a_sign(
     seconds: float, glyph: str, look: str, glyphs: Glyphs
 ) -> None:
     state = console_state(engagement_scene.waits(seconds))
-    assert state.engaged.shown is not None
-    (found,) = state_row(state.engaged, state.engaged.shown, NOW, glyphs, 80)
+    assert state.session.model.shown is not None
+    (found,) = state_row(state.engaged, state.session.model.shown, NOW, glyphs, 80)
     assert found[0].startswith(str(getattr(glyphs, glyph)))
     assert found[1] == look
     assert found[0].isascii() or glyphs is UNICODE

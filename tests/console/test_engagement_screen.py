@@ -38,8 +38,8 @@ def screen_text(*state: m.Message, frame: PaintFrame = WHOLE, **more: object) ->
     picture = ConsoleState()
     settings = engagement_scene.model_description(**more)
     picture.apply([engagement_scene.welcome(*state, settings=settings)], 0)
-    assert picture.engaged.shown is not None
-    rows = full_rows(picture, picture.engaged.shown, frame)
+    assert picture.session.model.shown is not None
+    rows = full_rows(picture, picture.session.model.shown, frame)
     assert len(rows) <= frame.height
     assert {length(row) for row in rows} == {frame.width}
     return text(rows)
@@ -153,8 +153,8 @@ def test_limits_are_told_where_the_host_tells_them() -> None:
     assert " s to answer" not in screen_text(thinking=None)
     picture = ConsoleState()
     picture.apply([engagement_scene.welcome(settings={"engagement": {}})], 0)
-    assert picture.engaged.shown is not None
-    assert " of " in text(full_rows(picture, picture.engaged.shown, PaintFrame(96, 28, NOW)))
+    assert picture.session.model.shown is not None
+    assert " of " in text(full_rows(picture, picture.session.model.shown, PaintFrame(96, 28, NOW)))
 
 
 def test_a_state_that_its_visitor_has_left_says_when_it_ends() -> None:
@@ -208,9 +208,9 @@ def test_a_model_that_the_file_gives_up_is_gone_from_the_screen() -> None:
         engagement=ModelLimits(attempts=3),
     )  # fmt: skip
     picture.apply([panels_changed], 0)
-    assert picture.engaged.shown is not None
+    assert picture.session.model.shown is not None
     picture.apply([msgspec.structs.replace(panels_changed, engagement=ModelLimits())], 0)
-    assert picture.engaged.shown is None
+    assert picture.session.model.shown is None
 
 
 # -- keys -----------------------------------------------------------------------------------------

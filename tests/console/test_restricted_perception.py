@@ -292,7 +292,7 @@ def test_a_picture_never_holds_what_is_hidden() -> None:
     state = ConsoleState()
     state.apply([redacted_welcome(restricted_welcome(EVERYTHING))], 0)
     assert state.session.model.changed is None
-    assert state.engaged.shown is None
+    assert state.session.model.shown is None
     assert not state.session.faces
     assert {each.value for each in map(state.sensor, state.sensors) if each} == {None}
 

@@ -231,7 +231,7 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
         "sensors": [state.sensor(name) for name in state.sensors],
         "stop": session.stop,
         "engagement": session.model.changed,
-        "shown": state.engaged.shown,
+        "shown": session.model.shown,
         "modes": {driver: mode_changed.now for driver, mode_changed in session.modes.items()},
         "active": [(run, state.runs.get(run)) for run in state.runs.active],
         "outcomes": dict(state.runs.outcomes),

@@ -39,17 +39,17 @@ class EngagementDialog(DrawingDialog):
 
     def count(self) -> int:
         """One, in a session with a model that has said something."""
-        return int(self.state.engaged.shown is not None)
+        return int(self.state.session.model.shown is not None)
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The model, then the legend."""
-        engaged = self.state.engaged
-        if engaged.shown is None:
+        shown = self.state.session.model.shown
+        if shown is None:
             return []
         covered, glyphs = self._covered(), frame.glyphs
-        legend = legend_rows(engaged, covered, frame.width, glyphs, steers=self._steers)
+        legend = legend_rows(self.state.engaged, covered, frame.width, glyphs, steers=self._steers)
         inner = replace(frame, height=max(1, frame.height - len(legend)))
-        rows = full_rows(self.state, engaged.shown, inner)
+        rows = full_rows(self.state, shown, inner)
         return [*rows, *[()] * (inner.height - len(rows)), *legend]
 
     def _covered(self) -> dict[str, str]:

@@ -74,13 +74,13 @@ class ForceDialog(_OverrideDialog, ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """Where it begins."""
-        shown = self.state.engaged.shown
+        shown = self.state.session.model.shown
         here = clean(shown.state) if shown is not None else "not known"
         return [(("from ", "muted"), (here, "strong"), ("; the log marks it as forced", "muted"))]
 
     def choices(self) -> Sequence[ListChoice]:
         """Outcomes that leave the state first, then every other state."""
-        shown = self.state.engaged.shown
+        shown = self.state.session.model.shown
         self._from = shown.state if shown is not None else ""
         arrow = self.glyphs.next
         return [
@@ -93,7 +93,7 @@ class ForceDialog(_OverrideDialog, ChoiceDialog):
 
     def _force(self, to: str, state: str) -> None:
         """By its outcome; by its state if the model has moved on meanwhile."""
-        shown = self.state.engaged.shown
+        shown = self.state.session.model.shown
         moved = shown is not None and shown.state != self._from
         self.requests.ask(
             verb_request("force", {"to": state if state and moved else to}, self._key)
@@ -128,7 +128,7 @@ class VisitorDialog(_OverrideDialog, FormDialog):
 
     def body(self) -> Iterable[Widget]:
         """Code, and what the robot may want to know of them."""
-        shown = self.state.engaged.shown
+        shown = self.state.session.model.shown
         name = shown.visitor if shown is not None else ""
         about = self.state.engaged.visitors.get(name, {})
         yield Static("Code of the visitor (never a name)", classes="caption")

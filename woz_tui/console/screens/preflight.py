@@ -62,7 +62,7 @@ def key_findings(state: ConsoleState, caps: Mapping[str, KeyCap]) -> list[Findin
 
 def sign_findings(state: ConsoleState) -> list[Finding]:
     """Signs of the engagement model that nobody has given so far."""
-    shown = state.engaged.shown
+    shown = state.session.model.shown
     if shown is None:
         return []
     wanted = [name for name in signs_of(shown) if name in shown.uses]

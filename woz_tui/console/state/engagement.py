@@ -29,27 +29,25 @@ class EngagementView:
     _transcripts: deque[m.SpeechText] = field(default_factory=lambda: deque(maxlen=HEARD))
 
     @property
-    def shown(self) -> m.EngagementShown | None:
-        """The last `engagement.shown`; None: this session has no model."""
-        return self.session.model.shown
-
-    @property
     def held(self) -> bool:
         """Whether the machine moves by hand only."""
-        return self.shown is not None and self.shown.run == HOLD
+        shown = self.session.model.shown
+        return shown is not None and shown.run == HOLD
 
     @property
     def off(self) -> bool:
         """Whether the machine does nothing at all."""
-        return self.shown is not None and self.shown.run == OFF
+        shown = self.session.model.shown
+        return shown is not None and shown.run == OFF
 
     def waited(self, now: int) -> int | None:
         """For how long the visitor has been waiting for an answer (us); None: nobody waits, or
         nobody tells, as the model is off.
         """
-        if self.shown is None or self.off or self.shown.waits_since < 0:
+        shown = self.session.model.shown
+        if shown is None or self.off or shown.waits_since < 0:
             return None
-        return max(0, now - self.shown.waits_since)
+        return max(0, now - shown.waits_since)
 
     def speaking(self, now: int) -> UtteranceEpisode | None:
         """The utterance that goes on now, if one does."""

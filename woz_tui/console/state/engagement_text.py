@@ -179,7 +179,7 @@ def state_row(
         told = state_sentence(shown.state, shown.visitor, glyphs)
         lasted = f" {elapsed(max(0, now - shown.since))}"
         return (_engaged_sign(shown, glyphs), (told, "strong"), (lasted, "muted"))
-    figure = f"{_wait_text(waited)}{_unseen(engaged)}"
+    figure = f"{_wait_text(waited)}{_unseen(shown)}"
     long = f"{state_sentence(shown.state, shown.visitor, glyphs)}, {figure}"
     brief = ("waits for your answer", "waits for answer", "waits")
     for text in (long, *(f"{words}, {figure}" for words in brief)):
@@ -199,9 +199,9 @@ def _wait_text(us: int) -> str:
     return f"{us // 1_000_000} s" if us < 100_000_000 else elapsed(us)
 
 
-def _unseen(engaged: EngagementView) -> str:
+def _unseen(shown: m.EngagementShown) -> str:
     """Nobody is lost while the robot thinks, so they may have gone."""
-    presence = engaged.shown.signs.get("presence") if engaged.shown else None
+    presence = shown.signs.get("presence")
     return ", not seen" if presence is not None and presence.verdict == 0 else ""
 
 

@@ -60,7 +60,7 @@ KEYS = frozenset(BY_KEY)
 
 def is_offered(engaged: EngagementView, verbs: dict[str, list[str]]) -> bool:
     """Whether this session has a model that takes overrides."""
-    return engaged.shown is not None or ENGAGEMENT in verbs
+    return engaged.session.model.shown is not None or ENGAGEMENT in verbs
 
 
 def verb_request(name: str, args: dict[str, Json], key: str = "") -> AskVerb:
@@ -72,14 +72,15 @@ def verb_request(name: str, args: dict[str, Json], key: str = "") -> AskVerb:
 def override_request(order: Override, engaged: EngagementView, key: str = "") -> AskVerb:
     """What `order` asks for as things stand; only for those that need no dialog."""
     args = dict(order.args)
-    if engaged.shown is not None and engaged.shown.run == args.get("run"):
+    shown = engaged.session.model.shown
+    if shown is not None and shown.run == args.get("run"):
         args["run"] = "run"  # pressed again it lets the machine run
     return verb_request(order.verb, args, key)
 
 
 def needs_name(engaged: EngagementView) -> bool:
     """Whether a handshake cannot end well because nobody has a name yet."""
-    shown = engaged.shown
+    shown = engaged.session.model.shown
     if shown is None:
         return False
     identity = shown.signs.get("identity")
@@ -204,7 +205,7 @@ def _orders(engaged: EngagementView, width: int) -> list[Row]:
 
 
 def _counts(order: Override, engaged: EngagementView) -> bool:
-    shown = engaged.shown
+    shown = engaged.session.model.shown
     if shown is None:
         return False
     if order.id == "step":

@@ -206,7 +206,7 @@ def other_rows(
         if sensor is None or name in known or told:
             continue
         # What was understood of speech is in the model's rows, where there is a model.
-        understood = bool(sensor.text) and state.engaged.shown is None
+        understood = bool(sensor.text) and state.session.model.shown is None
         if understood or not _FOR_THE_LOG.fullmatch(name):
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
@@ -271,7 +271,7 @@ def meter_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
     known = [name for name in state.sensors if name.rpartition(".")[2] in _KNOWN]
     near = [name for name in known if name.endswith("distance")]
-    shown = state.engaged.shown
+    shown = state.session.model.shown
     if shown is not None:
         parts = block_rows(state, shown, frame, _loudness_rows)
         for name in near if len(near) > 1 else ():  # one alone is the model's, which has its place

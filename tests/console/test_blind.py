@@ -181,7 +181,7 @@ async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
         )
         await pilot.tell(panels_changed, m.SessionChanged(condition="cold", t=NOW))
         assert "Orange" in pilot.text("StatusLines")
-        assert pilot.console.state.conditions == ("Lemon", "Orange")
+        assert pilot.console.state.plan.conditions == ["Lemon", "Orange"]
         assert pilot.console.state.session.study.order == ["Lemon", "Orange"]
 
 

@@ -57,7 +57,7 @@ def dispatched(run: str = "a1", t: int = NOW) -> m.Dispatched:
 
 def test_the_welcome_fills_the_picture() -> None:
     picture = welcomed_state()
-    assert picture.title == "Museum guide"
+    assert picture.plan.title == "Museum guide"
     study = picture.session.study
     assert (study.participant, study.condition, study.number) == ("P07", "warm", 3)
     assert {driver.health for driver in picture.drivers.values()} == {"connected"}
@@ -438,7 +438,7 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
     )
     picture.apply([shorter], 0)
     assert picture.edition > edition
-    assert (picture.title, picture.position, len(picture.panels)) == ("Guide 2", 1, 1)
+    assert (picture.plan.title, picture.position, len(picture.panels)) == ("Guide 2", 1, 1)
     assert state(picture, "Hello") is ButtonState.RUNNING
 
 
@@ -464,7 +464,7 @@ def test_a_reload_brings_every_setting_that_it_can_change() -> None:
     picture = ConsoleState()
     picture.apply([welcome, panels_changed(plan)], 0)
     assert picture.settings == settings
-    assert picture.variables == ("room",)
+    assert picture.plan.variables == ["room"]
 
 
 def test_utterances_are_filled_with_what_holds_now() -> None:

@@ -205,13 +205,13 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
         settings=WelcomeSettings(),
     )
     viewer = Viewer(recording_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
-    assert viewer.state.title == "Museum guide"
+    assert viewer.state.plan.title == "Museum guide"
     viewer.wait(6)
-    assert viewer.state.title == "Reloaded"
+    assert viewer.state.plan.title == "Reloaded"
     viewer.go(2)
-    assert viewer.state.title == "Museum guide"
+    assert viewer.state.plan.title == "Museum guide"
     viewer.go(8)
-    assert viewer.state.title == "Reloaded"
+    assert viewer.state.plan.title == "Reloaded"
 
 
 def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:

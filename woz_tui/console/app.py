@@ -318,7 +318,7 @@ class Console(ScreenApp):
         repairs = [action.name for action in state.settings.repairs]
         own = builtin_keys_with(repairs, self._builtins)
         warned = self.keymap.warnings  # told already: at each return of the line all is adopted
-        self.keymap = key_map(state.panels, self.terminal, state.keyboard, own)
+        self.keymap = key_map(state.panels, self.terminal, state.plan.keyboard, own)
         self._main_screen.repairs.keys = {
             name: self._key(name.replace(" ", "_", 1)) for name in repairs
         }

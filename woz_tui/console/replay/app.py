@@ -99,10 +99,10 @@ class ReplayConsole(Console):
     def _adopt(self) -> None:
         """Caps show the session's keys; the keyboard has those of the replay."""
         state = self.state
-        played = key_map(state.panels, self.terminal, state.keyboard)
+        played = key_map(state.panels, self.terminal, state.plan.keyboard)
         self.caps = {name: cap_of(found) for name, found in played.actions.items()}
         self._panels.bear(self.caps)
-        self.keymap = key_map((), self.terminal, state.keyboard, self._builtins)
+        self.keymap = key_map((), self.terminal, state.plan.keyboard, self._builtins)
         self.keyboard.bind({}, self._own_keys())
 
     def _stopping(self) -> None:

@@ -161,7 +161,7 @@ class SayDialog(CompletionDialog):
         begun, offered = self._offers(text, caret)
         if begun is not None:
             return completed(text, begun, offered[0]) if offered else (None, caret)
-        whole = complete(text, self._utterances, self.state.variables)
+        whole = complete(text, self._utterances, self.state.plan.variables)
         return whole, len(whole or "")
 
     @property

@@ -167,10 +167,10 @@ class StartDialog(FormDialog):
         for field in (Static("", id="proposal"), own, Input(id="order")):
             field.display = False
             yield field
-        if state.conditions:
+        if state.plan.conditions:
             yield Static("Condition", classes="caption one")
             with ConditionList(id="condition"):
-                for condition in state.conditions:
+                for condition in state.plan.conditions:
                     yield ConditionButton(condition, condition == study.condition, self.glyphs)
         yield Static("Trial (optional)", classes="caption")
         yield Input("" if study.number is None else str(study.number), id="trial")
@@ -251,8 +251,8 @@ class StartDialog(FormDialog):
         self.query_one("#order", Input).value = ", ".join(proposal.order)
         if proposal.trial is not None:
             self.query_one("#trial", Input).value = str(proposal.trial)
-        if proposal.condition in self.state.conditions:
-            chosen = self.state.conditions.index(proposal.condition)
+        if proposal.condition in self.state.plan.conditions:
+            chosen = self.state.plan.conditions.index(proposal.condition)
             for button in list(self.query(ConditionButton))[chosen : chosen + 1]:
                 button.value = True
 
@@ -318,19 +318,19 @@ class StartDialog(FormDialog):
         """Why the order in its field cannot be, or an empty string."""
         if self._proposal is None or len(self._proposal.order) == 1:
             return self._no_condition()
-        known = self.state.conditions
+        known = self.state.plan.conditions
         unknown = [name for name in self._order() if name not in known]
         if unknown:
             return f"There is no condition {unknown[0]!r}; there are: {', '.join(known)}"
         return "" if self._order() else "An order needs conditions."
 
     def _condition(self) -> str | None:
-        if not self.state.conditions:
+        if not self.state.plan.conditions:
             return None
         index = self.query_one("#condition", RadioSet).pressed_index
-        return self.state.conditions[index] if index >= 0 else None
+        return self.state.plan.conditions[index] if index >= 0 else None
 
     def _no_condition(self) -> str:
-        if self.state.conditions and self._condition() is None:
+        if self.state.plan.conditions and self._condition() is None:
             return self._refused or "Choose a condition."
         return ""

@@ -91,6 +91,17 @@ class ProfileList:
         return "; ".join([*parts, "the rest is hidden"] if told.hide else parts)
 
 
+_NO_PLAN = m.SessionPlan(
+    title="",
+    panels=[],
+    script=[],
+    verbs={},
+    variables=[],
+    conditions=[],
+    keyboard="us",
+    drivers=[],
+    settings=WelcomeSettings(),
+)
 #: How long an action that is over still shows how it ended.
 DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
 #: Events kept for the list; the log on disk has them all.
@@ -110,7 +121,6 @@ class ConsoleState:
 
     #: What holds, as far as the wizard may know it.
     session: SessionState = field(default_factory=SessionState)
-    title: str = ""
     #: What the robot process calls this console, and whether it plays or watches.
     console: str = ""
     role: str = ""
@@ -120,15 +130,6 @@ class ConsoleState:
     welcomed: bool = False
     #: Who took part in the session before, if the robot process was lost meanwhile.
     before: str = ""
-    panels: tuple[PanelView, ...] = ()
-    #: Lines of each script, by the phase whose it is; the file's own has no name.
-    scripts: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    #: Driver -> the verbs it offers.
-    verbs: dict[str, list[str]] = field(default_factory=dict)
-    variables: tuple[str, ...] = ()
-    conditions: tuple[str, ...] = ()
-    keyboard: str = "us"
-    settings: WelcomeSettings = field(default_factory=WelcomeSettings)
     #: What the wizard does not get to see.
     perception: PerceptionFilter = field(default_factory=PerceptionFilter)
     #: What drivers look like.
@@ -167,6 +168,26 @@ class ConsoleState:
     # -- what holds -------------------------------------------------------------------------
 
     @property
+    def plan(self) -> m.SessionPlan:
+        """What the experiment offers; nothing before the robot process has told."""
+        return self.session.plan or _NO_PLAN
+
+    @property
+    def panels(self) -> list[PanelView]:
+        """All of the experiment's."""
+        return self.plan.panels
+
+    @property
+    def verbs(self) -> dict[str, list[str]]:
+        """Driver -> the verbs it offers."""
+        return self.plan.verbs
+
+    @property
+    def settings(self) -> WelcomeSettings:
+        """The experiment's."""
+        return self.plan.settings
+
+    @property
     def line(self) -> str:
         """What stands between this console and its terminal: tmux, screen or mosh, or nothing."""
         attached = self.session.consoles.get(self.console)
@@ -191,14 +212,14 @@ class ConsoleState:
         return bool(self.settings.phases) and self.session.study.phase is None
 
     @property
-    def front(self) -> tuple[PanelView, ...]:
+    def front(self) -> Sequence[PanelView]:
         """The panels in front: without those that only other phases have there."""
         phase = self.phase
         if phase is None or not phase.panels:
             return self.panels
         others = {title for each in self.settings.phases for title in each.panels}
         others -= {*phase.panels}
-        return tuple(panel for panel in self.panels if panel.title not in others)
+        return [panel for panel in self.panels if panel.title not in others]
 
     @property
     def script_name(self) -> str:
@@ -207,9 +228,15 @@ class ConsoleState:
         return phase.name if phase is not None and phase.script else ""
 
     @property
-    def script(self) -> tuple[str, ...]:
+    def script(self) -> list[str]:
         """The lines of the script that Space plays."""
-        return self.scripts.get(self.script_name, ())
+        phase = self.phase
+        return phase.script if phase is not None and phase.script else self.plan.script
+
+    @property
+    def has_script(self) -> bool:
+        """Whether there is any, the file's own or that of a phase."""
+        return bool(self.plan.script) or any(phase.script for phase in self.settings.phases)
 
     @property
     def played(self) -> Collection[int]:
@@ -240,8 +267,7 @@ class ConsoleState:
     @property
     def drivers(self) -> dict[str, DriverView]:
         """Those of the robot file, and whoever else was heard of."""
-        listed = self.session.plan.drivers if self.session.plan is not None else ()
-        names = dict.fromkeys((*listed, *self.session.drivers))
+        names = dict.fromkeys((*self.plan.drivers, *self.session.drivers))
         return {name: self._driver(name) for name in names}
 
     @property
@@ -321,12 +347,11 @@ class ConsoleState:
         self.welcomed = True
         self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
         self.runs.console = self.console
-        self.variables = tuple(welcome.variables)
-        self.settings = welcome.settings
-        self.outlines = outlines_of(self.settings.outlines)
-        self.robot_outlines = robots_of(self.settings.outlines)
-        self.perception = PerceptionFilter.of(self.settings.study)
-        self._plan(welcome, welcome.drivers)
+        settings = welcome.settings
+        self.outlines = outlines_of(settings.outlines)
+        self.robot_outlines = robots_of(settings.outlines)
+        self.perception = PerceptionFilter.of(settings.study)
+        self._plan(welcome, settings, welcome.variables, welcome.drivers)
         self._recall(welcome)
         if self.session.start == session.start:  # else the numbers of runs have begun anew
             self.runs.seen = seen
@@ -373,18 +398,17 @@ class ConsoleState:
             self.engaged.forget()  # the file has no such section any more
         news = {name: getattr(changed, name) for name in r.PANEL_SETTINGS}
         news = {name: value for name, value in news.items() if value is not None}
-        self.settings = msgspec.structs.replace(before, **news)
-        if changed.variables is not None:
-            self.variables = tuple(changed.variables)
-        if self.settings.study.blind and not before.study.blind:
-            self._go_by(self.session.messages(), Redactor(self.settings.study).message)
+        settings = msgspec.structs.replace(before, **news)
+        if settings.study.blind and not before.study.blind:
+            self._go_by(self.session.messages(), Redactor(settings.study).message)
             self._unsay()
             if (given := self.session.study.assigned) is not None:
-                order = [*self.settings.study.assigned]  # by its labels
+                order = [*settings.study.assigned]  # by its labels
                 self.session.study.assigned = msgspec.structs.replace(given, order=order)
-        self._perceive(PerceptionFilter.of(self.settings.study))
-        plan = self.session.plan
-        self._plan(changed, plan.drivers if plan is not None else [])
+        self._perceive(PerceptionFilter.of(settings.study))
+        plan = self.plan
+        variables = plan.variables if changed.variables is None else changed.variables
+        self._plan(changed, settings, variables, plan.drivers)
 
     def _perceive(self, perception: PerceptionFilter) -> None:
         """Keep this from the wizard from now on, also what is on the screen already."""
@@ -404,25 +428,24 @@ class ConsoleState:
         for event in self.events:
             event.utterance = ""
 
-    def _plan(self, plan: r.Welcome | r.PanelsChanged, drivers: list[str]) -> None:
-        self.title = plan.title
-        self.panels = tuple(plan.panels)
-        own = {phase.name: tuple(phase.script) for phase in self.settings.phases}
-        self.scripts = {"": tuple(plan.script), **own}
-        self.verbs = dict(plan.verbs)
-        self.conditions = tuple(plan.conditions)
-        self.keyboard = plan.keyboard
+    def _plan(
+        self,
+        plan: r.Welcome | r.PanelsChanged,
+        settings: WelcomeSettings,
+        variables: list[str],
+        drivers: list[str],
+    ) -> None:
         self.edition += 1
         shown = m.SessionPlan(
             title=plan.title,
             panels=plan.panels,
             script=plan.script,
             verbs=plan.verbs,
-            variables=[*self.variables],
-            conditions=[*self.conditions],
+            variables=variables,
+            conditions=plan.conditions,
             keyboard=plan.keyboard,
             drivers=drivers,
-            settings=self.settings,
+            settings=settings,
         )
         self.session.apply(shown)
         self.study.adopt()

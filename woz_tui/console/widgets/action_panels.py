@@ -393,7 +393,7 @@ class ActionPanels(Cells):
         super().__init__(id=id)
         self.board = PanelSelection({})
         self._arranged: PanelLayout | None = None
-        self._front: tuple[PanelView, ...] = ()
+        self._front: Sequence[PanelView] = ()
         self._phase = ""
         self._layouts: dict[tuple[int, int, int], PanelLayout] = {}
 

@@ -224,7 +224,7 @@ class MainScreen:
         width, height = size
         base.set_class(width < FULL_SIZE.width or height < FULL_SIZE.height, "-small")
         base.set_class(width < LEAST_SIZE.width or height < LEAST_SIZE.height, "-tiny")
-        lines = bar_lines(size, any(state.scripts.values()))
+        lines = bar_lines(size, state.has_script)
         if self.bar.styles.height is None or self.bar.styles.height.value != lines:
             self.bar.styles.height = lines
         cue = cue_lines(size, state)

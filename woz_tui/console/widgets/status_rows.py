@@ -96,7 +96,7 @@ def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """The more important, the earlier. A long title gives way to the time."""
     glyphs = frame.glyphs
     time = elapsed(frame.now) if state.welcomed else "--:--"
-    title = clean(state.title) or "woz"
+    title = clean(state.plan.title) or "woz"
     values = _values(state, frame)
     badge = _badge(state)
     spare = room - len(time) - 3 - length(badge)
@@ -140,7 +140,7 @@ def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     others = clean(part_names(state.others, state.others))
     found = (
         clean(study.participant) or "no participant",
-        clean(study.condition) or ("no condition" if state.conditions else ""),
+        clean(study.condition) or ("no condition" if state.plan.conditions else ""),
         _trial(state, frame),
         f"with {others}" if others and state.role == "wizard" else "",
         f"questions {asked.answered}/{len(asked.items)}" if asked is not None else "",

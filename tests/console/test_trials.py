@@ -424,7 +424,6 @@ def study(*messages: m.Message, **told: m.Json) -> StudyView:
     study_view.session.study.settings = study_scene.study_settings(
         study_scene.study_description(**told)
     )
-    study_view.adopt()
     tell(study_view, scenes.start(), study_scene.conditions_assigned(), *messages)
     return study_view
 
@@ -474,7 +473,6 @@ def test_without_participant_and_trial_nothing_is_for_the_end() -> None:
     study_view.session.study.settings = study_scene.study_settings(
         study_scene.study_description(questionnaires=last)
     )
-    study_view.adopt()
     assert study_view.unasked() == []
     tell(study_view, m.SessionChanged(participant="P08", t=NOW))
     assert study_view.unasked() == ["last"]

@@ -180,7 +180,8 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
     if state.in_break is None:
         found.append(TrialStep("p", "pause: a break", _trial("break")))
     if study.open_questionnaire is None:
-        others = [one for one in study.questionnaires if one.name not in study.due[:1]]
+        listed, first = state.settings.questionnaires, study.due[:1]
+        others = [one for one in listed if one.name not in first]
         for number, one in enumerate(others[:_NUMBERED], start=1):
             over = "  (asked already)" if one.name in state.had else ""
             found.append(TrialStep(str(number), f"ask: {one.heading}{over}", _offer(one.name)))

@@ -448,7 +448,6 @@ class ConsoleState:
             settings=settings,
         )
         self.session.apply(shown)
-        self.study.adopt()
 
     def _message(self, message: m.Message, tell: bool) -> None:
         if isinstance(message, m.SessionPlan):

@@ -44,10 +44,9 @@ _OUTSIDE = StudyNews("Played outside of a trial", "warn", command=("trial", "beg
 
 @dataclass(slots=True)
 class StudyView:
-    """What holds is in `session`; `adopt` and `apply` add what only a screen needs."""
+    """What holds is in `session`; `apply` adds what only a screen needs."""
 
     session: SessionState = field(default_factory=SessionState)
-    questionnaires: tuple[Questionnaire, ...] = ()
     #: The questionnaire that is put to somebody now.
     open_questionnaire: OpenQuestionnaire | None = None
     #: The last cue of a training.
@@ -98,7 +97,8 @@ class StudyView:
 
     def questionnaire(self, name: str) -> Questionnaire | None:
         """The questionnaire of this name."""
-        return next((one for one in self.questionnaires if one.name == name), None)
+        asked = self.session.study.settings.questionnaires
+        return next((one for one in asked if one.name == name), None)
 
     def unticked(self) -> list[str]:
         """What nobody has seen to."""
@@ -127,10 +127,6 @@ class StudyView:
         return told
 
     # -- from the robot process -----------------------------------------------------------------
-
-    def adopt(self) -> None:
-        """The file has been read, again."""
-        self.questionnaires = tuple(self.session.study.settings.questionnaires)
 
     def apply(self, message: m.Message) -> None:
         """Work a message in that `session` has taken."""

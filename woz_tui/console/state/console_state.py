@@ -91,6 +91,7 @@ class ProfileList:
         return "; ".join([*parts, "the rest is hidden"] if told.hide else parts)
 
 
+#: That of a console that has heard nothing yet.
 _NO_PLAN = m.SessionPlan(
     title="",
     panels=[],

@@ -14,6 +14,7 @@ from woz_tui.console.screens.trial import OfferDialog, TrialDialog, trial_status
 from woz_tui.console.state.study import StudyView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
+from woz_tui.timeline.study_history import StudyState
 
 NOW, SECOND = study_scene.NOW, study_scene.SECOND
 
@@ -501,14 +502,12 @@ def test_another_participant_begins_anew() -> None:
 
 
 def test_where_a_session_stands_in_words() -> None:
-    assert trial_status(StudyView(), NOW) == "no trial yet"
+    assert trial_status(StudyState(), NOW) == "no trial yet"
     single = study(
         study_scene.conditions_assigned(["warm"]), study_scene.trial(1), trial_ended(1),
         design={"order": "latin-square", "within": False, "trials": 1},
     )  # fmt: skip
-    assert trial_status(single, NOW) == "the trial is over"
-    assert trial_status(study(), NOW) == "no trial yet, 4 planned"
-    assert (
-        trial_status(study(study_scene.trial(2), trial_ended(2, "aborted")), NOW)
-        == "trial 2 of 4 is over: aborted"
-    )
+    assert trial_status(single.session.study, NOW) == "the trial is over"
+    assert trial_status(study().session.study, NOW) == "no trial yet, 4 planned"
+    aborted = study(study_scene.trial(2), trial_ended(2, "aborted"))
+    assert trial_status(aborted.session.study, NOW) == "trial 2 of 4 is over: aborted"

@@ -233,7 +233,7 @@ class StudyController:
             raise RequestError("no participant is set", "choose one first", command="start")
         self._between_trials()
         number = state.next_trial
-        if number > state.planned > 0:
+        if state.all_over:
             raise RequestError(
                 f"all {state.planned} trials of {state.participant} are done",
                 "choose the next participant, or set a trial number to repeat a trial",

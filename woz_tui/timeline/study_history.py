@@ -152,6 +152,11 @@ class StudyState:
         return self.planned - sum(1 <= number <= self.planned for number in self.over)
 
     @property
+    def all_over(self) -> bool:
+        """Whether the participant has had all trials that were planned."""
+        return self.trial is None and self.next_trial > self.planned > 0
+
+    @property
     def again(self) -> bool:
         """Whether the next trial has run before: it was aborted, or is run once more."""
         last = self.last_ended.trial if self.last_ended is not None else -1

@@ -20,6 +20,7 @@ from woz_tui.console.state.study import StudyView
 from woz_tui.protocol.requests import AskQuestionnaire, AskTrial, Reply
 from woz_tui.system.text_cleaning import elapsed
 from woz_tui.timeline.episodes import TrialEpisode
+from woz_tui.timeline.study_history import StudyState
 
 #: Questionnaires that have a digit of their own.
 _NUMBERED = 9
@@ -60,20 +61,19 @@ class TrialDialog(Dialog):
 
     def lines(self) -> list[Row]:
         """Trial or break with its time, the order of the conditions."""
-        study, now = self.state.study, self.now
-        first: Row = ((trial_status(study, now), "strong"),)
+        study = self.state.session.study
+        first: Row = ((trial_status(study, self.now), "strong"),)
         rows: list[Row] = [first]
-        if order := self.state.session.study.order:
-            rows.append(order_row(order, _here(study), self.glyphs.here))
-        if study.open_questionnaire is not None:
-            asked = study.open_questionnaire
+        if study.order:
+            rows.append(order_row(study.order, _here(study), self.glyphs.here))
+        if (asked := self.state.study.open_questionnaire) is not None:
             told = f"{asked.questionnaire.heading}: {progress(asked)}"
             rows.append(((clean(told), "wait"),))
         return [*rows, ()]
 
     def refreshed(self) -> None:
         """The time goes on."""
-        stood = trial_status(self.state.study, self.now)
+        stood = trial_status(self.state.session.study, self.now)
         if stood != self._stood:
             self._stood = stood
             self.update("stands", content(self.lines()))
@@ -175,8 +175,8 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
             TrialStep("a", "aborted: it will be run again", _trial("aborted", of), asks=True),
             TrialStep("x", "excluded: not to be analysed", _trial("excluded", of), asks=True),
         ]
-    elif study.open_questionnaire is None and not study.all_over:
-        found.append(TrialStep("b", _beginning(study), _trial("begin")))
+    elif study.open_questionnaire is None and not state.all_over:
+        found.append(TrialStep("b", _beginning(state), _trial("begin")))
     if state.in_break is None:
         found.append(TrialStep("p", "pause: a break", _trial("break")))
     if study.open_questionnaire is None:
@@ -188,21 +188,19 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
     return found
 
 
-def _beginning(study: StudyView) -> str:
+def _beginning(study: StudyState) -> str:
     """`begin trial 3`, or that it is run again."""
-    state = study.session.study
-    return f"begin trial {state.next_trial}{' again' if state.again else ''}"
+    return f"begin trial {study.next_trial}{' again' if study.again else ''}"
 
 
-def trial_status(study: StudyView, now: int) -> str:
+def trial_status(study: StudyState, now: int) -> str:
     """`trial 3 of 12, 02:41`."""
-    state = study.session.study
-    planned, last = state.planned, state.last_ended
+    planned, last = study.planned, study.last_ended
     of = f" of {planned}" if planned else ""
-    if state.in_break is not None:
-        return f"break, {elapsed(now - state.in_break.begin)}"
-    if state.trial is not None:
-        return f"trial {state.trial.label}{of}, {elapsed(now - state.trial.begin)}"
+    if study.in_break is not None:
+        return f"break, {elapsed(now - study.in_break.begin)}"
+    if study.trial is not None:
+        return f"trial {study.trial.label}{of}, {elapsed(now - study.trial.begin)}"
     if study.all_over:
         return f"all {planned} trials are over" if planned > 1 else "the trial is over"
     if last is not None:
@@ -210,11 +208,10 @@ def trial_status(study: StudyView, now: int) -> str:
     return f"no trial yet, {planned} planned" if planned else "no trial yet"
 
 
-def _here(study: StudyView) -> str:
+def _here(study: StudyState) -> str:
     """The condition of the trial that is running or comes next; none, if none is left."""
-    state = study.session.study
-    following = "" if state.trial is not None else state.condition_of(state.next_trial)
-    return "" if study.all_over else following or state.condition
+    following = "" if study.trial is not None else study.condition_of(study.next_trial)
+    return "" if study.all_over else following or study.condition
 
 
 def progress(asked: OpenQuestionnaire) -> str:

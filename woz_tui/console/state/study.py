@@ -89,12 +89,6 @@ class StudyView:
         running = study.trial is not None or study.in_break is not None
         return study.designed or running or study.last_ended is not None
 
-    @property
-    def all_over(self) -> bool:
-        """Whether the participant has had all trials that were planned."""
-        study = self.session.study
-        return study.trial is None and study.next_trial > study.planned > 0
-
     def questionnaire(self, name: str) -> Questionnaire | None:
         """The questionnaire of this name."""
         asked = self.session.study.settings.questionnaires

@@ -12,6 +12,7 @@ import yaml
 from woz_tui.cli import main
 from woz_tui.config.loading import load, load_robot
 from woz_tui.drivers import plugins
+from woz_tui.features.profiles.section import PROFILES
 
 ROOT = Path(__file__).parents[1]
 GUIDES = {
@@ -37,7 +38,7 @@ def test_its_robot_and_its_experiment_load(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(f"{experiment}\n{profiles}", encoding="utf-8")
     made = load(tmp_path / "mine.yaml", catalogue)
     assert [action.key for action in made.panels[0].actions] == ["n", "l", "h", "e", "x"]
-    assert made.profiles["child"].controls == {"neck"}
+    assert PROFILES.of(made)["child"].controls == {"neck"}
     (tmp_path / "robot.yaml").write_text(f"{robot}    servos: servos\n{servos}", encoding="utf-8")
     specs = load_robot(tmp_path / "robot.yaml", catalogue)
     assert [spec.name for spec in specs] == ["body", "servos"]

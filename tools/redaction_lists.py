@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from tools import replaced
 from woz_tui.export import redaction
+from woz_tui.export.feature_export import kept_fields
 
 
 def kept() -> str:
@@ -26,7 +27,7 @@ def kept() -> str:
             "In these kinds only: "
             + "; ".join(
                 f"{', '.join(_code(fields))} in {kind}"
-                for kind, fields in sorted(redaction.KEPT_IN.items())
+                for kind, fields in sorted({**redaction.KEPT_IN, **kept_fields()}.items())
             )
             + ".",
             *(_places(kind, places) for kind, places in sorted(redaction.KEPT_AT.items())),

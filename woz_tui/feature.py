@@ -1,9 +1,9 @@
 """What a feature is made of, and which features there are.
 
-A feature is one package with all that it is: its keys of the experiment file, its messages, its
-part of the session, its rows of the gate, its screens. Its descriptor, a `Feature`, is text: it
-says where each part lies, so that only what is needed is loaded. Each room asks for the parts that
-it knows how to use (`parts`), and knows nothing else of features.
+A feature is one package with all that it is: its keys of the experiment file, its messages, what
+it does in a session, its rows of the gate, its screens. Its descriptor, a `Feature`, is text: it
+says where each piece lies, so that only what is needed is loaded. Each room asks for the pieces
+that it knows how to use (`pieces`), and knows nothing else of features.
 
 `woz_tui/features/__init__.py` lists ours, the entry points `woz_tui.features` name those of others.
 """
@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import logging
 import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -25,23 +27,69 @@ log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 
-class Feature:
-    """A feature. Every part may be left out, and is then not there.
+@dataclass(frozen=True, slots=True)
+class StartOption:
+    """What a session can begin with, as `woz run` and `woz host` take it.
 
-    A part is `module:NAME`, looked for inside the feature's package. What NAME has to be is said by
-    the room that uses it.
+    `what`: the word for it. `without`: what holds where the file does not allow it any more.
+    """
+
+    flag: str
+    what: str
+    help: str
+    without: str = ""
+
+    @property
+    def dest(self) -> str:
+        """Its name among the arguments that were read."""
+        return self.flag.removeprefix("--").replace("-", "_")
+
+
+class Feature:
+    """A feature. Every piece may be left out, and is then not there.
+
+    A piece is `module:NAME`, looked for inside the feature's package. What NAME has to be is said
+    by the room that uses it.
 
     Attributes:
         name: Unique among all features; how errors call it.
         kinds: A `protocol.kinds.FeatureKinds`: its messages and requests. Its module may need the
             protocol and msgspec alone.
+        section: A `config.feature_section.FeatureSection`: its keys of the experiment file.
+        keys: A file with its keys of the console, made like `config/keys/builtin_keys.json`.
+        sentences: What the console's list of events says of its messages, made like
+            `console.state.event_sentences.SENTENCES`.
+        console: A `console.widgets.feature_console.FeatureConsole`: what it has on the screen.
+        gate: A `gate.table.FeatureGate`: what it forbids.
+        session: A subclass of `session.session_features.SessionFeature`: what it does in a session.
+        history: A subclass of `timeline.feature_history.FeatureHistory`: what it keeps of a log.
+        view: A `host.feature_view.FeatureView`: what consoles are told of it at first.
+        export: An `export.feature_export.FeatureExport`: what becomes of its lines in exports.
+        figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
+        start: An option with which a session can begin.
     """
 
     name: ClassVar[str]
     kinds: ClassVar[str] = ""
+    section: ClassVar[str] = ""
+    keys: ClassVar[str] = ""
+    sentences: ClassVar[str] = ""
+    console: ClassVar[str] = ""
+    gate: ClassVar[str] = ""
+    session: ClassVar[str] = ""
+    history: ClassVar[str] = ""
+    view: ClassVar[str] = ""
+    export: ClassVar[str] = ""
+    figures: ClassVar[str] = ""
+    start: ClassVar[StartOption | None] = None
 
-    def part(self, what: str, kind: type[T]) -> T | None:
-        """The part called `what` (an attribute of the descriptor), None where there is none.
+    def file(self, name: str) -> Path | None:
+        """A file of the feature's package; None where no name is given."""
+        source = sys.modules[type(self).__module__].__file__
+        return Path(source).with_name(name) if name and source else None
+
+    def piece(self, what: str, kind: type[T]) -> T | None:
+        """The piece called `what` (an attribute of the descriptor), None where there is none.
 
         Raises `TypeError` where it is no `kind`, and whatever importing it raises.
         """
@@ -49,10 +97,15 @@ class Feature:
         if not place:
             return None
         module, _, name = place.partition(":")
-        part = getattr(import_module(f"{type(self).__module__}.{module}"), name)
-        if not isinstance(part, kind):
-            raise TypeError(f"{place} is no {kind.__name__} but {part!r}")
-        return part
+        piece = getattr(import_module(f"{type(self).__module__}.{module}"), name)
+        if not isinstance(piece, kind):
+            raise TypeError(f"{place} is no {kind.__name__} but {piece!r}")
+        return piece
+
+
+def features() -> Mapping[str, Feature]:
+    """All features by name, in their order."""
+    return _registry()
 
 
 @cache
@@ -105,15 +158,15 @@ def left_out() -> dict[str, str]:
 
 
 @cache
-def parts(what: str, kind: type[T]) -> dict[str, T]:
-    """The part `what` of each feature that has one, by the feature's name, in their order."""
+def pieces(what: str, kind: type[T]) -> dict[str, T]:
+    """The piece `what` of each feature that has one, by the feature's name, in their order."""
     there: dict[str, T] = {}
     for name, feature in _registry().items():
         try:
-            part = feature.part(what, kind)
+            piece = feature.piece(what, kind)
         except Exception as error:  # noqa: BLE001 - of others: the rest has to go on
             _leave_out(name, error)
         else:
-            if part is not None:
-                there[name] = part
+            if piece is not None:
+                there[name] = piece
     return there

@@ -12,6 +12,7 @@ import pytest
 
 from tests.bridge.rig import GENERAL, PATIENCE_S, PREDICTION, SEQUENCE, bridged
 from woz_tui.bml.ros_data import RosValue
+from woz_tui.features.profiles.in_session import ProfileInUse
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 
@@ -264,13 +265,13 @@ async def test_a_planner_is_a_guest(tmp_path: Path) -> None:
 
 async def test_a_profile_counts_for_a_planner_too(tmp_path: Path) -> None:
     async with bridged(tmp_path) as planner:
-        planner.host.session.use_profile("child", "key")
+        planner.host.session.features.of(ProfileInUse).use("child", "key")
         planner.ask("nod", NOD)
         planner.send("ram.animation.hmmm.emotion", {"id": "e", "valence": 0.9})
         await planner.until(lambda: bool(planner.general("e")))
         assert planner.general("nod") + planner.general("e") == [NACK_FLUENCY, NACK_FLUENCY]
         await planner.until(lambda: any("child" in text for text in planner.texts("bridge_status")))
-        planner.host.session.use_profile("", "key")
+        planner.host.session.features.of(ProfileInUse).use("", "key")
         planner.ask("again", NOD)
         await planner.until(lambda: START in planner.general("again"))
 

@@ -21,6 +21,7 @@ from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.config.sign_values import argument_problem, sign_value
 from woz_tui.drivers.contract import Verb
+from woz_tui.features.profiles.section import PROFILES
 from woz_tui.sensing.filters import least
 from woz_tui.sensing.state_machine import EDGES, OUTCOMES, Event, State
 
@@ -309,7 +310,7 @@ def test_a_confirmation_without_the_name_is_warned_of(tmp_path: Path) -> None:
 def test_a_profile_may_allow_the_models_verbs(tmp_path: Path) -> None:
     profiles = "profiles: {child: {verbs: [toggle, engagement]}}\n"
     text = panel(HELLO, head=f"{HEAD}engagement: {{}}\n{profiles}")
-    assert read_experiment(tmp_path, text).profiles["child"].verbs == {"toggle", "engagement"}
+    assert PROFILES.of(read_experiment(tmp_path, text))["child"].verbs == {"toggle", "engagement"}
     (found,) = errors(tmp_path, panel(HELLO, head=HEAD + "profiles: {child: {verbs: [toggle]}}\n"))
     assert "no driver offers 'toggle'" in found
 

@@ -7,8 +7,10 @@ from tests.console import scenes
 from tests.console.dialogs import open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.drawing.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
-from woz_tui.console.state.console_state import ConsoleState, ProfileList
+from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.widgets.status_rows import StatusInfo, status_rows
+from woz_tui.features.profiles.console import ProfileList
+from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import Allowance
@@ -47,8 +49,8 @@ def panels_changed(current: str, names: tuple[str, ...] = ("child", "adult")) ->
     )
 
 
-def profile_requests(pilot: ConsolePilot) -> list[r.AskProfile]:
-    return [request for request in pilot.feed.asked if isinstance(request, r.AskProfile)]
+def profile_requests(pilot: ConsolePilot) -> list[AskProfile]:
+    return [request for request in pilot.feed.asked if isinstance(request, AskProfile)]
 
 
 def line_of(pilot: ConsolePilot, name: str) -> str:
@@ -81,7 +83,7 @@ async def test_a_profile_is_chosen_and_stands_in_the_top_line(size: tuple[int, i
         await pilot.press("down", "enter")
         assert pilot.console.dialog is None
         assert [(one.profile, one.source) for one in profile_requests(pilot)] == [("child", "key")]
-        await pilot.tell(m.ProfileChanged(profile="child", t=NOW), panels_changed("child"))
+        await pilot.tell(ProfileChanged(profile="child", t=NOW), panels_changed("child"))
         after = pilot.text("StatusLines").splitlines()[0]
         assert ("◇ profile child" if size[0] >= 100 else "◇ child") in after
         for part in ("Museum guide", "P07", "warm", "trial 3", "Recording"):
@@ -91,7 +93,7 @@ async def test_a_profile_is_chosen_and_stands_in_the_top_line(size: tuple[int, i
         await open_dialog(pilot, "ProfileDialog")
         await pilot.press("up", "enter")
         assert profile_requests(pilot)[-1].profile == ""
-        await pilot.tell(m.ProfileChanged(profile="", t=NOW), panels_changed(""))
+        await pilot.tell(ProfileChanged(profile="", t=NOW), panels_changed(""))
         assert pilot.text("StatusLines").splitlines()[0] == before
 
 
@@ -106,7 +108,7 @@ async def test_enter_after_a_slip_changes_nothing() -> None:
 
 async def test_a_refusal_is_shown() -> None:
     async with piloted_console(guide("child")) as pilot:
-        pilot.feed.answers[r.AskProfile] = lambda request, ref: r.Reply(
+        pilot.feed.answers[AskProfile] = lambda request, ref: r.Reply(
             ref=ref, ok=False, reason="you are watching", hint="take over"
         )
         await open_dialog(pilot, "ProfileDialog")
@@ -137,7 +139,7 @@ async def test_the_mark_follows_while_the_list_is_open() -> None:
     async with piloted_console(guide()) as pilot:
         await open_dialog(pilot, "ProfileDialog")
         assert "in use" in line_of(pilot, "everything")
-        await pilot.tell(m.ProfileChanged(profile="adult", source="program", t=NOW))
+        await pilot.tell(ProfileChanged(profile="adult", source="program", t=NOW))
         await pilot.tell(panels_changed("adult"))
         assert "in use" in line_of(pilot, "adult")
         assert "in use" not in line_of(pilot, "everything")

@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from tests.example_counts import many
 from tests.protocol.examples import REQUESTS
 from tests.session.rig import HERE, action, call, together
-from woz_tui.config.experiment import Panel, Profile
+from woz_tui.config.experiment import Panel
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Verb
+from woz_tui.features.profiles.section import Profile
 from woz_tui.gate.facts import Driving, Facts
 from woz_tui.gate.questions import (
     ClientRequest,
@@ -42,6 +43,7 @@ HELLO = action("Hello", together(call("say", text="Hello")))
 SENSE = action("Sense", together(call("sense", ENGAGEMENT, sign="face")))
 PANEL = Panel("Speech", (HELLO, SENSE), HERE, False, ("say",), ("voice",))
 CHILD = Profile(name="child")
+ADULT = Profile(name="adult", panels=frozenset({"Speech"}))
 DRIVE = Verb("drive", "", drives=True)
 NOBODY = Refusal("unknown", "no driver offers 'fly'", "there are say, drive")
 #: Everything stands against everything.
@@ -55,7 +57,7 @@ WORST = Facts(
     locked={"Speech": True},
     phase="Opening",
     locked_by_phase={"Speech"},
-    profile=CHILD,
+    features={"profiles": CHILD},
     wizards={"con1": "body", "con2": "voice"},
     driving=Driving("nobody watches"),
 )
@@ -68,7 +70,7 @@ EASIER: Easier = {
     "part": {"wizards": {"con1": ""}},
     "stopped": {"stopped": False},
     "unwatched": {"driving": Driving()},
-    "profile": {"profile": None},
+    "profile": {"features": {}},
     "unconfirmed": {"unconfirmed": ()},
     "consent": {"consents": {("head", "ann")}},
 }
@@ -178,7 +180,8 @@ def test_what_is_not_needed_any_more_is_refused_while_the_session_ends() -> None
 def test_an_action_that_only_informs_the_model_is_played_while_the_stop_is_pressed() -> None:
     stopped = Facts(stopped=True)
     assert why_not(stopped, PlayAction("Sense", SENSE, KEY)) is None
-    refusal = why_not(replace(stopped, profile=CHILD), PlayAction("Sense", SENSE, KEY))
+    with_profile = replace(stopped, features={"profiles": CHILD})
+    refusal = why_not(with_profile, PlayAction("Sense", SENSE, KEY))
     assert refusal is not None
     assert (refusal.code, refusal.command) == ("profile", "profile")  # and not the stop's release
 
@@ -234,7 +237,7 @@ worlds = st.builds(
     locked=st.dictionaries(texts(("Speech", "Base")), st.booleans()),
     locked_by_phase=st.sets(texts(("Speech", "Base"))),
     phase=texts(("", "Opening")),
-    profile=texts((None, CHILD, Profile(name="adult", panels=frozenset({"Speech"})))),
+    features=texts(({}, {"profiles": CHILD}, {"profiles": ADULT})),
     wizards=st.dictionaries(texts(("con1", "con2")), texts(("", "voice", "body"))),
     helpers=st.dictionaries(texts(("con3", "pad")), texts(("", "voice"))),
     driving=st.none() | st.builds(Driving, texts(("", "nobody watches"))),

@@ -12,9 +12,10 @@ import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import HERE, ScriptedDriver, action, call, experiment, together
-from woz_tui.config.experiment import Experiment, Panel, Phase, Profile, SessionSettings
+from woz_tui.config.experiment import Experiment, Panel, Phase, SessionSettings
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.codec import decode_incoming
 from woz_tui.protocol.messages import Json
@@ -68,7 +69,7 @@ def limited(folder: Path) -> Experiment:
     made = experiment(folder)
     return replace(
         made,
-        profiles={"child": Profile(name="child", actions=frozenset({"Hello"}))},
+        sections={PROFILES: {"child": Profile(name="child", actions=frozenset({"Hello"}))}},
         phases=(
             Phase(name="opening", panels=("Base",), lock_others=True),
             Phase(name="closing", panels=("Speech",), after=("opening",)),

@@ -8,7 +8,7 @@ import pytest
 
 from tests.host.rig import served_session
 from tests.session.rig import experiment
-from woz_tui.config.experiment import Profile
+from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
@@ -48,9 +48,8 @@ async def test_no_home_folder_is_in_it(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 async def test_it_is_said_again_when_panels_change(tmp_path: Path) -> None:
-    made = replace(
-        experiment(tmp_path), profiles={"child": Profile(frozenset({"Base"}), name="child")}
-    )
+    child = Profile(frozenset({"Base"}), name="child")
+    made = replace(experiment(tmp_path), sections={PROFILES: {"child": child}})
     async with served_session(tmp_path, made=made) as host:
         peer = await host.connect()
         await peer.hello()

@@ -14,6 +14,7 @@ from pathlib import Path
 import msgspec
 
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
+from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -212,7 +213,7 @@ MESSAGES: tuple[m.Message, ...] = (
     m.ScriptMoved(position=1, phase="opening", played=[0, 3], halted="failed"),
     m.PanelLocked(panel="Drive", locked=True),
     m.PanelLocked(panel="Whales", locked=True, source="phase"),
-    m.ProfileChanged(profile="child", source="palette"),
+    ProfileChanged(profile="child", source="palette"),
     m.ExperimentReloaded(experiment_sha256=SHA, changes=["Speech: 'Bye' is new"]),
     m.ActionRequested(run="a00006", action="Map", source="key", key="m"),
     m.ActionRequested(run="a00005", action="Bye", source="key", key="b"),
@@ -419,7 +420,7 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskNote(ref=14, text="the visitor's phone rang"),
     r.AskMistake(ref=15, run="a00001", text="too early"),
     r.AskLock(ref=16, panel="Drive", locked=False),
-    r.AskProfile(ref=21, profile="child", source="palette"),
+    AskProfile(ref=21, profile="child", source="palette"),
     r.AskPhase(ref=36, phase="whales", source="palette"),
     r.AskPhase(ref=37, source="key", key=")", age_us=4_000_000, stale=True),
     r.AskReload(ref=17, dry_run=True),

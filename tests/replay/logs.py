@@ -11,6 +11,7 @@ import msgspec
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventLine
 from woz_tui.console.state.view_models import SensorView
+from woz_tui.features.profiles.console import profiles_of
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -251,7 +252,7 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
         "changes": [*state.engaged.changes],
         "robots": session.robots.shown,
         "bodies": (session.bodies, session.faces, session.controls),
-        "profile": state.profiles.current,
+        "profile": profiles_of(state).current,
         "under way": state.moves(session.t),
         "ended": state.ended,
         "now": state.now(local),

@@ -12,9 +12,11 @@ import pytest
 from tests.session.rig import HERE, SessionRig, action, call, experiment, together
 from tests.session.test_superseding import LaneDriver
 from woz_tui.bml.behaviour_calls import BmlTable, TableCall
-from woz_tui.config.experiment import Action, Panel, Profile, TextVariants
+from woz_tui.config.experiment import Action, Panel, TextVariants
 from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL
 from woz_tui.drivers.contract import RejectedError
+from woz_tui.features.profiles.in_session import ProfileInUse
+from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
@@ -217,8 +219,10 @@ def test_what_the_wizards_own_block_would_take_back_later_gives_way(tmp_path: Pa
 def test_whatever_a_program_calls_its_source_its_blocks_are_looked_at(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         allowed = Profile(name="mute", verbs=frozenset({"play"}))
-        rig.session.experiment = replace(rig.session.experiment, profiles={"mute": allowed})
-        rig.session.use_profile("mute", "key")
+        rig.session.experiment = replace(
+            rig.session.experiment, sections={PROFILES: {"mute": allowed}}
+        )
+        rig.session.features.of(ProfileInUse).use("mute", "key")
         rig.session.send("bml", {"block": GREET}, "", RequestOrigin("key", "", "con2"))
 
     assert done_calls(scene(tmp_path, play)) == ["nod"]
@@ -254,8 +258,10 @@ def test_calls_of_one_moment_begin_in_the_order_of_the_table(tmp_path: Path) -> 
 def test_a_planner_may_do_only_what_a_profile_and_the_locks_allow(tmp_path: Path) -> None:
     async def profile(rig: SessionRig) -> None:
         allowed = Profile(name="mute", verbs=frozenset({"play"}))
-        rig.session.experiment = replace(rig.session.experiment, profiles={"mute": allowed})
-        rig.session.use_profile("mute", "key")
+        rig.session.experiment = replace(
+            rig.session.experiment, sections={PROFILES: {"mute": allowed}}
+        )
+        rig.session.features.of(ProfileInUse).use("mute", "key")
         await planner((0, GREET))(rig)
 
     rig = scene(tmp_path, profile)

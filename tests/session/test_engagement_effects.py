@@ -21,8 +21,10 @@ from tests.session.engagement_rig import (
 from tests.session.rig import call, together
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import STATES
-from woz_tui.config.experiment import Profile, TextVariants, Wait
+from woz_tui.config.experiment import TextVariants, Wait
 from woz_tui.drivers.contract import DriverError, Health, Job
+from woz_tui.features.profiles.in_session import ProfileInUse
+from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.state_signals import SIGNALS
@@ -308,11 +310,11 @@ def test_a_robot_that_shall_show_nothing_shows_nothing(
 def test_a_profile_of_the_wizard_does_not_bind_the_robot(tmp_path: Path) -> None:
     experiment = replace(
         guided(tmp_path, PLAIN, None, {"PersonDetected": ("Welcome",)}),
-        profiles={"little": Profile(name="little", verbs=frozenset({"force"}))},
+        sections={PROFILES: {"little": Profile(name="little", verbs=frozenset({"force"}))}},
     )
 
     async def scenario(rig: EngagementRig) -> None:
-        rig.session.use_profile("little", "key")
+        rig.session.features.of(ProfileInUse).use("little", "key")
         rig.tell("force", to="PersonDetected")
         await asyncio.sleep(2)
         with pytest.raises(ValueError, match="not in the profile"):

@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.session.rig import HERE, SessionRig, action, call, experiment, together
-from woz_tui.config.experiment import Experiment, Panel, Profile
+from woz_tui.config.experiment import Experiment, Panel
+from woz_tui.features.profiles.in_session import ProfileInUse
+from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 
@@ -35,7 +37,7 @@ def made(tmp_path: Path) -> Experiment:
             replace(speech, actions=(*speech.actions, BYE), covers=("say",)),
             Panel("Base", (*base_panel.actions, BOTH), HERE),
         ),
-        profiles={"child": Profile(name="child", panels=frozenset({"Base"}))},
+        sections={PROFILES: {"child": Profile(name="child", panels=frozenset({"Base"}))}},
     )
 
 
@@ -60,7 +62,7 @@ async def lock(rig: SessionRig) -> None:
 
 
 async def choose_a_profile(rig: SessionRig) -> None:
-    rig.session.use_profile("child", "key")
+    rig.session.features.of(ProfileInUse).use("child", "key")
 
 
 @pytest.mark.parametrize(

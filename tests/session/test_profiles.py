@@ -13,9 +13,12 @@ from tests.config.reading import HEAD, errors, read_experiment
 from tests.host.rig import served_session
 from tests.session.rig import SessionRig, experiment
 from tests.session.test_driver_requests import RequestOutcome, from_a_thread
-from woz_tui.config.experiment import Experiment, Profile
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Ask
+from woz_tui.features.profiles.in_session import ProfileInUse
+from woz_tui.features.profiles.kinds import ProfileChanged
+from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.gate.questions import RequestOrigin, SendVerb
 from woz_tui.gate.table import why_not
 from woz_tui.host.experiment_view import panel_views
@@ -37,7 +40,7 @@ NOT = "is not in the profile child"
 
 def for_children(tmp_path: Path, profile: Profile = CHILD) -> Experiment:
     """The rig's experiment with a profile."""
-    return replace(experiment(tmp_path), profiles={profile.name: profile})
+    return replace(experiment(tmp_path), sections={PROFILES: {profile.name: profile}})
 
 
 def on_stage(tmp_path: Path, scenario: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
@@ -45,7 +48,7 @@ def on_stage(tmp_path: Path, scenario: Callable[[SessionRig], Awaitable[None]]) 
 
     async def with_child(rig: SessionRig) -> None:
         rig.session.experiment = for_children(tmp_path)
-        rig.session.use_profile("child", "key")
+        rig.session.features.of(ProfileInUse).use("child", "key")
         await scenario(rig)
 
     return SessionRig(tmp_path).run(with_child, 3)
@@ -132,21 +135,21 @@ def test_a_reload_keeps_the_profile_also_when_it_is_gone_from_the_file(tmp_path:
         session = rig.session
         wider = replace(CHILD, actions=frozenset({"Map"}))
         session.adopt(for_children(tmp_path, wider), ["profile 'child' changed"])
-        assert session.profiles.current == wider
+        assert session.features.of(ProfileInUse).current == wider
         session.adopt(experiment(tmp_path), ["profile 'child' is gone"])
-        assert session.profiles.current == wider
+        assert session.features.of(ProfileInUse).current == wider
         with pytest.raises(RequestError, match=NOT):
             session.play("Hello", KEY)
-        session.use_profile("", "key")
+        session.features.of(ProfileInUse).use("", "key")
         session.play("Hello", KEY)
         with pytest.raises(RequestError, match="there is no profile 'child'"):
-            session.use_profile("child", "key")
+            session.features.of(ProfileInUse).use("child", "key")
 
     rig = on_stage(tmp_path, scenario)
     assert "the profile child was removed from the file, but is still in use" in [
         line.text for line in rig.of(m.Notice)
     ]
-    changed = [line.profile for line in rig.of(m.ProfileChanged)]
+    changed = [line.profile for line in rig.of(ProfileChanged)]
     assert changed == ["child", ""]
 
 
@@ -175,9 +178,9 @@ async def test_over_the_socket_everybody_gets_the_panels_that_are_left(tmp_path:
 
 def test_hidden_panels_and_actions_are_left_out(tmp_path: Path) -> None:
     hiding = replace(CHILD, panels=frozenset(), hide=True)
-    [speech] = panel_views(experiment(tmp_path), {}, hiding)
+    [speech] = panel_views(experiment(tmp_path), {}, {"profiles": hiding})
     assert [action.name for action in speech.actions] == ["Hello"]
-    locked = panel_views(experiment(tmp_path), {}, replace(hiding, hide=False))
+    locked = panel_views(experiment(tmp_path), {}, {"profiles": replace(hiding, hide=False)})
     assert [panel.locked for panel in locked] == [False, True]
 
 
@@ -193,7 +196,7 @@ def test_the_file_says_what_a_profile_allows(tmp_path: Path) -> None:
     found = read_experiment(
         tmp_path, f"{FILE}  child: {{panels: [Speech], verbs: [say], hide: yes}}\n"
     )
-    child = found.profiles["child"]
+    child = PROFILES.of(found)["child"]
     assert child == Profile(
         frozenset({"Speech"}), name="child", verbs=frozenset({"say"}), hide=True
     )

@@ -11,8 +11,10 @@ import pytest
 
 from tests.session.rig import HERE, SessionRig
 from tests.session.test_action_texts import HM, KEY, make_experiment
-from woz_tui.config.experiment import Action, Profile
+from woz_tui.config.experiment import Action
 from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
+from woz_tui.features.profiles.in_session import ProfileInUse
+from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.redactor import Redactor
@@ -213,14 +215,14 @@ def test_profiles_do_not_lock_repairs(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         rig.session.play("Hello", KEY)
         await asyncio.sleep(2)
-        rig.session.use_profile("child", "program")
+        rig.session.features.of(ProfileInUse).use("child", "program")
         with pytest.raises(RequestError):
             rig.session.play("Hello", KEY)
         rig.session.play(REPEAT, KEY)
 
     async def with_profile(rig: SessionRig) -> None:
         rig.session.experiment = replace(
-            rig.session.experiment, profiles={"child": Profile(name="child")}
+            rig.session.experiment, sections={PROFILES: {"child": Profile(name="child")}}
         )
         await play(rig)
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from tests.protocol.examples import messages as examples
 from woz_tui.config.engagement_words import STATES
+from woz_tui.features.profiles.kinds import ProfileChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 
@@ -265,7 +266,7 @@ class Recording:
         choices: list[m.Message] = [
             m.PerceptionChanged(hidden=hidden, blurred=[]),
             m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech"]),
-            m.ProfileChanged(profile=self._chance.choice(["child", "adult", ""])),
+            ProfileChanged(profile=self._chance.choice(["child", "adult", ""])),
             m.PanelLocked(panel="Drive", locked=self._chance.random() < 0.5),
             m.ScriptMoved(
                 position=self._chance.randint(0, 3),

@@ -15,11 +15,12 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from tests.timeline.random_sessions import damaged, recordings, stamped, start
+from woz_tui.features.profiles.history import ProfileHistory
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.kinds import message_kinds
 from woz_tui.timeline.episodes import MOST_KEPT, ActionEpisode, CommandEpisode, UtteranceEpisode
-from woz_tui.timeline.session_state import CASES, SessionState
+from woz_tui.timeline.session_state import SessionState, all_cases
 from woz_tui.timeline.timeline import Timeline, timeline_of
 from woz_tui.timeline.trial_context import Context
 
@@ -76,7 +77,8 @@ def known_state(state: SessionState) -> dict[str, Any]:
         "shown": (state.readings, state.sensors, state.modes, state.faces, state.bodies),
         "controls": {name: each.values for name, each in state.controls.items()},
         "speaking": {key: each.begin for key, each in state.speaking.items()},
-        "wizard": (state.locks, state.profile_changed, state.shaping, state.perception),
+        "wizard": (state.locks, state.shaping, state.perception),
+        "profile": state.history(ProfileHistory).changed,
         "rest": (state.consoles, state.recorder, state.start, state.end, state.scripts),
         "cue": (state.cue and state.cue.given, state.rerun and state.rerun.started),
     }  # fmt: skip
@@ -84,7 +86,7 @@ def known_state(state: SessionState) -> dict[str, Any]:
 
 def test_every_kind_of_message_has_its_case() -> None:
     wanted = set(message_kinds())
-    assert set(CASES) == wanted, "add it to CASES in woz_tui/timeline/session_state.py"
+    assert set(all_cases()) == wanted, "add it to CASES in woz_tui/timeline/session_state.py"
 
 
 @given(COURSES)

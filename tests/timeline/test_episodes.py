@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 import pytest
 
 from tests.timeline.random_sessions import SECOND, plan, start, timed
+from woz_tui.features.profiles.history import ProfileEpisode
+from woz_tui.features.profiles.kinds import ProfileChanged
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     ActionEpisode,
@@ -20,7 +22,6 @@ from woz_tui.timeline.episodes import (
     ModelOffEpisode,
     ModelStateEpisode,
     MomentEpisode,
-    ProfileEpisode,
     QuestionnaireEpisode,
     RestrictionEpisode,
     SettingEpisode,
@@ -323,11 +324,11 @@ def test_a_setting_differs_from_when_it_was_read_until_it_does_not() -> None:
 
 def test_profiles_and_restrictions_last_until_they_change() -> None:
     course: list[tuple[float, m.Message]] = [
-        (1, m.ProfileChanged(profile="child")),
+        (1, ProfileChanged(profile="child")),
         (2, m.PerceptionChanged(hidden=["distance"], blurred=[])),
-        (3, m.ProfileChanged(profile="adult")),
+        (3, ProfileChanged(profile="adult")),
         (4, m.PerceptionChanged(hidden=[], blurred=[])),
-        (6, m.ProfileChanged()),
+        (6, ProfileChanged()),
     ]
     assert spans(of(ProfileEpisode, *course)) == [(1, 2, "child"), (3, 3, "adult")]
     assert spans(of(RestrictionEpisode, *course)) == [(2, 2, "")]

@@ -15,6 +15,7 @@ from woz_tui.analysis import event_rows
 from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of, trained_cues, training_of
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CueRow, PanelRow, TrialRow, WizardAct, acts_of, of_robot
+from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.figure_sums import PartSums, Tally, part_figures, sum_tallies
 from woz_tui.analysis.figures import (
     OUTSIDE,
@@ -26,6 +27,7 @@ from woz_tui.analysis.figures import (
 )
 from woz_tui.analysis.participants import counts_in_means, taking_part
 from woz_tui.analysis.tables import wall_time
+from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
@@ -125,7 +127,11 @@ def figures_of(
         unanswered=tuple(event_rows.unanswered(timeline)),
         training=training,
         panels=tuple(_panels(plan)),
-        profiles=tuple(dict.fromkeys(each.label for each in timeline.of(e.ProfileEpisode))),
+        features={
+            name: counted_by
+            for name, each in pieces("figures", FeatureFigures).items()
+            if (counted_by := each.count(timeline)) is not None
+        },
         consoles=tuple(event_rows.consoles(timeline)),
         lost_drivers=tuple(event_rows.lost_drivers(timeline)),
         settings=tuple(event_rows.settings(timeline, counted)),

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
+from typing import Any
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import (
@@ -370,7 +371,8 @@ class SessionFigures:
     rounds: tuple[RoundRow, ...]
     training: TrainingFigures | None
     panels: tuple[PanelRow, ...]
-    profiles: tuple[str, ...]
+    #: What features count, by name.
+    features: Mapping[str, Any]
     consoles: tuple[ConsoleRow, ...]
     lost_drivers: tuple[SpanRow, ...]
     settings: tuple[SettingRow, ...]

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.report_tables import FEWEST
 from woz_tui.analysis.study_figures import StudyFacts, WizardTraining
 from woz_tui.analysis.text_format import (
@@ -24,6 +25,7 @@ from woz_tui.analysis.text_format import (
     was,
     were,
 )
+from woz_tui.feature import pieces
 
 #: What the guidelines ask for and no log can know.
 BY_HAND = (
@@ -216,8 +218,9 @@ def _production(facts: StudyFacts) -> Iterator[str]:
             )
     elif facts.sessions:
         yield "What the wizard could choose from was not recorded."
-    for profile, count in sorted(facts.profiles.items()):
-        yield f"The profile {profile} restricted the choice in {counted(count, 'session')}."
+    for name, each in pieces("figures", FeatureFigures).items():
+        if name in facts.features:
+            yield from each.methods(facts.features[name])
     yield from _acted(facts)
     for (floor, jitter, cues), count in sorted(facts.shaped.items()):
         yield f"In {counted(count, 'session')} {answer_delay(cues, floor, jitter)}."

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, TrialRow, value_text
+from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.measures import BY_NAME, Measure, reactions, title_of
 from woz_tui.analysis.participant_groups import (
@@ -27,6 +28,7 @@ from woz_tui.analysis.text_format import (
     listed,
     percent,
 )
+from woz_tui.feature import pieces
 from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.protocol.messages import Json
 from woz_tui.timeline.episodes import PRACTICE
@@ -489,8 +491,9 @@ def circumstances(figures: SessionFigures) -> Iterator[str]:
     for shaping in figures.shaping:
         delay = answer_delay(shaping.cues, shaping.floor_us, shaping.jitter_us)
         yield f"from {clock(shaping.t)} {delay}"
-    if figures.profiles:
-        yield f"profiles in use: {', '.join(figures.profiles)}"
+    for name, each in pieces("figures", FeatureFigures).items():
+        if name in figures.features:
+            yield from each.circumstances(figures.features[name])
     if figures.reloads:
         yield f"the experiment file was read again {counted(figures.reloads, 'time')}"
 

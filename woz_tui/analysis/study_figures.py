@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import Any
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import RestrictionRow, ShapingRow
@@ -68,7 +69,7 @@ class StudyFacts:
     orders: Counter[str] = field(default_factory=Counter)
     panels: dict[str, bool] = field(default_factory=dict)
     offered: set[tuple[str, str]] = field(default_factory=set)
-    profiles: Counter[str] = field(default_factory=Counter)
+    features: dict[str, list[Any]] = field(default_factory=dict)
     sources: Counter[str] = field(default_factory=Counter)
     outcomes: Counter[str] = field(default_factory=Counter)
     by_hand: int = 0
@@ -142,7 +143,8 @@ class StudyFacts:
         for panel in figures.panels:
             self.panels[panel.title] = panel.locked
             self.offered |= {(panel.title, action) for action in panel.actions}
-        self.profiles.update(figures.profiles)
+        for name, counted in figures.features.items():
+            self.features.setdefault(name, []).append(counted)
         for part in counted_parts(figures.parts):
             self._produced(part)
         for shaping in {_shaped(each) for each in figures.shaping} - {(0, 0, ())}:

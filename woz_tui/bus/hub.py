@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import NAMES_CONSOLE, Message
+from woz_tui.protocol.messages import Message
 from woz_tui.system.clock import Clock, timestamp
 
 #: What a listener may have of a message; None: nothing of it.
@@ -140,7 +140,7 @@ class Hub:
         that was just taken for it with `now`, for a message that counts from there.
         """
         sample = codec.is_sample(message)
-        if self._requester and isinstance(message, NAMES_CONSOLE):
+        if self._requester and message.names_console:
             message = msgspec.structs.replace(message, console=self._requester)
         stamped = msgspec.structs.replace(
             message,

@@ -10,8 +10,10 @@ from dataclasses import dataclass, replace
 from rich.text import Text
 
 from woz_tui.config.experiment import Experiment, Phase
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.keys.keymap import actions_on
 from woz_tui.console.drawing.text_console import TextConsole
+from woz_tui.feature import pieces
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import (
     DispatchCommand,
@@ -20,7 +22,7 @@ from woz_tui.gate.questions import (
     SendVerb,
     SubmitCommand,
 )
-from woz_tui.gate.table import TABLE, why_not
+from woz_tui.gate.table import all_rows, why_not
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.refusal import Refusal
 
@@ -93,7 +95,7 @@ def _origin(moment: Moment) -> RequestOrigin:
 
 
 def _moments(experiment: Experiment) -> Iterator[Moment]:
-    """The beginning, as each part; then each phase and each profile."""
+    """The beginning, as each part; then each phase, and what features know."""
     first = experiment.first_phase
     for part in experiment.parts or [""]:
         when = f"{BEGINNING}, as {part}" if part else BEGINNING
@@ -101,9 +103,9 @@ def _moments(experiment: Experiment) -> Iterator[Moment]:
     for phase in experiment.phases:
         if phase != first:
             yield Moment(f"in the phase {phase.heading}", _facts(experiment, phase))
-    for name, profile in experiment.profiles.items():
-        facts = replace(_facts(experiment, first), profile=profile)
-        yield Moment(f"with the profile {name}", facts)
+    for name, section in pieces("section", FeatureSection).items():
+        for when, fact in section.moments(section.of(experiment)):
+            yield Moment(when, replace(_facts(experiment, first), features={name: fact}))
 
 
 def _facts(experiment: Experiment, phase: Phase | None, part: str = "") -> Facts:
@@ -142,4 +144,4 @@ def _plain(when: str, refusal: Refusal | None) -> Json:
 def _rows_of_the_host() -> list[str]:
     """Names of the rows that are left out here, of what is pressed and of its commands."""
     about = {PlayAction, SendVerb, SubmitCommand, DispatchCommand}
-    return [*dict.fromkeys(row.name for row in TABLE if row.host and about & {*row.about})]
+    return [*dict.fromkeys(row.name for row in all_rows() if row.host and about & {*row.about})]

@@ -282,6 +282,8 @@ def _last_codes(log: Path) -> list[str]:
     The screen of a wizard who is blind to the conditions does not have them. With an order, which
     the robot process proposes again, the next trial has its own.
     """
+    from woz_tui.cli.shared_options import start_options  # noqa: PLC0415
+    from woz_tui.feature import pieces  # noqa: PLC0415
     from woz_tui.log.log_reader import LogLine, messages  # noqa: PLC0415
     from woz_tui.timeline.session_state import SessionState  # noqa: PLC0415
 
@@ -293,8 +295,10 @@ def _last_codes(log: Path) -> list[str]:
     study = state.study
     condition = "" if study.order else study.condition
     codes = ["--restarted", "--participant", study.participant, "--condition", condition]
-    if state.profile_changed is not None:
-        codes += ["--profile", state.profile_changed.profile]
+    for name, option in start_options().items():
+        history = pieces("history", type).get(name)
+        if history is not None and (value := state.history(history).restart()) is not None:
+            codes += [option.flag, value]
     return codes
 
 

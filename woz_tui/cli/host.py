@@ -9,7 +9,7 @@ from pathlib import Path
 
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.shared_options import add_robot, add_session
+from woz_tui.cli.shared_options import add_robot, add_session, start_values
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.system.addresses import without_passwords
 
@@ -126,7 +126,7 @@ def run(arguments: Namespace) -> int:
                 spill=arguments.spill,
                 announce=arguments.announce,
                 restarted=arguments.restarted,
-                profile=arguments.profile,
+                starts=start_values(arguments),
                 rerun=rerun,
                 training=training,
                 robot=arguments.robot,

@@ -19,10 +19,11 @@ from woz_tui.cli.shared_options import (
     add_theme,
     builtins,
     part_again,
+    start_options,
 )
 
 #: Options of `run` that `host` is given as they are.
-_CODES = ("session", "participant", "condition", "wizard", "profile", "seed")
+_CODES = ("session", "participant", "condition", "wizard", "seed")
 
 
 def add(parser: ArgumentParser) -> None:
@@ -97,12 +98,13 @@ def _play(arguments: Namespace, experiment: Path, robot: str, shown: Shown) -> i
 
 
 def _host_command(arguments: Namespace, experiment: Path, robot: str) -> list[str]:
+    options = [option.dest for option in start_options().values()]
     return host_arguments(
         experiment,
         recordings=arguments.recordings,
         spill=arguments.spill,
         name=arguments.name,
-        codes={code: str(getattr(arguments, code) or "") for code in _CODES},
+        codes={code: str(getattr(arguments, code) or "") for code in (*_CODES, *options)},
         robot=robot,
         listen=arguments.listen,
     )

@@ -9,7 +9,21 @@ from pathlib import Path
 
 from woz_tui.cli.argument_types import listen_address
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
+from woz_tui.feature import StartOption, features
 from woz_tui.system.user_folders import config_folder
+
+
+def start_options() -> dict[str, StartOption]:
+    """With what a session can begin, by the feature whose option it is."""
+    named = ((name, feature.start) for name, feature in features().items())
+    return {name: option for name, option in named if option is not None}
+
+
+def start_values(arguments: Namespace) -> dict[str, str]:
+    """What the command line says of them."""
+    options = start_options().items()
+    said = {name: getattr(arguments, option.dest) for name, option in options}
+    return {name: value for name, value in said.items() if value}
 
 
 def add_session(parser: ArgumentParser) -> None:
@@ -18,9 +32,8 @@ def add_session(parser: ArgumentParser) -> None:
     parser.add_argument("--participant", default="", help="participant code (no names)")
     parser.add_argument("--condition", default="", help="one of the experiment's conditions")
     parser.add_argument("--wizard", default="", help="the wizard's code (no names)")
-    parser.add_argument(
-        "--profile", default="", help="profile of the experiment: which actions the wizard can use"
-    )
+    for option in start_options().values():
+        parser.add_argument(option.flag, default="", help=option.help)
     parser.add_argument("--seed", type=int, default=0, help="seed of all random choices")
     parser.add_argument(
         "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"

@@ -223,34 +223,6 @@ class Phase(Entry):
 
 
 @dataclass(frozen=True, slots=True)
-class ProfileEntry(Entry):
-    """What a wizard may use: actions of these panels and these actions; by themselves (from keys of
-    the console, the palette, a control panel, a program) these verbs and controls.
-
-    `hide`: what may not be used is not even shown.
-    """
-
-    what = "a profile"
-    example = "{panels: [Speech]}"
-    panels: Annotated[frozenset[str], Doc("panels that can be used")] = frozenset()
-    actions: Annotated[frozenset[str], Doc("actions that can be used")] = frozenset()
-    controls: Annotated[frozenset[str], Doc("controls that can be used")] = frozenset()
-    verbs: Annotated[frozenset[str], Doc("verbs that can be used")] = frozenset()
-    hide: Annotated[bool, Doc("hide what cannot be used")] = False
-
-
-@dataclass(frozen=True, slots=True)
-class Profile(ProfileEntry):
-    """A profile with its name."""
-
-    name: str = ""
-
-    def plays(self, action: Action) -> bool:
-        """Whether the action may be played."""
-        return action.panel in self.panels or action.name in self.actions
-
-
-@dataclass(frozen=True, slots=True)
 class ArrowKeySteps:
     """How far one press of an arrow key goes."""
 
@@ -356,8 +328,8 @@ class Experiment:
     bml: Mapping[str, BmlTable] = field(default_factory=dict)
     #: Blocks of BML that actions play: file as they write it -> what it holds.
     blocks: Mapping[str, str] = field(default_factory=dict)
-    #: What wizards may use, by name of the profile.
-    profiles: Mapping[str, Profile] = field(default_factory=dict)
+    #: What the sections of features say (`feature_section.FeatureSection`), by section.
+    sections: Mapping[object, Any] = field(default_factory=dict)
     #: How the robot tells whether somebody is with it; None: it does not.
     engagement: Engagement | None = None
     #: The study around it: design, questionnaires, preflight, shaping, training.

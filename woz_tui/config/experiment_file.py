@@ -6,17 +6,17 @@ what the session works with are in `experiment`, `study` and `engagement`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated, Any, cast
 
 from woz_tui.config.annotated_decoder import names_of
 from woz_tui.config.experiment import (
     ARRIVED,
     ArrowKeySteps,
     Phase,
-    ProfileEntry,
     SessionSettings,
 )
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.languages import DEFAULT
 from woz_tui.config.study import Study
@@ -30,6 +30,7 @@ from woz_tui.drivers.fields import (
     ReadApart,
     Unique,
 )
+from woz_tui.feature import pieces
 
 WHEN_BUSY = ("queue", "replace", "refuse")
 
@@ -104,8 +105,8 @@ class ParticipantsEntry(Entry):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ExperimentFile(Study, Entry):
-    """The top level of an experiment file."""
+class ExperimentKeys(Study, Entry):
+    """The top level of an experiment file, without what features add."""
 
     what = "an experiment"
     title: Annotated[str, Doc("name of the experiment")]
@@ -153,9 +154,6 @@ class ExperimentFile(Study, Entry):
         NotEmpty(),
         Doc("groups of actions, in the order of the screen"),
     ]
-    profiles: Annotated[
-        dict[str, ProfileEntry], ReadApart(), Doc("profiles: what a wizard may use, by name")
-    ] = field(default_factory=dict)
     script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
     repairs: Annotated[
         Any,
@@ -169,6 +167,15 @@ class ExperimentFile(Study, Entry):
         Doc("parts of a trial: panels in front, and which phase may follow"),
     ] = ()
 
+
+def _with_features() -> type[ExperimentKeys]:
+    keys = [section.keys for section in pieces("section", FeatureSection).values()]
+    body = {"__doc__": "The top level of an experiment file."}
+    whole = type("ExperimentFile", (*keys, ExperimentKeys), body)
+    return cast("type[ExperimentKeys]", dataclass(frozen=True, kw_only=True)(whole))
+
+
+ExperimentFile = _with_features()
 
 #: Words of the top level of which one stands in each file of our own format.
 OWN_ONLY = frozenset({"panels", "robot", "robots"})

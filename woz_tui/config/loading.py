@@ -25,12 +25,12 @@ from woz_tui.config.cross_checks import check_asks
 from woz_tui.config.engagement_section import EngagementReader, check_engagement
 from woz_tui.config.experiment import DriverSpec, Experiment
 from woz_tui.config.experiment_file import OWN_ONLY, TOP_LEVEL, ExperimentFile
+from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.languages import Language
 from woz_tui.config.performers import BML, ENGAGEMENT, SESSION
 from woz_tui.config.phases import read_phases
 from woz_tui.config.problems import ProblemReport, quoted
-from woz_tui.config.profiles import ProfileTargets, read_profiles
 from woz_tui.config.repairs import RepairReader
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import check_shown, published_names
@@ -44,6 +44,7 @@ from woz_tui.config.yaml_cursor import (
 )
 from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.contract import Driver, Verb
+from woz_tui.feature import pieces
 
 if TYPE_CHECKING:
     from woz_tui.config.woz4u import TranslatedFile
@@ -177,15 +178,13 @@ class _ExperimentDecoder:
         panels = PanelReader(steps, file.keyboard)
         read = tuple(panels.read(panels_cursor)) if panels_cursor is not None else ()
         offered = [verb for spec in robots.drivers for verb in spec.verbs]
-        known = ProfileTargets.of(
-            read,
-            [*offered, *(offer.verb for offer in vocabulary.own.values())],
-            complete=not robots.incomplete,
-        )
+        verbs = [*offered, *(offer.verb for offer in vocabulary.own.values())]
+        contents = FileContents(read, verbs, complete=not robots.incomplete)
+        verb_names = {verb.name for verb in verbs} if contents.complete else None
         actions = {draft.action.name: draft.action for draft in panels.drafts}
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
-        playable = {*known.verbs, *(panel.title for panel in read)} if known.complete else None
+        playable = None if verb_names is None else verb_names | {panel.title for panel in read}
         around = StudyReferences(
             conditions, actions, _published(playing), playable, section is not None
         )
@@ -216,7 +215,10 @@ class _ExperimentDecoder:
             session=file.session,
             sensors=file.sensors,
             steps=file.steps,
-            profiles=read_profiles(table.get("profiles"), known),
+            sections={
+                section: section.read(table, file, contents)
+                for section in pieces("section", FeatureSection).values()
+            },
             engagement=engagement,
             study=read_study(file, table, around),
             files=tuple(source.path.absolute() for source in self._sources),
@@ -229,7 +231,7 @@ class _ExperimentDecoder:
             if engagement is not None:
                 check_engagement(engagement, playing, panels.drafts, self._report)
         cross_checks.check_across(experiment, table, panels.drafts, self._report)
-        cross_checks.check_covers(experiment, known.verbs if known.complete else None, self._report)
+        cross_checks.check_covers(experiment, verb_names, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
 
     def _opened(self, source: SourceFile) -> None:

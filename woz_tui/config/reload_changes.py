@@ -16,7 +16,9 @@ from woz_tui.config.experiment import (
     Step,
     Wait,
 )
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.study import Study
+from woz_tui.feature import pieces
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +73,6 @@ _COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
     "block of BML": lambda read: read.blocks,
     "BML table of": lambda read: {name or "the robot": it for name, it in read.bml.items()},
     "repair": lambda read: {action.label: _essences(action) for action in read.repairs},
-    "profile": lambda read: read.profiles,
     "questionnaire": lambda read: {each.name: each for each in read.study.questionnaires},
     "preflight": lambda read: dict.fromkeys(read.study.preflight),
     "phase": lambda read: {phase.name: phase for phase in read.phases},
@@ -92,7 +93,9 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     elif old.engagement is not new.engagement:
         yield f"engagement is {'new' if old.engagement is None else 'removed'}"
     for what, named in _COLLECTIONS.items():
-        yield from _entries(what, named(old), named(new))
+        yield from changed_entries(what, named(old), named(new))
+    for section in pieces("section", FeatureSection).values():
+        yield from section.changes(section.of(old), section.of(new))
     yield from _study(old.study, new.study)
     before, after = ({phase.name: None for phase in each.phases} for each in (old, new))
     if [name for name in before if name in after] != [name for name in after if name in before]:
@@ -272,7 +275,10 @@ def _spoken(call: Call) -> tuple[str, str, str, dict[str, object]]:
     return call.driver, call.verb, call.until, {**call.args, **call.choices}
 
 
-def _entries(what: str, old: Mapping[str, object], new: Mapping[str, object]) -> Iterable[str]:
+def changed_entries(
+    what: str, old: Mapping[str, object], new: Mapping[str, object]
+) -> Iterable[str]:
+    """Which named entries came, went or changed."""
     yield from _came_and_went(what, old, new)
     yield from (
         f"{what} {name!r} changed" for name in new if name in old and old[name] != new[name]

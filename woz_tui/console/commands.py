@@ -20,11 +20,14 @@ from woz_tui.console.input.keyboard import KeyPress
 from woz_tui.console.screens.dialog import (
     EVERYBODY,
     WATCHER,
+    WIZARD,
     ConsoleApp,
     ConsoleCommand,
     KeyHint,
 )
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.feature_console import FeatureCommand, FeatureConsole
+from woz_tui.feature import pieces
 from woz_tui.protocol.requests import (
     AskAction,
     AskCancel,
@@ -174,7 +177,7 @@ def _colours(name: str, choice: str, words: str) -> ConsoleCommand:
 
 _INTERRUPT = "repair_interrupt"
 
-COMMANDS = (
+_COMMANDS = (
     _row(
         "stop stop_too",
         lambda app: app.keyboard.stop("palette"),
@@ -282,7 +285,6 @@ COMMANDS = (
         hint=KeyHint(11, "camera", _has_robot),
         users=WATCHER,
     ),
-    _row("profile", opens("screens.profile:ProfileDialog"), users=WATCHER),
     _row("redraw", lambda app: app.refresh(layout=True), opens=False, users=EVERYBODY),
     _row("theme", _next_colours, users=WATCHER),
     _row(
@@ -316,4 +318,22 @@ COMMANDS = (
     _colours("dark", "dark", "dark colours"),
     _colours("light", "light", "light colours"),
     _colours("sixteen", "16", "the terminal's own sixteen colours"),
+)
+
+
+def _of_feature(command: FeatureCommand) -> ConsoleCommand:
+    def run(app: ConsoleApp) -> None:
+        app.open_dialog(resolve_name(command.opens)())
+
+    users = WATCHER if command.watchers else WIZARD
+    return _row(command.key, run, also=command.also, users=users)
+
+
+COMMANDS = (
+    *_COMMANDS,
+    *(
+        _of_feature(command)
+        for each in pieces("console", FeatureConsole).values()
+        for command in each.commands
+    ),
 )

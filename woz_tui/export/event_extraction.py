@@ -25,6 +25,7 @@ from woz_tui.export.event_model import (
     InContext,
     SoundClip,
 )
+from woz_tui.export.feature_export import labels_and_texts
 from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.log.coding_file import MARKERS, Codings
 from woz_tui.log.file_names import media_folder
@@ -77,7 +78,6 @@ _LABEL_AND_TEXT: Mapping[str, tuple[str, str]] = {
     "lane.faulted": ("lane", ""),
     "lane.recovered": ("lane", ""),
     "panel.locked": ("panel", ""),
-    "profile.changed": ("profile", ""),
     "console.attached": ("role", ""),
     "console.lost": ("role", "why"),
     "listener.joined": ("driver", ""),
@@ -98,7 +98,7 @@ _ENVELOPE = frozenset({"seq", "t", "ts", "kind"})
 
 def moment(seq: int, t: int, kind: str, fields: Mapping[str, Any]) -> ExportEvent:
     """Makes an event without a duration out of a line. Fields without a column become details."""
-    label, text = _LABEL_AND_TEXT.get(kind, ("", ""))
+    label, text = _LABEL_AND_TEXT.get(kind) or labels_and_texts().get(kind, ("", ""))
     event = ExportEvent(
         seq=seq, begin=t, kind=kind, label=_text(fields, label), text=_text(fields, text)
     )

@@ -13,6 +13,7 @@ from typing import Any
 
 from woz_tui.config.engagement_words import RUNS
 from woz_tui.config.study_words import CUES, WHENS
+from woz_tui.export.feature_export import kept_fields
 from woz_tui.protocol.messages import Json
 
 PLACEHOLDER = "[redacted]"
@@ -25,7 +26,7 @@ KEPT = frozenset(
     {
         *("kind", "format", "session", "participant", "condition", "wizard"),
         *("experiment_sha256", "file_sha256", "sha256", "original_sha256", "original_session"),
-        *("run", "action", "panel", "source", "key", "console", "role", "profile", "phase"),
+        *("run", "action", "panel", "source", "key", "console", "role", "phase"),
         *("command", "original_command", "verb", "driver", "when_busy", "code", "by", "lane"),
         *("scope", "confirmed", "missing", "unreached", "sensor", "unit", "bad", "state", "level"),
         *("evidence", "unable"),
@@ -93,7 +94,7 @@ def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
     """A line's fields without anybody's words, in the same JSON types, and without `ts`."""
     kind = fields.get("kind")
     kind_name = kind if isinstance(kind, str) else ""
-    kept = KEPT | KEPT_IN.get(kind_name, frozenset())
+    kept = KEPT | KEPT_IN.get(kind_name, frozenset()) | kept_fields().get(kind_name, frozenset())
     places = KEPT_AT.get(kind_name, {})
     return {
         _name(name): _placed(value, name, places)

@@ -10,6 +10,7 @@ from itertools import chain
 import msgspec
 
 from woz_tui.export.event_model import ExportEvent, ExportSession
+from woz_tui.export.feature_export import settings_kinds
 from woz_tui.system.text_cleaning import one_line
 
 
@@ -35,13 +36,17 @@ _SETTINGS = frozenset(
     {
         *("session.changed", "participant.withdrawn", "condition.assigned"),
         *("shaping.changed", "perception.changed"),
-        *("mode.changed", "profile.changed", "panel.locked", "experiment.reloaded"),
+        *("mode.changed", "panel.locked", "experiment.reloaded"),
     }
 )
 
 
 def _of(*kinds: str) -> Callable[[ExportEvent], bool]:
     return lambda event: event.kind in kinds
+
+
+def _sets(event: ExportEvent) -> bool:
+    return event.kind in _SETTINGS | settings_kinds()
 
 
 def _spoken(event: ExportEvent) -> bool:
@@ -68,7 +73,7 @@ AFTER: _Sorts = (
     ("mistakes", True, _of("mistake")),
     ("cues", True, _of("cue.given", "cue.answered")),
     ("drivers", True, lambda event: event.kind.startswith(("driver.", "lane."))),
-    ("settings", True, _of(*_SETTINGS)),
+    ("settings", True, _sets),
     ("settings that differ", False, _of("difference")),
     ("conflicts", False, _of("conflict")),
 )
@@ -130,7 +135,7 @@ def _words(event: ExportEvent) -> str:
             parts = [event.label, f"({event.source})"]
         case "mistake":
             parts = [event.label, event.text]
-        case kind if kind in _SETTINGS:
+        case kind if kind in _SETTINGS | settings_kinds():
             more = "" if event.label or event.text else _plainly(event)
             parts = [kind, event.label, event.text, more]
         case kind:

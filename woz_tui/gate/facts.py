@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from woz_tui.protocol.panel_players import PartedPanel
-
-if TYPE_CHECKING:  # the console needs none of it for its first paint
-    from woz_tui.config.experiment import Profile
 
 
 class GatedPanel(PartedPanel, Protocol):
@@ -61,11 +58,11 @@ class Facts:
         locked: Whether a panel was locked or unlocked since, by title.
         phase: The heading of the phase that holds; empty: none.
         locked_by_phase: Panels that it has locked.
-        profile: What the wizard may use; None: everything.
         wizards: Consoles that play, with their parts.
         helpers: Programs and drivers that belong to a part, with it.
         scheduled: How many requests wait for their moment.
         driving: Who watches over the command that is asked about; None: it does not drive.
+        features: What features have to say of the moment, by name.
         consents: Who has consented to having their face learnt, and by which driver.
     """
 
@@ -78,11 +75,11 @@ class Facts:
     locked: Mapping[str, bool] = field(default_factory=dict)
     phase: str = ""
     locked_by_phase: Collection[str] = ()
-    profile: Profile | None = None
     wizards: Mapping[str, str] = field(default_factory=dict)
     helpers: Mapping[str, str] = field(default_factory=dict)
     scheduled: int = 0
     driving: Driving | None = None
+    features: Mapping[str, object] = field(default_factory=dict)
     consents: Collection[tuple[str, str]] = ()
 
 

@@ -14,10 +14,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
-from woz_tui.config.performers import BML, ENGAGEMENT
+from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.feature import pieces
 from woz_tui.gate.facts import Facts, console_of
 from woz_tui.gate.questions import (
     ClientRequest,
@@ -65,18 +67,15 @@ WHILE_ENDING = (
     *(r.AskAction, r.AskVerb, r.AskScript, r.AskRelease, r.AskReload, r.AskPredict),
     *(r.AskDescribe, r.AskPreflight, r.AskProposal, r.AskKeepTyped, r.AskPicture, r.AskSound),
     *(r.AskTalk, r.AskLetGo, r.AskControls, r.AskCancel, r.AskEmptyQueue, r.AskSet, r.AskMarker),
-    *(r.AskNote, r.AskMistake, r.AskLock, r.AskProfile, r.AskUnrecorded, r.AskEnd),
+    *(r.AskNote, r.AskMistake, r.AskLock, r.AskUnrecorded, r.AskEnd),
 )
 #: What is not done if a request is too old: it would let something move, or mean another thing by
 #: now. Records, and whatever takes away, are taken all the same.
 UNDONE: dict[type, str] = {
-    r.AskProfile: "Profile not changed",
     r.AskPhase: "Phase not changed",
     r.AskUnrecorded: "Not going on without a record",
     r.AskEnd: "Session not ended",
 }
-#: Verbs that count in every profile. What a block consists of is looked at verb by verb.
-IN_EVERY_PROFILE = frozenset({"mark", "note", BML})
 #: Requests that may wait for their moment, and how far it may be away, in microseconds.
 MOST_SCHEDULED, FURTHEST_US = 256, 86_400_000_000
 #: Sources of what lies on a control that says itself when it is let go.
@@ -92,12 +91,38 @@ GO_ON = "go on without a record (a wizard only), or free space for the log"
 LET_GO = "the key was let go"
 
 
+@cache
+def watcher_may() -> tuple[type[r.Request], ...]:
+    """What somebody who only watches may ask for, of features too."""
+    gates = pieces("gate", FeatureGate).values()
+    return (*WATCHER_MAY, *(kind for gate in gates for kind in gate.watcher_may))
+
+
+@cache
+def participant_may() -> tuple[type[r.Request], ...]:
+    """What a participant may ask for, of features too."""
+    gates = pieces("gate", FeatureGate).values()
+    return (*PARTICIPANT_MAY, *(kind for gate in gates for kind in gate.participant_may))
+
+
+@cache
+def _while_ending() -> tuple[type[r.Request], ...]:
+    gates = pieces("gate", FeatureGate).values()
+    return (*WHILE_ENDING, *(kind for gate in gates for kind in gate.while_ending))
+
+
+@cache
+def _undone() -> dict[type, str]:
+    gates = pieces("gate", FeatureGate).values()
+    return UNDONE | {kind: what for gate in gates for kind, what in gate.undone.items()}
+
+
 # -- role --------------------------------------------------------------------------------------
 
 
 def watches(facts: Facts, asked: ClientRequest) -> Refusal | None:
     """A console that watches asks for little."""
-    if asked.role != "watcher" or isinstance(asked.request, WATCHER_MAY):
+    if asked.role != "watcher" or isinstance(asked.request, watcher_may()):
         return None
     if asked.vacant:
         reason = f"this console only watches, and nobody plays {asked.plays}"
@@ -108,7 +133,7 @@ def watches(facts: Facts, asked: ClientRequest) -> Refusal | None:
 
 def participates(facts: Facts, asked: ClientRequest) -> Refusal | None:
     """A participant answers questionnaires."""
-    if asked.role != "participant" or isinstance(asked.request, PARTICIPANT_MAY):
+    if asked.role != "participant" or isinstance(asked.request, participant_may()):
         return None
     return Refusal("role", "this console can only answer questionnaires")
 
@@ -170,7 +195,7 @@ def ended(facts: Facts, asked: object) -> Refusal:
 
 def ended_request(facts: Facts, asked: ClientRequest) -> Refusal | None:
     """Nor is anything else done that nobody needs then."""
-    return None if isinstance(asked.request, WHILE_ENDING) else ended(facts, asked)
+    return None if isinstance(asked.request, _while_ending()) else ended(facts, asked)
 
 
 def too_old(facts: Facts, asked: PlayAction | SendVerb) -> Refusal:
@@ -193,7 +218,7 @@ def not_done(request: r.Request) -> str:
             return "Last action not marked as a mistake"
         case r.AskScript(to=to, by=by) if to is not None or by:
             return "Script not moved"
-    return UNDONE.get(type(request), "")
+    return _undone().get(type(request), "")
 
 
 def too_old_release(facts: Facts, asked: ReleaseStop) -> Refusal:
@@ -216,7 +241,7 @@ def not_offered(facts: Facts, asked: SubmitCommand) -> Refusal:
     return Refusal("unknown", asked.unknown)
 
 
-# -- part and profile ----------------------------------------------------------------------------
+# -- part ----------------------------------------------------------------------------
 
 
 def another_plays_action(facts: Facts, asked: PlayAction) -> Refusal | None:
@@ -258,32 +283,6 @@ def _players(facts: Facts, asked: PlayAction | SendVerb) -> dict[str, str]:
     console = asked.origin.console
     part = facts.helpers.get(console, "")
     return {**facts.wizards, console: part} if part else {**facts.wizards}
-
-
-def profile_without_action(facts: Facts, asked: PlayAction) -> Refusal | None:
-    """Repairs count in every profile."""
-    profile, action = facts.profile, asked.action
-    if profile is None or action is None or asked.repair:
-        return None
-    if action.panel in profile.panels or asked.name in profile.actions:
-        return None
-    reason = f"{asked.name!r} is not in the profile {profile.name}"
-    return Refusal("profile", reason, command="profile")
-
-
-def profile_without_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
-    """What only takes hands off the robot counts in every profile."""
-    profile, verb, what = facts.profile, asked.verb, repr(asked.verb)
-    if profile is None or verb in IN_EVERY_PROFILE or verb in profile.verbs:
-        return None
-    if takes_hands_off(verb, asked.args):
-        return None
-    if verb == "control":
-        control = asked.args.get("control")
-        if control in profile.controls:
-            return None
-        what = f"the control {control!r}"
-    return Refusal("profile", f"{what} is not in the profile {profile.name}")
 
 
 # -- lock, record, moment ------------------------------------------------------------------------
@@ -472,6 +471,33 @@ class Row:
     fact: str = ""
     asked: str = ""
     host: bool = False
+    #: The feature whose row it is, which has something to say of the moment; empty: the core's.
+    feature: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureRow:
+    """A feature's row. It stands before the first of the core's rows that asks the check `before`
+    about the same, or behind them all.
+    """
+
+    row: Row
+    before: Callable[[Facts, Any], Refusal | None] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureGate:
+    """What a feature forbids, and what becomes of its requests.
+
+    `while_ending`, `undone`: as `WHILE_ENDING` and `UNDONE`. `watcher_may`, `participant_may`: what
+    else somebody may ask who only watches, or answers.
+    """
+
+    rows: tuple[FeatureRow, ...] = ()
+    while_ending: tuple[type[r.Request], ...] = ()
+    undone: Mapping[type, str] = field(default_factory=dict)
+    watcher_may: tuple[type[r.Request], ...] = ()
+    participant_may: tuple[type[r.Request], ...] = ()
 
 
 _COMMAND = (SubmitCommand, DispatchCommand)
@@ -494,7 +520,6 @@ TABLE: tuple[Row, ...] = (
     Row("lock", (PlayEffect,), locked_effect),
     Row("record", (PlayAction,), unrecorded_action, fact="unrecorded"),
     Row("record", (SendVerb,), unrecorded_verb, fact="unrecorded"),
-    Row("profile", (SendVerb,), profile_without_verb, fact="profile"),
     Row("lock", (SendVerb,), locked_verb, fact="panels"),
     Row("part", (PlayAction,), another_plays_action, fact="wizards"),
     Row("part", (SendVerb,), another_plays_verb, fact="wizards"),
@@ -502,7 +527,6 @@ TABLE: tuple[Row, ...] = (
     Row("stop", (PlayAction,), stop_pressed_action, fact="stopped"),
     Row("stop", (SendVerb,), stop_pressed_later, fact="stopped"),
     Row("arguments", (SendVerb,), wrong_arguments_later, asked="wrong"),
-    Row("profile", (PlayAction,), profile_without_action, fact="profile"),
     Row("moment", (PlayAction,), no_moment, asked="at", host=True),
     Row("running", (PlayAction,), key_counts_once, asked="under_way", host=True),
     # What is asked of an action or a verb ends here; its commands go on.
@@ -516,17 +540,36 @@ TABLE: tuple[Row, ...] = (
 )
 
 
-def rows_about(question: type, rows: Iterable[Row] = TABLE) -> tuple[Row, ...]:
+@cache
+def all_rows() -> tuple[Row, ...]:
+    """`TABLE` with the rows of features in their places."""
+    rows = [*TABLE]
+    for name, gate in pieces("gate", FeatureGate).items():
+        for each in gate.rows:
+            own = replace(each.row, feature=name)
+            about = {*own.about}
+            places = (
+                at
+                for at, row in enumerate(rows)
+                if row.why_not is each.before and about & {*row.about}
+            )
+            rows.insert(next(places, len(rows)), own)
+    return tuple(rows)
+
+
+def rows_about(question: type, rows: Iterable[Row] | None = None) -> tuple[Row, ...]:
     """The rows that look at such a question, in their order."""
-    return tuple(row for row in rows if question in row.about)
+    return tuple(row for row in rows or all_rows() if question in row.about)
 
 
-_ROWS = {kind: rows_about(kind) for row in TABLE for kind in row.about}
+@cache
+def _rows() -> dict[type, tuple[Row, ...]]:
+    return {kind: rows_about(kind) for row in all_rows() for kind in row.about}
 
 
 def why_not(facts: Facts, question: Question) -> Refusal | None:
     """Why it may not happen now; None: it may."""
-    return first_refusal(_ROWS[type(question)], facts, question)
+    return first_refusal(_rows()[type(question)], facts, question)
 
 
 def first_refusal(rows: Iterable[Row], facts: Facts, question: Question) -> Refusal | None:
@@ -535,6 +578,8 @@ def first_refusal(rows: Iterable[Row], facts: Facts, question: Question) -> Refu
         if row.fact and not getattr(facts, row.fact):
             continue
         if row.asked and not getattr(question, row.asked):
+            continue
+        if row.feature and row.feature not in facts.features:
             continue
         try:
             refusal = row.why_not(facts, question)

@@ -5,18 +5,20 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import msgspec
 
-from woz_tui.config.experiment import Action, Experiment, Profile
-from woz_tui.config.profiles import FIELDS
+from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Driver
+from woz_tui.feature import pieces
+from woz_tui.host.feature_view import FeatureView
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
-from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
+from woz_tui.protocol.welcome import ModelLimits, StudySettings, WelcomeSettings
 from woz_tui.session.session import Session
 from woz_tui.session.session_plan import study_settings, study_snapshot
 from woz_tui.session.session_start import text_without_home
@@ -25,32 +27,28 @@ log = logging.getLogger(__name__)
 
 
 def panel_views(
-    experiment: Experiment, locked: Mapping[str, bool], profile: Profile | None = None
+    experiment: Experiment, locked: Mapping[str, bool], facts: Mapping[str, object] | None = None
 ) -> list[PanelView]:
-    """All panels with their actions, in the file's order.
-
-    What `profile` does not allow is locked, or left out where it says `hide`.
-    """
-    views = [
-        PanelView(
+    """All panels with their actions, in the file's order. `facts`: what holds of features."""
+    features = pieces("view", FeatureView)
+    views = []
+    for panel in experiment.panels:
+        view: PanelView | None = PanelView(
             title=panel.title,
-            actions=[
-                action_view(action, profile)
-                for action in panel.actions
-                if profile is None or not profile.hide or profile.plays(action)
-            ],
-            locked=locked.get(panel.title, panel.locked)
-            or (profile is not None and not any(map(profile.plays, panel.actions))),
+            actions=[action_view(action) for action in panel.actions],
+            locked=locked.get(panel.title, panel.locked),
             covers=list(panel.covers),
             parts=list(panel.parts),
         )
-        for panel in experiment.panels
-    ]
-    return [view for view in views if view.actions or not (profile and profile.hide)]
+        for name, feature in features.items():
+            view = view and feature.panel(panel, view, (facts or {}).get(name))
+        if view is not None:
+            views.append(view)
+    return views
 
 
-def action_view(action: Action, profile: Profile | None) -> ActionView:
-    """One action, locked where the profile does not allow it."""
+def action_view(action: Action) -> ActionView:
+    """One action."""
     calls = action.calls
     return ActionView(
         name=action.name,
@@ -61,16 +59,10 @@ def action_view(action: Action, profile: Profile | None) -> ActionView:
         utterances=[
             text for call in calls if isinstance(text := call.args.get("text"), str) and text
         ],
-        locked=action.locked or (profile is not None and not profile.plays(action)),
+        locked=action.locked,
         then=[*action.then],
         without=[each.what for each in action.left_out],
     )
-
-
-def _allowance(profile: Profile) -> Allowance:
-    """What a profile names; `hide` where it does not show the rest."""
-    named = {field: sorted(getattr(profile, field)) for field in FIELDS if field != "hide"}
-    return Allowance(**named, hide=profile.hide)
 
 
 def engagement_limits(experiment: Experiment) -> ModelLimits:
@@ -117,14 +109,14 @@ def driver_outlines(shown: ExperimentView) -> dict[str, Json]:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentView:
-    """An experiment, and how it stands in a session: locks by panel's title, the profile in use,
-    the variables with their values at this moment, what holds in the study.
+    """An experiment, and how it stands in a session: locks by panel's title, what holds of features
+    by name, the variables with their values at this moment, what holds in the study.
     """
 
     experiment: Experiment
     catalogue: Mapping[str, type[Driver]]
     locked: Mapping[str, bool] = field(default_factory=dict)
-    profile: Profile | None = None
+    facts: Mapping[str, object] = field(default_factory=dict)
     values: Mapping[str, str] = field(default_factory=dict)
     study: StudySettings | None = None
 
@@ -135,7 +127,7 @@ class ExperimentView:
             session.experiment,
             session.catalogue,
             session.locked,
-            session.profiles.current,
+            session.features.facts(),
             session.values(),
             study_snapshot(session.study.settings, session.study.state),
         )
@@ -146,7 +138,7 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
     experiment = shown.experiment
     return m.SessionPlan(
         title=experiment.title,
-        panels=panel_views(experiment, shown.locked, shown.profile),
+        panels=panel_views(experiment, shown.locked, shown.facts),
         script=list(experiment.script),
         verbs={spec.name: [verb.name for verb in spec.verbs] for spec in experiment.drivers},
         variables=sorted(shown.values),
@@ -167,16 +159,21 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
                 spec.name: {verb.name: verb.lane for verb in spec.verbs}
                 for spec in experiment.drivers
             },
-            repairs=[action_view(action, None) for action in experiment.repairs],
-            profiles=[*experiment.profiles],
-            profile=shown.profile.name if shown.profile is not None else "",
-            allows={name: _allowance(profile) for name, profile in experiment.profiles.items()},
+            repairs=[action_view(action) for action in experiment.repairs],
             engagement=engagement_limits(experiment),
             phases=msgspec.convert(experiment.phases, list[PhaseView], from_attributes=True),
             sensors=[*experiment.sensors],
             study=shown.study or study_settings(experiment),
+            **_of_features(shown),
         ),
     )
+
+
+def _of_features(shown: ExperimentView) -> dict[str, Any]:
+    settings: dict[str, Any] = {}
+    for name, view in pieces("view", FeatureView).items():
+        settings |= view.settings(shown.experiment, shown.facts.get(name))
+    return settings
 
 
 def plan_for_log(shown: ExperimentView) -> m.SessionPlan:

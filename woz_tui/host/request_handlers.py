@@ -55,7 +55,6 @@ from woz_tui.protocol.requests import (
     AskPicture,
     AskPredict,
     AskPreflight,
-    AskProfile,
     AskProposal,
     AskQuestionnaire,
     AskRelease,
@@ -73,6 +72,7 @@ from woz_tui.protocol.requests import (
 )
 from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.session import Session
+from woz_tui.session.session_features import Client
 from woz_tui.session.typed_actions import Reader, copy_with_sentences, without_typed, write_beside
 from woz_tui.session.variables import MissingValueError, filled_call
 from woz_tui.system.tasks import TaskSet
@@ -114,7 +114,6 @@ class RequestHandlers:
         self.switch: DeadManSwitch
         self.on_end: Callable[[str], None] = lambda reason: None
         self.on_training: Callable[[], None] | None = None
-        self.on_panels: Callable[[], None] = lambda: None
         #: Whether a console that watches could play: nobody plays its part.
         self.can_take_over: Callable[[ClientConnection], bool] = lambda client: False
         #: What has ended while a request is carried out, by run or command; None: none is.
@@ -228,9 +227,6 @@ class RequestHandlers:
                 session.mistake(wrong, text, tells, client.name)
             case AskLock(panel=panel, locked=locked):
                 session.lock(panel, locked)
-            case AskProfile(profile=profile, source=source):
-                session.use_profile(profile, source)
-                self.on_panels()
             case AskUnrecorded():
                 session.go_on_unrecorded()
             case AskEnd(reason=reason):
@@ -254,7 +250,8 @@ class RequestHandlers:
             case AskCheck(check=check, ok=ok, text=text):
                 study.check(check, ok, text, client.role)
             case _:
-                raise RequestError(f"{type(request).__name__} cannot be used here")
+                asks = Client(client.name, client.role, self._by(client), tells)
+                run = session.features.carry_out(request, asks)
         return run
 
     def _by(self, client: ClientConnection) -> str:
@@ -305,7 +302,7 @@ class RequestHandlers:
             and [*args] == ["text"]
             and self._session.add_typed_button(str(texts["text"]), request.on)
         ):
-            self.on_panels()
+            self._session.on_panels()
         return run
 
     def _hidden(self, request: AskVerb | AskPredict) -> tuple[Mapping[str, Json], Call]:
@@ -474,7 +471,7 @@ class RequestHandlers:
         if not dry_run:
             self.on_reload(experiment)
             self._session.adopt(experiment, changes, telling)
-            self.on_panels()
+            self._session.on_panels()
         return [*changes]
 
 
@@ -482,10 +479,11 @@ def _by_a_client(client: ClientConnection, request: Request) -> Request:
     """`request` with the source that its connection has. A wizard's console says itself what a
     person used of it; whatever comes from a program is the program's, whatever it says.
     """
+    if request.sourced and (
+        client.role != "wizard" or getattr(request, "source", "") in NOT_OF_CLIENTS
+    ):
+        return replace(request, source="program")
     match request:
-        case AskAction() | AskVerb() | AskPhase() | AskRelease() | AskProfile():
-            if client.role != "wizard" or request.source in NOT_OF_CLIENTS:
-                return replace(request, source="program")
         case AskQuestionnaire(source="wizard") if client.role == "program":
             return replace(request, source="program")
         case AskEnd(reason="wizard") if client.role == "program":

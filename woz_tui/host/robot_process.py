@@ -14,7 +14,7 @@ import socket
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.robot_fit import fitted
 from woz_tui.drivers.plugins import Catalogue, installed
+from woz_tui.feature import features, pieces
 from woz_tui.host.loop_watchdog import LoopWatchdog
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.host.session_server import SessionServer
@@ -31,8 +32,8 @@ from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.participant_identity import SessionIdentity, check_code, check_participant
-from woz_tui.session.profile_limits import ProfileLimits
 from woz_tui.session.session import Session
+from woz_tui.session.session_features import SessionFeature
 from woz_tui.system.clock import RealClock
 from woz_tui.system.session_sockets import bind, next_session, running, socket_path, starting
 
@@ -65,10 +66,10 @@ class HostOptions:
     first one fails. `announce` writes one JSON line with socket and log to standard output.
     `restarted`: the codes are those of a session that crashed, and the file may have changed;
     `left_out` are then the sorts of those that it no longer allows.
-    `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
-    commands are run again. `training`: a wizard is trained, and nothing moves. `robot`: the one
-    that plays instead of the file's own; `fitted`: the file without what it cannot do. `listen`:
-    where other machines can join; empty: nowhere.
+    `starts`: with what the session begins, by the feature whose start option it is. `rerun`: which
+    log's commands are run again. `training`: a wizard is trained, and nothing moves. `robot`: the
+    one that plays instead of the file's own; `fitted`: the file without what it cannot do.
+    `listen`: where other machines can join; empty: nowhere.
     """
 
     experiment: Path
@@ -79,7 +80,7 @@ class HostOptions:
     announce: bool = False
     restarted: bool = False
     left_out: tuple[str, ...] = ()
-    profile: str = ""
+    starts: Mapping[str, str] = field(default_factory=dict)
     rerun: RerunOptions | None = None
     training: TrainingOptions | None = None
     robot: str = ""
@@ -99,8 +100,8 @@ def run(options: HostOptions) -> int:
     if options.restarted:
         options = _without_refused(options, experiment)
     _check_identity(options.identity, experiment)
-    if options.profile:
-        _check_profile(options.profile, experiment)
+    for name, value in options.starts.items():
+        _check_start(name, value, experiment)
     plan: RerunPlan | None = None
     if options.rerun is not None:
         from woz_tui.host.rerun_session import read_plan  # noqa: PLC0415
@@ -150,8 +151,9 @@ def _check_identity(identity: SessionIdentity, experiment: Experiment) -> None:
     identity.changed(experiment, None, identity.condition or None, None)
 
 
-def _check_profile(name: str, experiment: Experiment) -> None:
-    ProfileLimits(lambda message: None).use(name, experiment, "")
+def _check_start(name: str, value: str, experiment: Experiment) -> None:
+    in_session: type[SessionFeature] = pieces("session", type)[name]
+    in_session.check_start(value, experiment)
 
 
 def _is_refused(check: Callable[..., object], *values: object) -> bool:
@@ -166,7 +168,7 @@ def _without_refused(options: HostOptions, experiment: Experiment) -> HostOption
     """`options` without the codes that the file does not allow any more: a crash in the middle of
     a study is no moment for looking up what was renamed.
     """
-    who, profile = options.identity, options.profile
+    who, starts = options.identity, dict(options.starts)
     left_out = []
     pattern = experiment.participant_pattern
     if who.participant and _is_refused(check_participant, who.participant, pattern):
@@ -175,18 +177,21 @@ def _without_refused(options: HostOptions, experiment: Experiment) -> HostOption
     if _is_refused(who.changed, experiment, None, who.condition or None, None):
         who = replace(who, condition="")
         left_out.append("condition")
-    if profile and _is_refused(_check_profile, profile, experiment):
-        profile = ""
-        left_out.append("profile")
-    return replace(options, identity=who, profile=profile, left_out=tuple(left_out))
+    for name, value in options.starts.items():
+        if _is_refused(_check_start, name, value, experiment):
+            del starts[name]
+            option = features()[name].start
+            left_out.append(option.what if option is not None else name)
+    return replace(options, identity=who, starts=starts, left_out=tuple(left_out))
 
 
 def _tell_left_out(session: Session, left_out: tuple[str, ...]) -> None:
     """Without the code itself: the wizard may be blind to the conditions."""
+    without = {each.start.what: each.start.without for each in features().values() if each.start}
     for what in left_out:
         remedy = f"choose the {what} again"
-        if what == "profile":
-            remedy += "; until then everything may be used"
+        if without.get(what):
+            remedy += f"; until then {without[what]}"
         session.hub.publish(
             m.Notice(
                 level="warning",
@@ -216,8 +221,8 @@ async def _serve(
     sessions.append(session)
     participants: set[str] = set()
     session.hub.listen(functools.partial(_note_participant, participants), m.SessionChanged)
-    if options.profile:
-        session.use_profile(options.profile, "start")
+    for name, value in options.starts.items():
+        session.features.start(name, value)
     read = functools.partial(load, options.experiment, catalogue, robot=options.robot)
     handlers = RequestHandlers(session, lambda: _read(options, catalogue), read)
     host = SessionServer(session, path, handlers)

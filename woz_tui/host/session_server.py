@@ -89,7 +89,7 @@ class SessionServer:
             view.listen(session.hub)
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         handlers.on_end = self.end
-        handlers.on_panels = self._panels_changed
+        session.on_panels = self._panels_changed
         handlers.on_reload = self._restrict
         handlers.can_take_over = lambda client: self._free_part(client) is not None
         self._switch = handlers.switch = DeadManSwitch(session, lambda: self.wizards)

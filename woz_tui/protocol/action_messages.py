@@ -313,6 +313,7 @@ class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
     process itself found it necessary, on the axis of `t`; 0: nobody said (and older logs).
     """
 
+    names_console = True
     source: str
     scope: str = msgspec.field(default_factory=lambda: "all")
     console: str = ""
@@ -347,5 +348,6 @@ class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
 class StopReleased(Message, frozen=True, kw_only=True, tag="stop.released"):
     """A wizard released the stop on purpose. `console`: the connection over which it came."""
 
+    names_console = True
     source: str
     console: str = ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import msgspec
 
@@ -13,6 +13,8 @@ Json = None | bool | int | float | str | list[Any] | dict[str, Any]
 class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind"):
     """Number `seq`, time `t` and `ts`: the hub fills them in, whoever makes a message does not."""
 
+    #: Whether it names the connection (`console`) whose request brought it about.
+    names_console: ClassVar[bool] = False
     seq: int = -1
     t: int = -1
     ts: str = ""

@@ -5,37 +5,54 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-from woz_tui.feature import parts
-from woz_tui.protocol.envelope import Answer, Message
+from woz_tui.feature import pieces
+from woz_tui.protocol.envelope import Answer, Message, RestrictedMessage
 from woz_tui.protocol.messages import MESSAGES
 from woz_tui.protocol.requests import ANSWERS, REQUESTS, Request
 
 
 @dataclass(frozen=True, slots=True)
 class FeatureKinds:
-    """What a feature adds to the protocol."""
+    """What a feature adds to the protocol.
+
+    `open`: those of its messages that tell nothing of the condition, the visitor or what somebody
+    said. Any other reaches those alone who may know everything, unless it is a `RestrictedMessage`,
+    which says itself what it tells.
+    """
 
     messages: tuple[type[Message], ...] = ()
     requests: tuple[type[Request], ...] = ()
     answers: tuple[type[Answer], ...] = ()
+    open: tuple[type[Message], ...] = ()
 
 
 @cache
 def message_kinds() -> tuple[type[Message], ...]:
     """Every message that may stand in a log or on the stream."""
-    of_features = parts("kinds", FeatureKinds).values()
+    of_features = pieces("kinds", FeatureKinds).values()
     return (*MESSAGES, *(kind for each in of_features for kind in each.messages))
 
 
 @cache
 def request_kinds() -> tuple[type[Request], ...]:
     """Everything that a client may ask for."""
-    of_features = parts("kinds", FeatureKinds).values()
+    of_features = pieces("kinds", FeatureKinds).values()
     return (*REQUESTS, *(kind for each in of_features for kind in each.requests))
 
 
 @cache
 def answer_kinds() -> tuple[type[Answer], ...]:
     """Lines from the host that are no messages of the session."""
-    of_features = parts("kinds", FeatureKinds).values()
+    of_features = pieces("kinds", FeatureKinds).values()
     return (*ANSWERS, *(kind for each in of_features for kind in each.answers))
+
+
+@cache
+def closed_kinds() -> frozenset[type[Message]]:
+    """Messages of features that do not say what they tell."""
+    return frozenset(
+        kind
+        for each in pieces("kinds", FeatureKinds).values()
+        for kind in each.messages
+        if kind not in each.open and not issubclass(kind, RestrictedMessage)
+    )

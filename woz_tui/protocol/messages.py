@@ -170,6 +170,7 @@ class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
 class SessionChanged(Message, frozen=True, kw_only=True, tag="session.changed"):
     """Participant, condition or trial was set during the session; only what changed is there."""
 
+    names_console = True
     participant: str | None = None
     condition: str | None = None
     trial: int | None = None
@@ -261,6 +262,7 @@ class RecordWaived(Message, frozen=True, kw_only=True, tag="record.waived"):
     not refused for it. It holds until a folder takes the log. `console`: whose wizard.
     """
 
+    names_console = True
     console: str = ""
 
 
@@ -588,6 +590,7 @@ class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):
     that measured it says so; -1: this line's.
     """
 
+    names_console = True
     text: str = ""
     at: int = -1
     source: str = msgspec.field(default_factory=lambda: "key")
@@ -602,6 +605,7 @@ class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):
 class Note(RestrictedMessage, frozen=True, kw_only=True, tag="note"):
     """A sentence that a wizard, a watcher or a program typed."""
 
+    names_console = True
     text: str
     console: str = ""
 
@@ -609,6 +613,7 @@ class Note(RestrictedMessage, frozen=True, kw_only=True, tag="note"):
 class Mistake(RestrictedMessage, frozen=True, kw_only=True, tag="mistake"):
     """The wizard says that the run `run` of `action` was a mistake."""
 
+    names_console = True
     run: str
     action: str = ""
     text: str = ""
@@ -638,6 +643,7 @@ class PhaseChanged(Message, frozen=True, kw_only=True, tag="phase.changed"):
     nobody said).
     """
 
+    names_console = True
     phase: str = msgspec.field(default_factory=str)
     source: str = msgspec.field(default_factory=lambda: "key")
     planned_us: int = 0
@@ -647,19 +653,10 @@ class PhaseChanged(Message, frozen=True, kw_only=True, tag="phase.changed"):
 class PanelLocked(Message, frozen=True, kw_only=True, tag="panel.locked"):
     """A panel was locked or unlocked while running; `source` is phase where that did it."""
 
+    names_console = True
     panel: str
     locked: bool
     source: str = msgspec.field(default_factory=str)
-    console: str = ""
-
-
-class ProfileChanged(Message, frozen=True, kw_only=True, tag="profile.changed"):
-    """What the wizard may use changed: only what `profile` of the experiment names; an empty one is
-    everything.
-    """
-
-    profile: str = msgspec.field(default_factory=str)
-    source: str = msgspec.field(default_factory=lambda: "key")
     console: str = ""
 
 
@@ -733,12 +730,6 @@ class ProcessStalled(Message, frozen=True, kw_only=True, tag="process.stalled"):
     cause: str = msgspec.field(default_factory=lambda: "blocked")
 
 
-#: Messages that name the connection (`console`) whose request brought them about.
-NAMES_CONSOLE = (
-    *(StopPressed, StopReleased, SessionChanged, PanelLocked, ProfileChanged, PhaseChanged),
-    *(Marker, Note, Mistake, TrialStarted, TrialEnded, BreakStarted, BreakEnded, RecordWaived),
-)
-
 #: Every message that may stand in a log or on the stream.
 MESSAGES: tuple[type[Message], ...] = (
     SessionStart,
@@ -803,7 +794,6 @@ MESSAGES: tuple[type[Message], ...] = (
     ScriptMoved,
     PhaseChanged,
     PanelLocked,
-    ProfileChanged,
     ExperimentReloaded,
     ConsoleAttached,
     ConsoleLost,

@@ -6,7 +6,7 @@ chooses, repeated in the `reply`. Unknown fields are refused, so that a misspelt
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import msgspec
 
@@ -38,6 +38,8 @@ class Request(
     the welcome; 0: unknown.
     """
 
+    #: Whether its `source` says what of a console a person used; of a program it is `program`.
+    sourced: ClassVar[bool] = False
     ref: int = 0
     sent_us: int = 0
 
@@ -77,6 +79,7 @@ class AskAction(Request, frozen=True, kw_only=True, tag="action"):
     axis of `t` at which it is to begin, in microseconds (0: now); one that has passed is refused.
     """
 
+    sourced = True
     action: str
     source: str = "program"
     key: str = ""
@@ -94,6 +97,7 @@ class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
     `key`, `age_us`, `stale` and `at` as for an action.
     """
 
+    sourced = True
     verb: str
     args: dict[str, Json] = {}
     on: str = ""
@@ -146,6 +150,7 @@ class AskRelease(Request, frozen=True, kw_only=True, tag="release"):
     it. It is refused, by name, while there are others.
     """
 
+    sourced = True
     source: str = "program"
     missing: list[str] = []
 
@@ -241,18 +246,12 @@ class AskPhase(Request, frozen=True, kw_only=True, tag="phase"):
     `key`, `age_us` and `stale` as for an action.
     """
 
+    sourced = True
     phase: str = ""
     source: str = "program"
     key: str = ""
     age_us: int = 0
     stale: bool = False
-
-
-class AskProfile(Request, frozen=True, kw_only=True, tag="profile"):
-    """Play with what a profile of the experiment allows; an empty one allows everything."""
-
-    profile: str = ""
-    source: str = "program"
 
 
 class AskReload(Request, frozen=True, kw_only=True, tag="reload"):
@@ -418,7 +417,6 @@ REQUESTS: tuple[type[Request], ...] = (
     AskMistake,
     AskLock,
     AskPhase,
-    AskProfile,
     AskReload,
     AskKeepTyped,
     AskPreflight,

@@ -69,6 +69,7 @@ class ConditionsAssigned(Message, frozen=True, kw_only=True, tag="condition.assi
 class TrialStarted(Message, frozen=True, kw_only=True, tag="trial.started"):
     """A trial begins. `planned`: how many there are to be (0: nobody said)."""
 
+    names_console = True
     trial: int
     condition: str = ""
     planned: int = 0
@@ -78,6 +79,7 @@ class TrialStarted(Message, frozen=True, kw_only=True, tag="trial.started"):
 class TrialEnded(RestrictedMessage, frozen=True, kw_only=True, tag="trial.ended"):
     """It is over. `outcome`: done, aborted (to be run again) or excluded (not to be analysed)."""
 
+    names_console = True
     trial: int
     outcome: str
     text: str = ""
@@ -87,6 +89,7 @@ class TrialEnded(RestrictedMessage, frozen=True, kw_only=True, tag="trial.ended"
 class BreakStarted(RestrictedMessage, frozen=True, kw_only=True, tag="break.started"):
     """A break: what happens now belongs to no trial."""
 
+    names_console = True
     text: str = ""
     console: str = ""
 
@@ -94,6 +97,7 @@ class BreakStarted(RestrictedMessage, frozen=True, kw_only=True, tag="break.star
 class BreakEnded(RestrictedMessage, frozen=True, kw_only=True, tag="break.ended"):
     """The break is over."""
 
+    names_console = True
     text: str = ""
     console: str = ""
 

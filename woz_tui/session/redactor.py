@@ -23,6 +23,7 @@ from woz_tui.config.utterance_template import VISITOR
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
+from woz_tui.protocol.kinds import closed_kinds
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.proxemics import ZONES
 
@@ -258,6 +259,8 @@ class Redactor:
 
     def message(self, message: m.Message) -> m.Message | None:
         """A message of the session; None: nothing of it."""
+        if type(message) in closed_kinds():
+            return None
         seen: m.Message | None = message
         if self.blind:
             change = _BLINDED.get(type(message))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -46,12 +46,12 @@ from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
-from woz_tui.session.profile_limits import ProfileLimits
 from woz_tui.session.recent_messages import UNLISTED, RecentMessages
 from woz_tui.session.repair_control import RepairController
 from woz_tui.session.response_delay import ResponseDelay
 from woz_tui.session.script_control import ScriptController
 from woz_tui.session.session_driver import VERBS, SessionPerformer
+from woz_tui.session.session_features import SessionFeatures
 from woz_tui.session.session_start import publish_reload, publish_start
 from woz_tui.session.study_control import StudyController
 from woz_tui.session.typed_actions import with_sentence, with_typed
@@ -97,6 +97,8 @@ class Session:
         self.typed: tuple[Action, ...] = ()
         #: Those of them that stand in a copy of the file, and which.
         self.saved_sentences: tuple[tuple[Action, ...], str] = ((), "")
+        #: Called when consoles are to be shown other panels.
+        self.on_panels: Callable[[], None] = lambda: None
         #: What the reason of the end tells (see `messages.RestrictedMessage`).
         self.end_tells: tuple[str, ...] = ()
         self._loop = asyncio.get_running_loop()
@@ -129,7 +131,6 @@ class Session:
         )
         folder = self.recorder.folder
         self.engagement = EngagementController(robot, self.state, self.locked, folder)
-        self.profiles = ProfileLimits(self.hub.publish)
         self.study = StudyController(
             self.hub,
             self.state,
@@ -211,6 +212,7 @@ class Session:
         self._held: dict[tuple[str, str], str] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
+        self.features = SessionFeatures(self)
 
     # -- beginning and ending ----------------------------------------------------------------
 
@@ -359,10 +361,10 @@ class Session:
             locked=self.locked,
             phase=phase.heading if phase is not None else "",
             locked_by_phase=self.phases.locked,
-            profile=self.profiles.current,
             wizards=self.state.wizards,
             helpers=self._helpers(),
             scheduled=len(self.runner.scheduled),
+            features=self.features.facts(),
         )
 
     def send(
@@ -790,10 +792,6 @@ class Session:
         # A step of an action, perhaps a line of the script, which goes on behind it.
         self._set(*(checked.get(name) for name in ("participant", "condition", "trial")))
 
-    def use_profile(self, name: str, source: str) -> None:
-        """From here on the wizard may use what this profile allows; an empty name: everything."""
-        self.profiles.use(name, self.experiment, source)
-
     def lock(self, panel: str, locked: bool) -> None:
         """Lock or unlock a panel."""
         if panel not in {known.title for known in self.experiment.panels}:
@@ -832,9 +830,7 @@ class Session:
         publish_reload(self.hub, experiment, changes, telling)
         self.study.adopt()
         self.texts.publish_all()
-        kept = self.profiles.adopt(experiment)
-        if kept:
-            self.hub.publish(m.Notice(level="warning", text=kept, remedy="choose another profile"))
+        self.features.adopt(experiment)
         for panel in experiment.panels:
             if before.get(panel.title) is not panel.locked:
                 self.lock(panel.title, panel.locked)

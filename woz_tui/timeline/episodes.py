@@ -283,24 +283,6 @@ class CommandEpisode(Episode, frozen=True, kw_only=True):
         return self.progress.t + max(0, self.progress.expected_us) if self.progress else None
 
 
-class ProfileEpisode(Episode, frozen=True, kw_only=True):
-    """A time in which the wizard might use only what a profile names."""
-
-    kind = "profile"
-    changed: m.ProfileChanged
-    left: m.ProfileChanged | None = None
-
-    @property
-    def label(self) -> str:
-        """The profile's name."""
-        return self.changed.profile
-
-    @property
-    def source(self) -> str:
-        """Who chose it."""
-        return self.changed.source
-
-
 class RestrictionEpisode(Episode, frozen=True, kw_only=True):
     """A time in which something was hidden from the wizard or blurred."""
 

@@ -4,14 +4,17 @@ know.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import logging
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, TypeVar
+from functools import cache
+from typing import Any, TypeVar, cast
 
 import msgspec
 from msgspec.structs import replace
 
 from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import DriverHealth
 from woz_tui.timeline.engagement_history import ModelStatus
@@ -26,7 +29,6 @@ from woz_tui.timeline.episodes import (
     FaultedLaneEpisode,
     LostDriverEpisode,
     MomentEpisode,
-    ProfileEpisode,
     RerunEpisode,
     RestrictionEpisode,
     StopEpisode,
@@ -34,6 +36,7 @@ from woz_tui.timeline.episodes import (
     UtteranceEpisode,
     keep_latest,
 )
+from woz_tui.timeline.feature_history import FeatureHistory, HistoryCase
 from woz_tui.timeline.setting_history import RobotSettings
 from woz_tui.timeline.study_history import StudyState
 from woz_tui.timeline.trial_context import Context
@@ -45,8 +48,21 @@ UTTERANCES_KEPT, PRESSES_KEPT = 40, 16
 
 K = TypeVar("K")
 E = TypeVar("E", bound=Episode)
+H = TypeVar("H", bound=FeatureHistory)
+
+log = logging.getLogger(__name__)
+
 #: What a kind of message does, and the episodes that end or begin with it.
 _Case = Callable[["SessionState", Any], Iterable[Episode] | None]
+
+
+@cache
+def _history_kinds() -> tuple[type[FeatureHistory], ...]:
+    return tuple(pieces("history", type).values())
+
+
+def _fresh_histories() -> dict[type[FeatureHistory], FeatureHistory]:
+    return {kind: kind() for kind in _history_kinds()}
 
 
 class DriverState(msgspec.Struct, frozen=True):
@@ -87,12 +103,13 @@ class SessionState:
             positions, what moved last at the end.
         filled: What each action would do if it were played now.
         speaking: Utterances that go on, by driver and segment.
-        profile, restriction: What restricts the wizard, if anything does.
+        restriction: What restricts the wizard's view, if anything does.
         scripts: Where each script stands, by the phase whose it is (empty: the file's).
         locks: What locked or unlocked panels since they were shown last.
         consoles: Those that are there.
         cue: The cue of a training that nobody has answered.
         rerun: The re-run under way.
+        histories: What features keep, by its class.
     """
 
     t: int = 0
@@ -122,8 +139,6 @@ class SessionState:
     filled: m.ActionsFilled | None = None
     scripts: dict[str, m.ScriptMoved] = field(default_factory=dict)
     locks: dict[str, m.PanelLocked] = field(default_factory=dict)
-    profile_changed: m.ProfileChanged | None = None
-    profile: ProfileEpisode | None = None
     shaping: m.ShapingChanged | None = None
     perception: m.PerceptionChanged | None = None
     restriction: RestrictionEpisode | None = None
@@ -132,6 +147,7 @@ class SessionState:
     rerun: RerunEpisode | None = None
     training: m.TrainingChanged | None = None
     all_commands: bool = False
+    histories: dict[type[FeatureHistory], FeatureHistory] = field(default_factory=_fresh_histories)
     #: Passing commands so far, and those under way.
     passing: int = 0
     _passing: dict[str, None] = field(default_factory=dict)
@@ -163,6 +179,7 @@ class SessionState:
         for name in _FIELDS:
             value = getattr(self, name)
             setattr(other, name, value.copy() if type(value) in _COPIED else value)
+        other.histories = {kind: each.copy() for kind, each in self.histories.items()}
         return other
 
     def become(self, other: SessionState) -> None:
@@ -185,6 +202,8 @@ class SessionState:
     def _lines(self) -> Iterator[m.Message]:
         for part in (self.study, self.model, self.robots):
             yield from part.lines
+        for history in self.histories.values():
+            yield from history.lines
         for value in self._values():
             match value:
                 case m.Message():
@@ -216,13 +235,15 @@ class SessionState:
         """All episodes that have not ended."""
         for part in (self.study, self.model, self.robots):
             yield from part.open()
+        for history in self.histories.values():
+            yield from history.open()
         yield from (value for value in self._values() if isinstance(value, Episode))
 
     # -- messages ---------------------------------------------------------------------------------
 
     def apply(self, message: m.Message) -> Iterable[Episode]:
         """Apply a message; returns the episodes that it ends (those have an `end`) or begins."""
-        case = CASES.get(type(message))
+        case = all_cases().get(type(message))
         if case is None:  # of another version
             return ()
         t = message.t
@@ -241,13 +262,12 @@ class SessionState:
         """The log has ended: open episodes are cut at its last moment."""
         return [replace(each, end=max(each.begin, self.t), cut=True) for each in self.open()]
 
+    def history(self, kind: type[H]) -> H:
+        """What a feature keeps of this session."""
+        return cast("H", self.histories[kind])
+
     def _moment(self, message: m.Message) -> tuple[Episode]:
-        at, seq = self.t, message.seq
-        return (
-            MomentEpisode(
-                begin=at, end=at, seq=seq, outcome=EpisodeOutcome.MOMENT, message=message
-            ),
-        )
+        return moment(message, self.t)
 
     def _begin(self, table: dict[K, E], key: K, episode: E) -> tuple[Episode, ...]:
         """Stores a new episode; an older one of the same id, or one too many, has ended without a
@@ -554,18 +574,7 @@ class SessionState:
         """
         before = getattr(self, name)
         setattr(self, name, following)
-        if before is not None:
-            yield replace(before, end=self.t, **end)
-        if following is not None:
-            yield following
-        elif before is None:
-            yield from self._moment(message)
-
-    def _profile(self, message: m.ProfileChanged) -> Iterator[Episode]:
-        self.profile_changed = message
-        profile = ProfileEpisode(begin=self.t, seq=message.seq, changed=message)
-        end = {"outcome": EpisodeOutcome.CHANGED, "left": message}
-        return self._succeed("profile", profile if message.profile else None, message, **end)
+        return succeed(before, following, message, self.t, **end)
 
     def _perception(self, message: m.PerceptionChanged) -> Iterator[Episode]:
         self.perception = message
@@ -625,6 +634,26 @@ class SessionState:
 
     def _rerun_ended(self, message: m.RerunEnded) -> Iterator[Episode]:
         return self._succeed("rerun", None, message, outcome=EpisodeOutcome.DONE, ended=message)
+
+
+def moment(message: m.Message, t: int) -> tuple[Episode]:
+    """A message at `t` that is an episode by itself."""
+    outcome = EpisodeOutcome.MOMENT
+    return (MomentEpisode(begin=t, end=t, seq=message.seq, outcome=outcome, message=message),)
+
+
+def succeed(
+    before: Episode | None, following: Episode | None, message: m.Message, t: int, **end: Any
+) -> Iterator[Episode]:
+    """At `t` one episode ends, if there is one, and another begins, if there is one; of neither the
+    message is a moment.
+    """
+    if before is not None:
+        yield replace(before, end=t, **end)
+    if following is not None:
+        yield following
+    elif before is None:
+        yield from moment(message, t)
 
 
 def _last(name: str) -> _Case:
@@ -703,7 +732,6 @@ CASES: dict[type[m.Message], _Case] = {
     m.ScriptMoved: _as_moment(_last_of("scripts", "phase")),
     m.PhaseChanged: S._phase,
     m.PanelLocked: _as_moment(_last_of("locks", "panel")),
-    m.ProfileChanged: S._profile,
     m.ConsoleAttached: _as_moment(_last_of("consoles", "console")),
     m.ConsoleLost: S._detached,
     m.ConditionsAssigned: S._assigned,
@@ -744,3 +772,30 @@ CASES: dict[type[m.Message], _Case] = {
     m.ActionsFilled: S._filled,
     **dict.fromkeys((m.ClockTie, m.Checkpoint, m.Segment, m.ExperimentFiles), _pass_over),
 }
+
+
+@cache
+def all_cases() -> Mapping[type[m.Message], _Case]:
+    """What each kind of message does, those of features included."""
+    cases = dict(CASES)
+    for history in _history_kinds():
+        for kind, case in history.cases.items():
+            cases[kind] = _FeatureCase(history, case, cases.get(kind))
+    return cases
+
+
+@dataclass(frozen=True, slots=True)
+class _FeatureCase:
+    """What a kind of message does to a feature's history, after what it does otherwise."""
+
+    history: type[FeatureHistory]
+    case: HistoryCase
+    first: _Case | None
+
+    def __call__(self, state: SessionState, message: m.Message) -> Iterable[Episode]:
+        changes = [] if self.first is None else [*(self.first(state, message) or ())]
+        try:
+            return [*changes, *(self.case(state.histories[self.history], message, state) or ())]
+        except Exception:
+            log.exception("%s failed at %s", self.history.__name__, type(message).__name__)
+            return changes or moment(message, state.t)

@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 import msgspec
 
 from woz_tui import __version__
+from woz_tui.export.feature_export import kinds_of_session
 from woz_tui.log.damage import Damage
 from woz_tui.log.line_reader import LogLine
 from woz_tui.protocol import codec
@@ -29,7 +30,7 @@ OF_THE_SESSION = frozenset(
         *("driver.connecting", "driver.connected", "driver.lost", "driver.faulted"),
         *("verbs.unable", "lane.faulted", "lane.recovered", "mode.changed", "settings.shown"),
         *("console.attached", "console.lost", "listener.joined", "listener.left"),
-        *("panel.locked", "profile.changed", "perception.changed", "shaping.changed"),
+        *("panel.locked", "perception.changed", "shaping.changed"),
         *("engagement.settings", "training.changed"),
         *("rerun.started", "rerun.ended"),
     }
@@ -178,7 +179,7 @@ class LogCut:
 
     def _is_theirs(self, line: LogLine) -> bool:
         now = self._state.study.participant == self._code
-        if line.kind in OF_THE_SESSION:
+        if line.kind in OF_THE_SESSION | kinds_of_session():
             return False
         keys = list(_keys(line))
         if line.kind in _BEGINS:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import msgspec
 
+from woz_tui.feature import features
+
 
 @dataclass(frozen=True, slots=True)
 class BuiltinKey:
@@ -27,10 +29,15 @@ class BuiltinKey:
     last: bool = False
 
 
+def _keys() -> tuple[BuiltinKey, ...]:
+    files = [Path(__file__).with_name("builtin_keys.json")]
+    files += [path for each in features().values() if (path := each.file(each.keys))]
+    rows = (msgspec.json.decode(path.read_bytes(), type=list[BuiltinKey]) for path in files)
+    return tuple(key for each in rows for key in each)
+
+
 #: All of them, in the order in which they are listed.
-BUILTIN_KEYS = msgspec.json.decode(
-    Path(__file__).with_name("builtin_keys.json").read_bytes(), type=tuple[BuiltinKey, ...]
-)
+BUILTIN_KEYS = _keys()
 
 
 def builtin_key(name: str) -> BuiltinKey | None:

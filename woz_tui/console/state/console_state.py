@@ -11,7 +11,7 @@ from __future__ import annotations
 import contextlib
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from operator import itemgetter
 
 import msgspec
@@ -46,50 +46,10 @@ from woz_tui.protocol.panel_players import panel_players, part_names, verb_playe
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.refusal import Refusal
 from woz_tui.protocol.robot_outline import RobotOutline
-from woz_tui.protocol.welcome import Allowance, WelcomeSettings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session.redactor import PerceptionFilter, Redactor
 from woz_tui.timeline.episodes import LostDriverEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
-
-#: What may be used where no profile is in use.
-EVERYTHING = "everything"
-#: What a profile names -> before the names; in this order.
-_KINDS = {"panels": "panels", "actions": "actions", "controls": "knobs", "verbs": "by themselves"}
-
-
-@dataclass(frozen=True, slots=True)
-class ProfileList:
-    """Names in the file's order; `current` is empty where everything may be used. `allows` has
-    what each profile names, as far as the robot process tells.
-    """
-
-    current: str = ""
-    names: tuple[str, ...] = ()
-    allows: Mapping[str, Allowance] = field(default_factory=dict)
-
-    @property
-    def offered(self) -> tuple[str, ...]:
-        """What can be chosen: everything (an empty name), the file's profiles, and the one in use
-        if it has gone from the file.
-        """
-        return tuple(dict.fromkeys(("", *self.names, self.current)))
-
-    def words(self, name: str) -> str:
-        """What the profile allows; empty where nobody has told."""
-        if not name:
-            return "no profile: every panel, knob and verb"
-        if name not in self.names:
-            return "not in the file any more"
-        told = self.allows.get(name)
-        if told is None:
-            return ""
-        parts = [
-            f"{word}: {', '.join(map(str, names))}"
-            for kind, word in _KINDS.items()
-            if (names := getattr(told, kind))
-        ]
-        return "; ".join([*parts, "the rest is hidden"] if told.hide else parts)
-
 
 #: That of a console that has heard nothing yet.
 _NO_PLAN = m.SessionPlan(
@@ -257,13 +217,6 @@ class ConsoleState:
         """The script's next line, from 0; its length at the end."""
         moved = self.session.scripts.get(self.script_name)
         return 0 if moved is None else max(0, min(moved.position, len(self.script)))
-
-    @property
-    def profiles(self) -> ProfileList:
-        """Those of the experiment file, and the one in use."""
-        settings, changed = self.settings, self.session.profile_changed
-        told = ProfileList(settings.profile, tuple(settings.profiles), settings.allows)
-        return told if changed is None else replace(told, current=changed.profile)
 
     @property
     def drivers(self) -> dict[str, DriverView]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Protocol
 
 from woz_tui.config.performers import ENGAGEMENT
@@ -19,6 +20,7 @@ from woz_tui.console.state.stop_confirmation import missing_words
 from woz_tui.console.state.study import StudyView
 from woz_tui.console.state.study_sentences import event_text
 from woz_tui.console.state.view_models import DriverView
+from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
 from woz_tui.timeline.session_state import SessionState
@@ -182,7 +184,7 @@ def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
             mark, text.format(message, whose=whose), detail.format(message)
         )
     else:
-        event = SENTENCES.get(type(message), _of_study)(message, shown)
+        event = _sentences().get(type(message), _of_study)(message, shown)
     if event is not None:
         event.t = message.t
         event.machine = type(message) in _OF_MACHINES or _by_robot(message)
@@ -205,17 +207,17 @@ def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | N
         shown.label(message.action),
         source,
         run=message.run,
-        asker=_other(message.console, shown),
+        asker=other_console(message.console, shown),
         action=message.action,
         stepping=action is not None and bool(action.verbs) and _STEPPING.issuperset(action.verbs),
     )
 
 
 def _asker(message: m.ActionRequested, shown: EventContext) -> str:
-    return _other(message.console, shown) or _SOURCES.get(message.source, "")
+    return other_console(message.console, shown) or _SOURCES.get(message.source, "")
 
 
-def _other(console: str, shown: EventContext) -> str:
+def other_console(console: str, shown: EventContext) -> str:
     """The program behind a connection, as it calls itself, or the other wizard; empty: it is this
     console.
     """
@@ -237,7 +239,7 @@ def _command(message: m.Command, shown: EventContext) -> EventLine | None:
         return None  # its action has a line, or the panel's picture shows it
     if message.driver == "session" and message.verb in ("mark", "note"):
         return None  # so has the marker or the note
-    asker = _other(message.console, shown)
+    asker = other_console(message.console, shown)
     words = command_words(message)
     return EventLine("running", words, asker, run=message.command, asker=asker)
 
@@ -258,7 +260,11 @@ def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None
     fields = ("participant", "condition", "trial")
     values = ((name, getattr(message, name)) for name in fields)
     parts = [f"{name} {value}" for name, value in values if value is not None]
-    return EventLine("info", ", ".join(parts), _other(message.console, shown)) if parts else None
+    return (
+        EventLine("info", ", ".join(parts), other_console(message.console, shown))
+        if parts
+        else None
+    )
 
 
 def _withdrawn(message: m.ParticipantWithdrawn, shown: EventContext) -> EventLine | None:
@@ -281,7 +287,7 @@ def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None
 
 
 def _waived(message: m.RecordWaived, shown: EventContext) -> EventLine:
-    return EventLine("warning", "Going on without a record", _other(message.console, shown))
+    return EventLine("warning", "Going on without a record", other_console(message.console, shown))
 
 
 def _notice(message: m.Notice, shown: EventContext) -> EventLine:
@@ -292,11 +298,13 @@ def _notice(message: m.Notice, shown: EventContext) -> EventLine:
 def _stop(message: m.StopPressed, shown: EventContext) -> EventLine:
     if message.scope != "all":
         return EventLine("stop", "Driving stopped", message.source)
-    return EventLine("stop", "STOP", f"by {_other(message.console, shown) or message.source}")
+    return EventLine(
+        "stop", "STOP", f"by {other_console(message.console, shown) or message.source}"
+    )
 
 
 def _released(message: m.StopReleased, shown: EventContext) -> EventLine:
-    who = _other(message.console, shown) or message.source
+    who = other_console(message.console, shown) or message.source
     return EventLine("info", "Stop released", f"by {who}")
 
 
@@ -396,12 +404,12 @@ def _addressed(message: m.AddressedChanged, shown: EventContext) -> EventLine:
 
 def _marker(message: m.Marker, shown: EventContext) -> EventLine:
     _, coder, name = message.source.partition("coder ")
-    detail = ", ".join(filter(None, (message.text, _other(message.console, shown))))
+    detail = ", ".join(filter(None, (message.text, other_console(message.console, shown))))
     return EventLine("marker", f"Code of {name}" if coder else "Marker", detail)
 
 
 def _note(message: m.Note, shown: EventContext) -> EventLine:
-    return EventLine("note", message.text, _other(message.console, shown))
+    return EventLine("note", message.text, other_console(message.console, shown))
 
 
 def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
@@ -411,7 +419,7 @@ def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
 
 def _phase(message: m.PhaseChanged, shown: EventContext) -> EventLine:
     heading = shown.heading(message.phase)
-    asker = _other(message.console, shown)
+    asker = other_console(message.console, shown)
     return EventLine("info", f"Phase {heading}" if heading else "No phase holds", asker)
 
 
@@ -419,15 +427,7 @@ def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:
     if message.source == "phase":
         return None  # the phase has a line
     what = f"{message.panel} {'locked' if message.locked else 'unlocked'}"
-    return EventLine("info", what, _other(message.console, shown))
-
-
-def _profile(message: m.ProfileChanged, shown: EventContext) -> EventLine:
-    return EventLine(
-        "info",
-        f"Profile {message.profile}" if message.profile else "No profile: everything may be used",
-        _other(message.console, shown),
-    )
+    return EventLine("info", what, other_console(message.console, shown))
 
 
 def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
@@ -443,8 +443,8 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
         names = shown.study.right_actions(message)
         right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
         line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
-    if line is not None and isinstance(message, m.NAMES_CONSOLE):
-        asker = _other(message.console, shown)
+    if line is not None and message.names_console:
+        asker = other_console(getattr(message, "console", ""), shown)
         line = line._replace(detail=", ".join(filter(None, (line.detail, asker))))
     return EventLine(*line) if line is not None else None
 
@@ -508,7 +508,6 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.Mistake: _mistake,
     m.PanelLocked: _lock,
     m.PhaseChanged: _phase,
-    m.ProfileChanged: _profile,
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,
     m.ConsoleLost: _lost,
@@ -516,6 +515,16 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.ListenerLeft: _listener,
     m.ProcessStalled: _stalled,
 }
+
+
+@cache
+def _sentences() -> dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]]:
+    sentences = dict(SENTENCES)
+    for each in pieces("sentences", dict).values():
+        sentences |= each
+    return sentences
+
+
 #: What machines tell of themselves, in events that are no faults.
 _OF_MACHINES = frozenset(
     {

@@ -25,6 +25,8 @@ from woz_tui.console.state.command_text import command_words, spoken_text
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.replay import wall_time
 from woz_tui.console.state.view_models import DriverView
+from woz_tui.console.widgets.feature_console import FeatureConsole
+from woz_tui.feature import pieces
 from woz_tui.protocol.panel_players import part_names
 from woz_tui.system.text_cleaning import elapsed
 
@@ -32,8 +34,8 @@ from woz_tui.system.text_cleaning import elapsed
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
 #: The log is so far behind that an alarm is about time.
 LATE_US = 1_000_000
-#: Cells of a profile's name at the most, and columns from which its word stands before it.
-PROFILE, WORDY = 14, 100
+#: Columns from which words stand before figures.
+WORDY = 100
 #: Cells of a phase's title at the most.
 PHASE = 18
 #: Cells between the drivers and what stands at the right.
@@ -66,7 +68,9 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
         *(("  ", "plain"), *_recorder(state, frame)),
         *(("  ", "plain"), *_line(state, line, frame)),
     )
-    vitals = (*_profile(state, frame), *vitals)
+    for each in pieces("console", FeatureConsole).values():
+        if each.status is not None:
+            vitals = (*each.status(state, frame), *vitals)
     failures = (
         *_seers(state),
         *_why(state, line.drivers),
@@ -164,16 +168,6 @@ def _trial(state: ConsoleState, frame: PaintFrame) -> str:
     if study.designed:
         return "no trial yet"
     return f"trial {study.number}" if study.number is not None else ""
-
-
-def _profile(state: ConsoleState, frame: PaintFrame) -> Row:
-    """At the right, where it takes nothing else's place and is never left out."""
-    name = clean(state.profiles.current)
-    if not name:
-        return ()
-    word = "profile " if frame.width >= WORDY else ""
-    shown = fit(name, min(PROFILE, cell_len(name)), frame.glyphs.ellipsis)
-    return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
 
 
 def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:

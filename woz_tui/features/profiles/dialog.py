@@ -11,8 +11,8 @@ from textual.widgets import OptionList
 
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
-from woz_tui.console.state.console_state import EVERYTHING
-from woz_tui.protocol.requests import AskProfile
+from woz_tui.features.profiles.console import EVERYTHING, profiles_of
+from woz_tui.features.profiles.kinds import AskProfile
 
 #: Cells of a profile's name at the most.
 NAME = 20
@@ -26,13 +26,13 @@ class ProfileDialog(ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """What a profile is; where there is none, that the file names none."""
-        if self.state.profiles.names:
+        if profiles_of(self.state).names:
             return [(("The stop, markers and notes count in each of them.", "muted"),)]
         return [(("The experiment file names no profiles.", "muted"),)]
 
     def choices(self) -> Sequence[ListChoice]:
         """Everything first, then the file's; each with what it allows."""
-        self._shown = self.state.profiles
+        self._shown = profiles_of(self.state)
         self._names = self._shown.offered
         self.first = self._names.index(self._shown.current)
         return [
@@ -55,7 +55,7 @@ class ProfileDialog(ChoiceDialog):
 
     def refreshed(self) -> None:
         """Somebody else may change it while the list is open: the lines stay, the mark moves."""
-        known = self.state.profiles
+        known = profiles_of(self.state)
         for choices in self.query("#choices").results(OptionList):
             if known != self._shown:
                 self._shown = known
@@ -64,5 +64,5 @@ class ProfileDialog(ChoiceDialog):
 
     def _use(self, name: str) -> None:
         """Ask for it, unless it is in use; a refusal is shown above the hints."""
-        if name != self.state.profiles.current:
+        if name != profiles_of(self.state).current:
             self.requests.ask(AskProfile(profile=name, source="key"))

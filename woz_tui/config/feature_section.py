@@ -1,0 +1,67 @@
+"""What a feature has to say of the experiment file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from woz_tui.config.experiment import Experiment, Panel
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.drivers.contract import Verb
+
+S = TypeVar("S")
+
+
+@dataclass(frozen=True, slots=True)
+class FileContents:
+    """What else stands in the file, for a section that names some of it.
+
+    `verbs`: of all drivers, and those that need none. `complete`: the robot files are right. Else a
+    driver is missing here, and what only it knows must not be called unknown: that would hide the
+    mistake that is there.
+    """
+
+    panels: Sequence[Panel]
+    verbs: Sequence[Verb]
+    complete: bool = True
+
+
+class FeatureSection(Generic[S]):
+    """A feature's keys of the experiment file, and what becomes of them: an `S`.
+
+    Args:
+        keys: A dataclass with the keys, made like `experiment_file.ExperimentKeys`, but without
+            `slots`. Reader, JSON schema and reference page come from it.
+        empty: What a file without these keys has.
+    """
+
+    def __init__(self, keys: type, empty: S) -> None:
+        self.keys = keys
+        self.empty = empty
+
+    def read(self, table: Mapping[str, Cursor], file: Any, contents: FileContents) -> S:
+        """What the file's top level says. What is wrong is reported where it stands.
+
+        Args:
+            table: The top level's entries, for keys that are marked `ReadApart`.
+            file: The keys as they were read, an instance of `keys`.
+            contents: What else stands in the file.
+        """
+        raise NotImplementedError
+
+    def changes(self, old: S, new: S) -> Iterable[str]:
+        """What a reading changed, in words."""
+        if old != new:
+            yield "something changed"
+
+    def moments(self, section: S) -> Iterable[tuple[str, object]]:
+        """What `woz check --why` looks at: moments in words, each with what then holds of the
+        feature (`gate.facts.Facts.features`).
+        """
+        return ()
+
+    def of(self, experiment: Experiment) -> S:
+        """What an experiment's file says of it."""
+        section: S = experiment.sections.get(self, self.empty)
+        return section

@@ -1,0 +1,63 @@
+"""What is not in the profile that is in use."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from woz_tui.config.performers import BML
+from woz_tui.features.profiles.kinds import AskProfile
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import PlayAction, SendVerb
+from woz_tui.gate.table import (
+    FeatureGate,
+    FeatureRow,
+    Row,
+    locked_verb,
+    no_moment,
+    takes_hands_off,
+)
+from woz_tui.protocol.refusal import Refusal
+
+if TYPE_CHECKING:  # the console needs none of it for its first paint
+    from woz_tui.features.profiles.section import Profile
+
+#: Verbs that count in every profile. What a block consists of is looked at verb by verb.
+IN_EVERY_PROFILE = frozenset({"mark", "note", BML})
+
+
+def profile_without_action(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """Repairs count in every profile."""
+    profile, action = _in_use(facts), asked.action
+    if action is None or asked.repair:
+        return None
+    if action.panel in profile.panels or asked.name in profile.actions:
+        return None
+    reason = f"{asked.name!r} is not in the profile {profile.name}"
+    return Refusal("profile", reason, command="profile")
+
+
+def profile_without_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
+    """What only takes hands off the robot counts in every profile."""
+    profile, verb, what = _in_use(facts), asked.verb, repr(asked.verb)
+    if verb in IN_EVERY_PROFILE or verb in profile.verbs or takes_hands_off(verb, asked.args):
+        return None
+    if verb == "control":
+        control = asked.args.get("control")
+        if control in profile.controls:
+            return None
+        what = f"the control {control!r}"
+    return Refusal("profile", f"{what} is not in the profile {profile.name}")
+
+
+def _in_use(facts: Facts) -> Profile:
+    return cast("Profile", facts.features["profiles"])
+
+
+GATE = FeatureGate(
+    rows=(
+        FeatureRow(Row("profile", (SendVerb,), profile_without_verb), before=locked_verb),
+        FeatureRow(Row("profile", (PlayAction,), profile_without_action), before=no_moment),
+    ),
+    while_ending=(AskProfile,),
+    undone={AskProfile: "Profile not changed"},
+)

@@ -1,0 +1,140 @@
+"""What features do in a session."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, TypeVar, cast
+
+from woz_tui.bus.hub import Hub
+from woz_tui.bus.lane import IN_HOST_LOG
+from woz_tui.config.experiment import Experiment
+from woz_tui.feature import pieces
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.requests import Request
+from woz_tui.timeline.session_state import SessionState
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Client:
+    """Who asks for something: the connection, its role, who that is in words, and what words from
+    there may tell (see `messages.RestrictedMessage`).
+    """
+
+    console: str
+    role: str
+    by: str
+    tells: tuple[str, ...] = ()
+
+
+class FeatureSession(Protocol):
+    """What features may use of a session."""
+
+    experiment: Experiment
+    hub: Hub
+    state: SessionState
+    #: Shows consoles the panels as they are now.
+    on_panels: Callable[[], None]
+
+
+class SessionFeature:
+    """What a feature does in one session; made with it, used from its loop.
+
+    Nothing in it may wait. Where it raises anything but a `RequestError` it is named, and asked no
+    more: the session goes on without it.
+    """
+
+    #: What `carry_out` is given.
+    requests: ClassVar[tuple[type[Request], ...]] = ()
+
+    def __init__(self, session: FeatureSession) -> None:
+        self.session = session
+
+    @classmethod
+    def check_start(cls, value: str, experiment: Experiment) -> None:
+        """Raise `RequestError` unless a session can begin with this value of the start option."""
+
+    def start(self, value: str) -> None:
+        """The session begins with this value of the feature's start option."""
+
+    def carry_out(self, request: Any, client: Client) -> str:
+        """Do what is asked; the id of the run or command that it has begun, if any."""
+        raise RequestError(f"{type(request).__name__} cannot be used here")
+
+    def adopt(self, experiment: Experiment) -> None:
+        """The session goes on with a file that was read again."""
+
+    def fact(self) -> object | None:
+        """What the feature's rows of the gate and its view look at; None: there is nothing."""
+        return None
+
+
+F = TypeVar("F", bound=SessionFeature)
+
+
+class SessionFeatures:
+    """All features in one session."""
+
+    def __init__(self, session: FeatureSession) -> None:
+        self._session = session
+        self._all: dict[str, SessionFeature] = {}
+        self._names: dict[type[SessionFeature], str] = {}
+        self._answering: dict[type[Request], str] = {}
+        for name, kind in pieces("session", type).items():
+            self._names[kind] = name
+            self._safely(name, self._add, None, name, kind)
+
+    def _add(self, name: str, kind: type[SessionFeature]) -> None:
+        self._all[name] = kind(self._session)
+        self._answering |= dict.fromkeys(kind.requests, name)
+
+    def of(self, kind: type[F]) -> F:
+        """The feature of this kind; `KeyError` if there is none, or if it has failed."""
+        return cast("F", self._all[self._names[kind]])
+
+    def start(self, name: str, value: str) -> None:
+        """The session begins with this value of the start option of the feature `name`."""
+        self._all[name].start(value)
+
+    def carry_out(self, request: Request, client: Client) -> str:
+        """Do what is asked of a feature; the id of what it has begun. Raises `RequestError`."""
+        name = self._answering.get(type(request))
+        feature = self._all.get(name or "")
+        if name is None or feature is None:
+            raise RequestError(f"{type(request).__name__} cannot be used here")
+        run = self._safely(name, feature.carry_out, None, request, client)
+        if run is None:
+            raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
+        return run
+
+    def adopt(self, experiment: Experiment) -> None:
+        """The session goes on with a file that was read again."""
+        for name, feature in [*self._all.items()]:
+            self._safely(name, feature.adopt, None, experiment)
+
+    def facts(self) -> dict[str, object]:
+        """What their rows of the gate look at, by name."""
+        facts = {}
+        for name, feature in [*self._all.items()]:
+            fact = self._safely(name, feature.fact, None)
+            if fact is not None:
+                facts[name] = fact
+        return facts
+
+    def _safely(self, name: str, call: Callable[..., T], otherwise: T, *args: Any) -> T:
+        try:
+            return call(*args)
+        except RequestError:
+            raise
+        except Exception as error:
+            log.exception("the feature %s failed", name)
+            self._all.pop(name, None)
+            text = f"{name} failed and is not used any more: {type(error).__name__}: {error}"
+            self._session.hub.publish(m.Notice(level="error", text=text, remedy=IN_HOST_LOG))
+            return otherwise

@@ -1,0 +1,54 @@
+"""What a feature keeps of a session's messages."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, ClassVar
+
+from woz_tui.protocol.envelope import Message
+from woz_tui.timeline.episodes import Episode
+
+#: What a kind of message does: called with the history, the message and the `SessionState`; returns
+#: the episodes that end or begin with it.
+HistoryCase = Callable[[Any, Any, Any], Iterable[Episode] | None]
+
+
+class FeatureHistory:
+    """What a feature keeps of a session's messages, in attributes of its own: messages that still
+    hold, episodes that go on, tables of both. Made without arguments.
+    """
+
+    #: What each kind of message does. Kinds of the core reach the session's state first.
+    cases: ClassVar[Mapping[type[Message], HistoryCase]] = {}
+
+    def restart(self) -> str | None:
+        """The value of the feature's start option with which a session that broke off goes on;
+        None: with that of the command line.
+        """
+        return None
+
+    def _values(self) -> Iterator[object]:
+        for value in vars(self).values():
+            yield from value.values() if type(value) is dict else (value,)
+
+    @property
+    def lines(self) -> Iterator[Message]:
+        """The messages from which a fresh history becomes the same."""
+        for value in self._values():
+            if isinstance(value, Message):
+                yield value
+            elif isinstance(value, Episode):
+                yield from value.lines
+
+    def open(self) -> Iterator[Episode]:
+        """Episodes that have not ended."""
+        return (value for value in self._values() if isinstance(value, Episode))
+
+    def copy(self) -> FeatureHistory:
+        """An independent copy."""
+        other = copy.copy(self)
+        for name, value in vars(self).items():
+            if type(value) is dict:
+                setattr(other, name, value.copy())
+        return other

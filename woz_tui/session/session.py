@@ -222,6 +222,7 @@ class Session:
         self.engagement.begin()
         self.study.begin()
         self.phases.begin_anew("session")
+        self.features.begin()
         await self._driver_manager.open()
         self.texts.publish_all()
         self._tie_clock()
@@ -242,6 +243,7 @@ class Session:
         for timer in self._timers.values():
             timer.cancel()
         self.study.close()
+        self.features.close()
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Experiment
-from woz_tui.feature import pieces
+from woz_tui.feature import left_out, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import Request
@@ -52,6 +53,8 @@ class SessionFeature:
 
     #: What `carry_out` is given.
     requests: ClassVar[tuple[type[Request], ...]] = ()
+    #: What is called with each kind of message, as a method. The session's state has heard it.
+    hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {}
 
     def __init__(self, session: FeatureSession) -> None:
         self.session = session
@@ -62,6 +65,12 @@ class SessionFeature:
 
     def start(self, value: str) -> None:
         """The session begins with this value of the feature's start option."""
+
+    def begin(self) -> None:
+        """The session begins; drivers look for their hardware."""
+
+    def close(self) -> None:
+        """The session ends; what it still says may be said."""
 
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
@@ -91,8 +100,20 @@ class SessionFeatures:
             self._safely(name, self._add, None, name, kind)
 
     def _add(self, name: str, kind: type[SessionFeature]) -> None:
-        self._all[name] = kind(self._session)
+        feature = self._all[name] = kind(self._session)
         self._answering |= dict.fromkeys(kind.requests, name)
+        for heard, call in kind.hears.items():
+            self._session.hub.listen(partial(self._hear, name, feature, call), heard)
+
+    def _hear(
+        self,
+        name: str,
+        feature: SessionFeature,
+        call: Callable[[Any, Any], object],
+        message: m.Message,
+    ) -> None:
+        if name in self._all:
+            self._safely(name, call, None, feature, message)
 
     def of(self, kind: type[F]) -> F:
         """The feature of this kind; `KeyError` if there is none, or if it has failed."""
@@ -101,6 +122,19 @@ class SessionFeatures:
     def start(self, name: str, value: str) -> None:
         """The session begins with this value of the start option of the feature `name`."""
         self._all[name].start(value)
+
+    def begin(self) -> None:
+        """The session begins."""
+        for name, why in left_out().items():
+            text = f"the feature {name} is left out: {why}"
+            self._session.hub.publish(m.Notice(level="warning", text=text, remedy=IN_HOST_LOG))
+        for name, feature in [*self._all.items()]:
+            self._safely(name, feature.begin, None)
+
+    def close(self) -> None:
+        """The session ends."""
+        for name, feature in [*self._all.items()]:
+            self._safely(name, feature.close, None)
 
     def carry_out(self, request: Request, client: Client) -> str:
         """Do what is asked of a feature; the id of what it has begun. Raises `RequestError`."""

@@ -1,0 +1,7 @@
+"""Reminders in exports."""
+
+from __future__ import annotations
+
+from woz_tui.export.feature_export import FeatureExport
+
+EXPORT = FeatureExport(label_and_text={"reminder.due": ("", "text")}, of_session=("reminder.due",))

@@ -1,0 +1,150 @@
+"""What features may do to a session, and what they cannot."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from woz_tui.feature import Feature, features, left_out, pieces
+from woz_tui.gate.table import TABLE, FeatureGate, all_rows
+from woz_tui.protocol.kinds import FeatureKinds, message_kinds, request_kinds
+
+ROOT = Path(__file__).parents[2]
+
+#: Features of somebody else: one that cannot be imported, and one that fails in a session.
+STRANGERS = """
+from woz_tui.feature import Feature
+from woz_tui.gate.questions import PlayAction
+from woz_tui.gate.table import FeatureGate, FeatureRow, Row
+from woz_tui.protocol.envelope import Message
+from woz_tui.protocol.kinds import FeatureKinds
+from woz_tui.protocol.messages import ActionRequested
+from woz_tui.session.session_features import SessionFeature
+
+
+class Secret(Message, frozen=True, kw_only=True, tag="secret"):
+    text: str = ""
+
+
+class FailsInSession(SessionFeature):
+    def hear(self, message):
+        raise ZeroDivisionError("the feature's own")
+
+    def fact(self):
+        return "a full moon"
+
+    hears = {ActionRequested: hear}
+
+
+def full_moon(facts, asked):
+    raise KeyError("moon")
+
+
+class Failing(Feature):
+    name = "failing"
+    kinds = "__init__:KINDS"
+    session = "__init__:FailsInSession"
+    gate = "__init__:GATE"
+
+
+KINDS = FeatureKinds(messages=(Secret,))
+GATE = FeatureGate(rows=(FeatureRow(Row("moon", (PlayAction,), full_moon)),))
+
+
+class Absent(Feature):
+    name = "absent"
+    session = "nowhere:Nothing"
+
+
+class NoFeature:
+    pass
+"""
+SESSION = """
+import asyncio, sys
+from pathlib import Path
+from tests.session.rig import SessionRig
+from woz_tui.feature import left_out
+from woz_tui.gate.questions import RequestOrigin
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
+from woz_tui.session.redactor import Redactor
+from strangers import Secret
+
+async def scenario(rig):
+    for name in ("Hello", "Map"):
+        try:
+            rig.session.play(name, RequestOrigin("key", "h", "con1"))
+            print("played", name)
+        except RequestError as error:
+            print("refused", name, error.reason)
+
+rig = SessionRig(Path(sys.argv[1])).run(scenario, 3)
+print("notices", [each.text for each in rig.of(m.Notice) if each.level == "error"])
+print("ended", rig.of(m.SessionEnd)[0].reason)
+print("left out", sorted(left_out()))
+"""
+
+
+def test_a_feature_that_fails_is_named_and_the_session_goes_on(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    (site / "strangers").mkdir(parents=True)
+    (site / "strangers" / "__init__.py").write_text(STRANGERS)
+    info = site / "strangers-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: strangers\nVersion: 1.0\n")
+    points = (
+        "failing = strangers:Failing",
+        "absent = strangers:Absent",
+        "no = strangers:NoFeature",
+    )
+    (info / "entry_points.txt").write_text("\n".join(("[woz_tui.features]", *points)) + "\n")
+    environment = os.environ | {"PYTHONPATH": str(site)}
+    done = subprocess.run(
+        [sys.executable, "-c", SESSION, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        env=environment,
+        cwd=ROOT,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    told = done.stdout.splitlines()
+    # Its row forbids while it fails; then the feature itself fails, and nobody asks its row again.
+    assert told[0].startswith("refused Hello the check of 'moon' failed")
+    assert told[1] == "played Map"
+    assert "failing failed and is not used any more: ZeroDivisionError" in told[2]
+    assert told[3].startswith("ended")
+    assert "absent" in told[4]
+    assert "strangers:NoFeature" in told[4]
+
+
+def test_none_of_ours_is_left_out_and_each_piece_is_what_its_room_uses() -> None:
+    rooms = {name for name, value in vars(Feature).items() if value == "" and name != "keys"}
+    for name in rooms:
+        pieces(name, object)
+    assert left_out() == {}
+    assert all(each.name for each in features().values())
+
+
+def test_rows_of_features_stand_in_the_order_that_they_name() -> None:
+    rows = all_rows()
+    assert [row for row in rows if not row.feature] == [*TABLE]
+    for gate in pieces("gate", FeatureGate).values():
+        for each in gate.rows:
+            at = next(at for at, row in enumerate(rows) if row.why_not is each.row.why_not)
+            about = {*each.row.about}
+            later = [row.why_not for row in rows[at:] if about & {*row.about}]
+            assert each.before is None or each.before in later
+
+
+@pytest.mark.parametrize("feature", pieces("kinds", FeatureKinds))
+def test_messages_of_features_are_known_and_what_is_open_is_one_of_them(feature: str) -> None:
+    kinds = pieces("kinds", FeatureKinds)[feature]
+    assert {*kinds.messages} <= {*message_kinds()}
+    assert {*kinds.requests} <= {*request_kinds()}
+    assert {*kinds.open} <= {*kinds.messages}

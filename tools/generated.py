@@ -18,6 +18,7 @@ from tools import (
     experiment_reference,
     keymap_reference,
     log_reference,
+    modes_page,
     pepper_coverage,
     protocol_reference,
     redaction_lists,
@@ -26,7 +27,7 @@ from tools import (
     toolkit_coverage,
 )
 from tools.driver_settings import bundled
-from woz_tui.cli import modes, robots
+from woz_tui.cli import robots
 from woz_tui.cli.render_target import inputs_table
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
@@ -46,7 +47,7 @@ FILES: Mapping[str, Callable[[str], str]] = {
     "docs/how-to/robots.md": lambda page: replaced(page, "robots", robots.markdown(bundled())),
     "docs/images/engagement-states.svg": lambda _: engagement_diagram.svg(),
     "docs/reference/experiment-file.md": lambda _: experiment_reference.page(),
-    "docs/reference/modes.md": lambda _: f"{modes.markdown()}\n",
+    "docs/reference/modes.md": lambda _: f"{modes_page.markdown()}\n",
     "docs/reference/pepper-coverage.md": lambda _: pepper_coverage.page(),
     "docs/reference/protocol-fields.md": lambda _: protocol_reference.page(),
     "docs/reference/protocol.schema.json": partial(_schema, protocol_reference.schema),

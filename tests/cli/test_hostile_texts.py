@@ -114,7 +114,6 @@ COMMANDS = [
     ("midi show e.yaml", False),
     ("convert e.yaml", False),
     ("schema", False),
-    ("modes", False),
 ]
 
 

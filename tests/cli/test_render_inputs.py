@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.cli.test_render import CALM
-from woz_tui.cli import main, modes
+from woz_tui.cli import main
 from woz_tui.cli.render import Curve, chart, time_axis
 from woz_tui.cli.render_target import input_lines
 from woz_tui.motion.input_script import read_inputs
@@ -298,15 +298,6 @@ def test_the_plot_goes_through_a_pipe_without_colours(
 def test_it_lists_the_inputs_that_there_are(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["render", "--help-inputs"]) == 0
     assert "| `seen` |" in capsys.readouterr().out
-
-
-@pytest.mark.toolkit("M2")
-def test_the_modes_are_printed_as_a_table(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["modes", "--markdown"]) == 0
-    assert "| joint controls |" in capsys.readouterr().out
-    assert main(["modes"]) == 0
-    assert "joint controls" in capsys.readouterr().out
-    assert len(modes.rows()) == 11
 
 
 def test_a_large_file_is_read_line_by_line(tmp_path: Path) -> None:

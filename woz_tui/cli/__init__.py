@@ -47,7 +47,6 @@ COMMANDS = {
     "hands": "play with a gamepad or a Stream Deck, also over ssh",
     "render": "compute the setpoints and the face of a body, as lines or curves",
     "visitors": "named visitors: list, show, add, rename, forget, profile",
-    "modes": "show which inputs each mode accepts",
     "engagement": "run the engagement model on samples or on a session's log",
     "record-move": "record a layer of a move by puppeteering",
     "export": "export sessions for other programs: tables, ELAN, BIDS, Praat",

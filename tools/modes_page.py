@@ -1,53 +1,24 @@
-"""`woz modes`: which mode accepts which input, from the rules that the body itself applies."""
+"""The page of modes: which accepts which input, from the rules that the body itself applies."""
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
-
-from rich.table import Table
-
-from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS
 from woz_tui.motion.modes import BLINKS, BREATHES, MODE_RULES, InputKind, Mode, ModeRule
 
 _PAGE_TEXT = """\
 # Modes
 
-Look up here which input has an effect in which mode; `woz modes` prints this table. An
-input that does not have an effect is refused and changes nothing. The stop works in every mode.
+Look up here which input has an effect in which mode. An input that does not have an effect
+is refused and changes nothing. The stop works in every mode.
 
 {table}"""
-#: Columns of a page that goes into a file or a pipe.
-_PAGE = 120
 
 #: What a body does by itself, and in which modes.
 _AUTOMATIC = (("breathing", BREATHES), ("blinking", BLINKS))
 
 
-def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
-    parser.add_argument(
-        "--markdown", action="store_true", help="as Markdown: the tables of docs/reference/modes.md"
-    )
-
-
-def run(arguments: Namespace) -> int:
-    """Print the table."""
-    if arguments.markdown:
-        print(markdown())
-        return 0
-    console = TextConsole(page=_PAGE)
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for title in _headings():
-        table.add_column(title, overflow="fold")
-    for row in rows():
-        table.add_row(*row)
-    console.print(table)
-    return 0
-
-
 def markdown() -> str:
-    """The same as a page of Markdown."""
+    """The page."""
     headings = _headings()
     rule = ["---"] * len(headings)
     table = [f"| {' | '.join(row)} |" for row in (headings, *rows())]

@@ -382,16 +382,12 @@ class NameAnswerParser:
         yes, no = self._agrees(without), self._denies(without)
         if yes:
             return _AMBIGUOUS if no else _YES
-        if no:
-            return self._instead(words, proposed)
+        if no:  # and the name that comes with it, if any: `no, not Anna, Bob`
+            rest = _without(self._led(words), proposed)
+            left = [word for word in rest if word.key not in self._denials]
+            return NameAnswer(name=self._name(self._led(left)), no=True)
         name = self._name(self._led(words))
         return _YES if name and key_of(name) == key_of(proposed) else NameAnswer(name=name)
-
-    def _instead(self, words: _Words, proposed: str) -> NameAnswer:
-        """A no, and the name that comes with it, if any: `no, not Anna, Bob`."""
-        rest = _without(self._led(words), proposed)
-        left = [word for word in rest if word.key not in self._denials]
-        return NameAnswer(name=self._name(self._led(left)), no=True)
 
     # -- yes and no -----------------------------------------------------------------------------
 

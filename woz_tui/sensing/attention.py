@@ -133,7 +133,12 @@ class Attention:
         self._pass(t)
         if self._away is None or self._now < self._away[1]:
             return None
-        return self._stay(self._away[0]) if self._finds_somebody else self._back()
+        if not self._finds_somebody:
+            return self._back()
+        direction, self._away = self._away[0], None
+        if self._engaged:
+            self._visitor = direction
+        return Stay(direction)
 
     # -- rules ----------------------------------------------------------------------------------
 
@@ -168,12 +173,6 @@ class Attention:
     def _undistracted(self) -> Order | None:
         """Look back if nothing may distract it any more."""
         return self._back() if self._away is not None and self._holds else None
-
-    def _stay(self, direction: float) -> Stay:
-        self._away = None
-        if self._engaged:
-            self._visitor = direction
-        return Stay(direction)
 
     def _back(self) -> LookBack:
         self._away = None

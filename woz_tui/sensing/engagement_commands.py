@@ -131,7 +131,9 @@ def apply_command(
                 return model.step_once(by)
             model.run = args["run"]
         case "filter":
-            _configure(model, args)
+            numbers = {name: args.get(name) for name in ("kind", "samples", "threshold")}
+            for each in SIGNS if args["sign"] == ALL else (args["sign"],):
+                model.configure(each, **numbers)
         case "social_distance":
             model.near_within(args["metres"])
         case "handshake" | "visitor":
@@ -148,12 +150,6 @@ def _give(model: EngagementModel, sign: str, value: str, by: str) -> None:
         return
     verdict = sign_value(sign, value)
     model.override(sign, verdict, verdict if isinstance(verdict, str) else "", by)
-
-
-def _configure(model: EngagementModel, args: Args) -> None:
-    numbers = {name: args.get(name) for name in ("kind", "samples", "threshold")}
-    for each in SIGNS if args["sign"] == ALL else (args["sign"],):
-        model.configure(each, **numbers)
 
 
 def _introduced(model: EngagementModel, verb: str, args: Args, by: str) -> Transition | None:

@@ -25,6 +25,7 @@ from woz_tui.sensing.state_machine import (
     Event,
     ModelView,
     State,
+    always,
     by_signs,
     edge_to,
     edges_from,
@@ -117,7 +118,10 @@ class EngagementModel:
         """
         now = self._time.now
         if sign == "loudness":
-            return self._hear(value, now)
+            taken, event = self.voice.add(value, now)
+            if event is not None and not self.cuts:
+                self._events.append(event)
+            return taken
         taken = self.signs.add(sign, value, name, now)
         self._notice_changes()
         return taken
@@ -234,7 +238,7 @@ class EngagementModel:
             return None
         self._queued.clear()
         return self._follow(
-            Edge(self.state, State.WAIT, NEW_PARTICIPANT, _always, "another participant"), None
+            Edge(self.state, State.WAIT, NEW_PARTICIPANT, always, "another participant"), None
         )
 
     @property
@@ -308,12 +312,6 @@ class EngagementModel:
         )
 
     # -- inside ---------------------------------------------------------------------------------
-
-    def _hear(self, value: object, now: int) -> bool:
-        taken, event = self.voice.add(value, now)
-        if event is not None and not self.cuts:
-            self._events.append(event)
-        return taken
 
     def _verdict(self) -> tuple[bool, bool, bool]:
         return self.signs.present, self._engaged, self.has_name
@@ -444,7 +442,3 @@ class EngagementModel:
                 yield self._turned + microseconds(timeouts.turn_lost)
         elif not self.has_name:
             yield self._nameless_since + microseconds(timeouts.unrecognized)
-
-
-def _always(view: ModelView) -> bool:
-    return True

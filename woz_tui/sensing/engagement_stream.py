@@ -88,7 +88,7 @@ class EngagementFollower:
         """One message, in the order of `seq`; the transitions it brought, oldest first."""
         if not self.reads(message):
             return ()
-        return [*self.until(message.t), *self._brought(self._read(message))]
+        return [*self.until(message.t), *self._brought(_READ[type(message)](self, message))]
 
     def catch_up(self, messages: Iterable[m.Message]) -> None:
         """Begin in the middle of a session with what holds: whose session it is, who cuts speech,
@@ -170,9 +170,6 @@ class EngagementFollower:
             yield from self._brought(self.model.step(Event.THINK_DONE))
 
     # -- what each message means -------------------------------------------------------------------
-
-    def _read(self, message: m.Message) -> Transition | None:
-        return _READ[type(message)](self, message)
 
     def _reading(self, reading: m.Reading) -> Transition | None:
         sign = self.sensors[reading.sensor]

@@ -227,6 +227,15 @@ class JointFilter:
         self._recent = {sign: deque[_Sample](maxlen=RECENT) for sign in self._views}
         self._heard = 0
 
+    def _begin(self) -> None:
+        # Nobody was there a moment ago, and a moment is long enough for somebody to come.
+        nobody = [1.0] + [0.0] * (WORLDS * CONDITIONS - 1)
+        self._shares = after_steps(nobody, self._dwell, MOMENT)
+        self._cached: dict[str, float] = {}
+        self._present = False
+        self._echo = True
+        self._t: int | None = None
+
     def view(self, sign: str) -> JointSign:
         """The filter of one sign."""
         return self._views[sign]
@@ -277,7 +286,10 @@ class JointFilter:
         else:
             self._weigh(_FLAGS[sign][bool(value)])
         self._views[sign].sampled = True
-        self._judge()
+        present = self.probability("presence") >= 0.5
+        if self._present and not present:  # whoever is lost takes their name along
+            self._names.forget()
+        self._present = present
 
     def forget(self, sign: str) -> None:
         """The sign is gone: it has no verdict until its next sample. The others stay.
@@ -311,13 +323,6 @@ class JointFilter:
         """The name that is believed, or "Unknown"."""
         return self._names.accepted
 
-    def _begin(self) -> None:
-        self._shares = self._nobody()
-        self._cached: dict[str, float] = {}
-        self._present = False
-        self._echo = True
-        self._t: int | None = None
-
     def _pass(self, t: int) -> None:
         if self._t is None:
             self._t = t
@@ -345,17 +350,6 @@ class JointFilter:
         stray = _ASTRAY * far + (1.0 - _ASTRAY) * close
         by_far, by_near = (far, far, far, far, stray), (close, close, close, close, stray)
         return (*by_far, close, *by_near, close, *(*by_far, far, *by_near, far) * 2)
-
-    def _nobody(self) -> list[float]:
-        """Nobody was there a moment ago, and a moment is long enough for somebody to come."""
-        return after_steps([1.0] + [0.0] * (WORLDS * CONDITIONS - 1), self._dwell, MOMENT)
-
-    def _judge(self) -> None:
-        """Whoever is lost takes their name along."""
-        present = self.probability("presence") >= 0.5
-        if self._present and not present:
-            self._names.forget()
-        self._present = present
 
 
 class JointSign:

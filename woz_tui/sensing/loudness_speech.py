@@ -46,7 +46,6 @@ class LoudnessSpeechDetector:
 
     @property
     def speaks(self) -> bool:
-        """Whether somebody speaks."""
         return self._points.speaks
 
     def tell_threshold(self, threshold: object) -> None:
@@ -63,7 +62,9 @@ class LoudnessSpeechDetector:
         if rms is None:
             return False, None
         self.level = rms
-        half = self._half_a_chunk(now)
+        # Half of the shorter of the last two chunks: a hole in the sound is no chunk.
+        before, self._gap = self._gap, now - self._chunk_at
+        half = min(before, self._gap) // 2
         self._chunk_at = now
         begun = isinstance(self._points.judge(rms), SpeechStart)
         if rms > self.threshold:
@@ -79,11 +80,6 @@ class LoudnessSpeechDetector:
         """Time passes without sound."""
         end = self.ends_at()
         return self._end() if end is not None and now >= end else None
-
-    def _half_a_chunk(self, now: int) -> int:
-        """Of the shorter of the last two: a hole in the sound is no chunk."""
-        before, self._gap = self._gap, now - self._chunk_at
-        return min(before, self._gap) // 2
 
     def _end(self) -> Event | None:
         return None if self._points.close() is None else Event.SPEECH_END

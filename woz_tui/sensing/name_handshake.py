@@ -168,12 +168,17 @@ class Handshake:
         if not self._asks or self._talks or self._now >= self._ends or self._echo(text):
             return self.advance(t)
         if self.stage is HandshakeStage.CONSENT:
-            return self._consented(self._answers.read_consent(text))
+            answer = self._answers.read_consent(text)
+            if answer.yes or answer.no or answer.declined:
+                return self._learn(consent=answer.yes)
+            return self._ask_for_face_again(answer.why or "neither yes nor no was understood")
         answer = self._answers.read(text, self.name)
         if answer.declined:
             return self._fail("the visitor does not want to tell")
         if self.stage is HandshakeStage.NAME:
-            return self._named(answer)
+            if not answer.name:
+                return self._again(answer.why or "no name was understood")
+            return self._take_up(answer)
         return self._answered(answer)
 
     def advance(self, t: int) -> Order | None:
@@ -230,12 +235,6 @@ class Handshake:
 
     # -- answers --------------------------------------------------------------------------------
 
-    def _named(self, answer: NameAnswer) -> Order:
-        """An answer to the question for a name."""
-        if not answer.name:
-            return self._again(answer.why or "no name was understood")
-        return self._take_up(answer)
-
     def _answered(self, answer: NameAnswer) -> Order:
         """An answer to `is that right?` or `is that you?`."""
         if answer.yes:
@@ -259,12 +258,6 @@ class Handshake:
         self.stage = HandshakeStage.CONSENT
         self._ends -= _BEFORE_END
         return self._say(self._settings.face_consent, "asks whether the face may be learnt")
-
-    def _consented(self, answer: NameAnswer) -> Order:
-        """An answer to the question for the face."""
-        if answer.yes or answer.no or answer.declined:
-            return self._learn(consent=answer.yes)
-        return self._ask_for_face_again(answer.why or "neither yes nor no was understood")
 
     def _ask_for_face_again(self, why: str) -> Order:
         """Once; then it is a no."""
@@ -343,7 +336,8 @@ class Handshake:
 
     def _next_attempt(self, why: str = "the name was denied") -> HandshakeFailed | None:
         if self.attempt >= self._settings.attempts:
-            return self._fail(f"{why}; no name in {_attempts(self.attempt)}")
+            plural = "s" if self.attempt > 1 else ""
+            return self._fail(f"{why}; no name in {self.attempt} attempt{plural}")
         self.attempt += 1
         return None
 
@@ -357,7 +351,3 @@ class Handshake:
 
     def _end(self) -> None:
         self.stage = HandshakeStage.OVER
-
-
-def _attempts(count: int) -> str:
-    return f"{count} attempt{'s' if count > 1 else ''}"

@@ -345,7 +345,6 @@ class Signs:
     # -- what comes in --------------------------------------------------------------------------
 
     def pass_to(self, now: int) -> None:
-        """Time passes."""
         for sign in self._all:
             sign.pass_to(now)
 
@@ -368,7 +367,16 @@ class Signs:
         self, sign: str, kind: str | None, count: int | None, threshold: float | None
     ) -> None:
         """Another filter, or other numbers; ValueError with a sentence if there are not such."""
-        _check(sign, kind, count, threshold)
+        if sign not in SIGNS:
+            raise ValueError(f"{sign!r} is none of {', '.join(SIGNS)}")
+        if kind is not None and kind not in FILTERS:
+            raise ValueError(f"{kind!r} is none of {', '.join(FILTERS)}")
+        if kind == "median" and sign != "distance":
+            raise ValueError(f"a median is for distance, not for {sign}")
+        if count is not None and not 1 <= count <= 1000:
+            raise ValueError(f"{count} is not 1 to 1000 places")
+        if threshold is not None and not 0 <= threshold <= 1:
+            raise ValueError(f"{threshold:g} is not 0 to 1")
         chosen = self.identity if sign == "identity" else self._by_name[sign]
         chosen.configure(kind, count, threshold)
 
@@ -425,12 +433,11 @@ class Signs:
 
     def explained(self, why: str, now: int, introduced: str) -> str:
         """`why`, with `{reason}` as what all say and `{absence}` as why nobody is there."""
-        return why.format(reason=self.reason(now, introduced), absence=self._absence(now))
-
-    def _absence(self, now: int) -> str:
-        said = ", ".join(sign.words(now) for sign in self._there)
+        absence = ", ".join(sign.words(now) for sign in self._there)
         nobody = WORDS["presence"][0]
-        return said if said.startswith(nobody) else ": ".join(filter(None, (nobody, said)))
+        if not absence.startswith(nobody):
+            absence = f"{nobody}: {absence}" if absence else nobody
+        return why.format(reason=self.reason(now, introduced), absence=absence)
 
     def shown(self) -> dict[str, SignShown]:
         """All of them for the screen."""
@@ -481,16 +488,3 @@ def _name(value: object | None, name: str) -> str | None:
     if found is None:
         raise ValueError(f"{name or value!r} is no name of a visitor")
     return found
-
-
-def _check(sign: str, kind: str | None, count: int | None, threshold: float | None) -> None:
-    if sign not in SIGNS:
-        raise ValueError(f"{sign!r} is none of {', '.join(SIGNS)}")
-    if kind is not None and kind not in FILTERS:
-        raise ValueError(f"{kind!r} is none of {', '.join(FILTERS)}")
-    if kind == "median" and sign != "distance":
-        raise ValueError(f"a median is for distance, not for {sign}")
-    if count is not None and not 1 <= count <= 1000:
-        raise ValueError(f"{count} is not 1 to 1000 places")
-    if threshold is not None and not 0 <= threshold <= 1:
-        raise ValueError(f"{threshold:g} is not 0 to 1")

@@ -90,7 +90,11 @@ class Endpointer:
             self._loud = 0
             self._quiet += 1
         if self._first is None:
-            return self._begin(number)
+            if self._loud < self._onset:
+                return None
+            self._first = max(self._free, number - self._loud + 1 - self._pre, 0)
+            self._quiet = 0
+            return SpeechStart(self._first)
         if self._quiet >= self._hang:
             return self._end(self._first, number, cut=False)
         if self._longest is not None and number - self._first + 1 >= self._longest:
@@ -103,13 +107,6 @@ class Endpointer:
             return None
         self._loud = 0
         return self._end(self._first, self.chunks - 1, cut=True)
-
-    def _begin(self, number: int) -> SpeechStart | None:
-        if self._loud < self._onset:
-            return None
-        self._first = max(self._free, number - self._loud + 1 - self._pre, 0)
-        self._quiet = 0
-        return SpeechStart(self._first)
 
     def _end(self, first: int, last: int, *, cut: bool) -> SpeechEnd:
         self._first = None

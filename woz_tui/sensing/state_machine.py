@@ -94,6 +94,11 @@ class Edge:
     unnamed: bool = False
 
 
+def always(view: ModelView) -> bool:
+    """Of an edge that is taken by hand, or when another participant comes."""
+    return True
+
+
 def _on(event: Event) -> Callable[[ModelView], bool]:
     return lambda view: view.event is event
 
@@ -272,7 +277,7 @@ def edge_to(state: State, to: str) -> Edge:
         known = f" ({leave})" if leave else ""
         raise ValueError(f"{to!r} is neither a state nor an outcome of {state}{known}")
     arrows = (edge for edge in edges if edge.target == to)
-    return next(arrows, Edge(state, State(to), "forced", lambda _: True, "{reason}"))
+    return next(arrows, Edge(state, State(to), "forced", always, "{reason}"))
 
 
 _FROM: dict[State, tuple[Edge, ...]] = {

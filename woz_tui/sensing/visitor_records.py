@@ -213,8 +213,6 @@ def owner_of(people: People, text: str) -> Visitor | None:
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True):
-    """The whole file."""
-
     format: str
     version: int
     visitors: list[Visitor]

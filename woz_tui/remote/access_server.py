@@ -69,14 +69,8 @@ _REFUSED_AGAIN_S = 30.0
 log = logging.getLogger(__name__)
 
 
-def _http_log() -> logging.Logger:
-    """Where failures of ours are told. What is no request at all is answered, and no failure."""
-    found = logging.getLogger(f"{__name__}.http")
-    found.addFilter(_is_ours)
-    return found
-
-
 def _is_ours(record: logging.LogRecord) -> bool:
+    """Whether it tells a failure of ours: what is no request at all is answered, and none."""
     raised = record.exc_info[1] if record.exc_info else None
     return not isinstance(raised, HttpProcessingError)
 
@@ -182,11 +176,13 @@ class AccessServer:
         application.add_routes(
             [web.get("/session", self._serve_session), web.get("/clock", self._serve_clock)]
         )
+        http_log = log.getChild("http")
+        http_log.addFilter(_is_ours)
         self._runner = web.AppRunner(
             application,
             access_log=None,
             handle_signals=False,
-            logger=_http_log(),
+            logger=http_log,
             lingering_time=0,  # whoever sends a body, which nothing here takes, is cut off
         )
         await self._runner.setup()

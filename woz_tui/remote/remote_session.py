@@ -147,7 +147,10 @@ class RemoteSession:
                     self._usable.set()
                     announce(socket=str(self._path), name=hello["name"], role=hello["role"])
                     try:
-                        await self._keep_asking(clock)
+                        while True:
+                            async with asyncio.timeout(_ANSWER_S):
+                                await self._ask(clock)
+                            await asyncio.sleep(_ASK_S)
                     finally:
                         self._usable.clear()
                         server.close()
@@ -161,12 +164,6 @@ class RemoteSession:
                 raise RemoteSessionError(why.format(self._address)) from None
             finally:
                 await end_tasks(*self._open)
-
-    async def _keep_asking(self, clock: aiohttp.ClientWebSocketResponse[bool]) -> None:
-        while True:
-            async with asyncio.timeout(_ANSWER_S):
-                await self._ask(clock)
-            await asyncio.sleep(_ASK_S)
 
     async def _ask(self, clock: aiohttp.ClientWebSocketResponse[bool]) -> None:
         sent = self._clock.boot_us()

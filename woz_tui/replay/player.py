@@ -30,7 +30,7 @@ from woz_tui.protocol.requests import (
 )
 from woz_tui.protocol.welcome import ReplayedLog
 from woz_tui.replay.bookmarks import Bookmark
-from woz_tui.replay.recording import Recording, thinned
+from woz_tui.replay.recording import Recording, kind_of, thinned
 from woz_tui.replay.seek import ReplayError, seek_time
 from woz_tui.session.recent_messages import MOST
 from woz_tui.session.session_plan import panels_changed, welcome
@@ -99,7 +99,6 @@ class ReplayPlayer:
 
     @property
     def still(self) -> bool:
-        """Whether time stands still."""
         return self.paused or self.ended
 
     # -- playing -----------------------------------------------------------------------------
@@ -143,10 +142,14 @@ class ReplayPlayer:
         lines += map(self._as_event, codes)
         if samples:
             lines = sorted([*lines, *samples], key=_number)
-        return [each for line in lines for each in _incoming(line)]
+        told: list[Incoming] = []
+        for line in lines:
+            told.append(line)
+            if isinstance(line, m.SessionPlan):
+                told.append(panels_changed(line))
+        return told
 
     def _restart_at(self, t: int, now: int) -> list[Incoming]:
-        """Begin anew at `t`."""
         recording = self.recording
         self.t = max(recording.begin_us, min(t, recording.length_us))
         self._index = recording.index(self.t)
@@ -305,19 +308,13 @@ class ReplayPlayer:
         t = max(self.t, self.recording.times[number])
         told = self._lines(number + 1, t)
         self._index, self.t = number + 1, t
-        line = self.recording.lines[number]
-        kind = line.get("kind") if isinstance(line, dict) else line.__struct_config__.tag
-        return {"kind": str(kind), "t": t}, [*told, *self._status(now)]
+        kind = kind_of(self.recording.lines[number])
+        return {"kind": kind, "t": t}, [*told, *self._status(now)]
 
 
 def _number(line: Incoming) -> int:
     number = line.get("seq", -1) if isinstance(line, dict) else getattr(line, "seq", -1)
     return number if isinstance(number, int) else -1
-
-
-def _incoming(line: Incoming) -> list[Incoming]:
-    """The line, and the message that a console gets with it."""
-    return [line, panels_changed(line)] if isinstance(line, m.SessionPlan) else [line]
 
 
 def _raw(messages: Sequence[m.Message]) -> list[msgspec.Raw]:

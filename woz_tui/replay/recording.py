@@ -152,16 +152,15 @@ class Recording:
 
     @cached_property
     def _log_bookmarks(self) -> list[Bookmark]:
-        return bookmarks_of(self._find_bookmarks())
-
-    def _find_bookmarks(self) -> Iterator[Bookmark | None]:
         state = SessionState()
+        found: list[Bookmark | None] = []
         for line, t in zip(self.lines, self.times, strict=True):
-            yield bookmark_of(line, t)
+            found.append(bookmark_of(line, t))
             if isinstance(line, _OF_MODEL):
                 for episode in state.apply(line):
                     if isinstance(episode, EngagementEpisode) and episode.end is None:
-                        yield Bookmark(t, "engagement", state.model.state)
+                        found.append(Bookmark(t, "engagement", state.model.state))
+        return bookmarks_of(found)
 
     def cuts(self, most_us: int | None) -> IdleCuts:
         """What is left out where nothing happens for longer than `most_us`."""
@@ -177,7 +176,7 @@ class Recording:
     def step(self, index: int) -> int:
         """The next line from `index` on at which a step stops; their number if there is none."""
         for number in range(index, len(self.lines)):
-            if _kind(self.lines[number]) not in _HOUSEKEEPING:
+            if kind_of(self.lines[number]) not in _HOUSEKEEPING:
                 return number
         return len(self.lines)
 
@@ -258,11 +257,9 @@ class _RedactedSamples:
         self.length_us = samples.length_us
 
     def between(self, after_us: int, until_us: int) -> Iterable[m.Message]:
-        """See `SampleSource`."""
         return self._redacted(self._samples.between(after_us, until_us))
 
     def at(self, t_us: int) -> Iterable[m.Message]:
-        """See `SampleSource`."""
         return self._redacted([*self._samples.at(t_us)], t_us)
 
     def _redacted(self, samples: Iterable[m.Message], t_us: int = -1) -> Iterator[m.Message]:
@@ -318,7 +315,8 @@ def _revealed(line: RecordedLine) -> RecordedLine:
     return line
 
 
-def _kind(line: RecordedLine) -> str:
+def kind_of(line: RecordedLine) -> str:
+    """The kind of a line, also of one that this version does not know."""
     if isinstance(line, Mapping):
         return str(line.get("kind"))
     return str(line.__struct_config__.tag)

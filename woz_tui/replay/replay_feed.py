@@ -77,7 +77,8 @@ class ReplayFeed:
         while True:
             with self._news:
                 if not self._requests and not self._closed:
-                    self._news.wait(self._timeout_s(more))
+                    idle = None if self._player.still else TICK_S
+                    self._news.wait(AHEAD_S if more else idle)
                 if self._closed:
                     return
                 asked = [*self._requests]
@@ -96,13 +97,5 @@ class ReplayFeed:
             self._player.paused = True
             text = f"the replay failed: {type(error).__name__}: {error}"
             batch = [Notice(level="error", text=text, t=self._player.t)]
-        self._deliver(batch)
-
-    def _timeout_s(self, more: bool) -> float | None:
-        if more:
-            return AHEAD_S
-        return None if self._player.still else TICK_S
-
-    def _deliver(self, batch: list[Incoming]) -> None:
         if batch and not self._closed:
             self._on_messages(batch)

@@ -14,7 +14,6 @@ from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TypeGuard
 
 import msgspec
 
@@ -95,12 +94,10 @@ class RerunPlan:
 
     @cached_property
     def sent(self) -> tuple[RerunStep, ...]:
-        """What is sent again."""
         return tuple(step for step in self.steps if not step.skip)
 
     @cached_property
     def skipped(self) -> tuple[RerunStep, ...]:
-        """What is not."""
         return tuple(step for step in self.steps if step.skip)
 
     @cached_property
@@ -159,15 +156,15 @@ def plan_of(path: Path) -> RerunPlan:
         seed=start.seed if start else 0,
         sha256=digest.hexdigest(),
         steps=tuple(sorted(steps, key=lambda step: (step.at, step.command.seq))),
-        marks=tuple(each for each in messages if _is_mark(each)),
+        marks=tuple(
+            message
+            for message in messages
+            if isinstance(message, m.Marker) and message.source not in _OWN_MARKS
+        ),
         stops=len(presses),
         ended=timeline.state.end is not None,
         damage=tuple(damage.sentences()),
     )
-
-
-def _is_mark(message: m.Message) -> TypeGuard[m.Marker]:
-    return isinstance(message, m.Marker) and message.source not in _OWN_MARKS
 
 
 def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[RerunStep]:
@@ -226,15 +223,11 @@ def _step(command: CommandEpisode) -> RerunStep:
             request, at, end=kind, skip=f"refused in the log: {ended.reason or ended.code}"
         )
     if began is None:
-        return RerunStep(request, at, end=kind, skip=_never(ended))
+        reason = "the log ends before" if ended is None else ended.reason
+        if isinstance(ended, m.Superseded):
+            reason = "it was replaced"
+        return RerunStep(request, at, end=kind, skip=f"it never began: {reason}".removesuffix(": "))
     return RerunStep(request, at, cut, why, kind, skip=_senseless(request))
-
-
-def _never(end: m.End | None) -> str:
-    reason = "the log ends before" if end is None else end.reason
-    if isinstance(end, m.Superseded):
-        reason = "it was replaced"
-    return f"it never began: {reason}" if reason else "it never began"
 
 
 def _senseless(command: m.Command) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from woz_tui.replay.bookmarks import Bookmark
 from woz_tui.replay.recording import Recording
@@ -51,7 +52,7 @@ def seek_time(text: str, recording: Recording, now: int) -> int:
         if t > recording.length_us:
             raise ReplayError(f"the session is {elapsed(recording.length_us)} long")
         return t
-    mark = _named(wanted.casefold(), recording.marks, now)
+    mark = _named(word, recording.marks, now)
     if mark is None:
         raise ReplayError(f"there is no {wanted!r} in this log", "press g for the list")
     return mark.t
@@ -70,13 +71,8 @@ def _beside(marks: Sequence[Bookmark], now: int, *, later: bool) -> int:
 def _named(wanted: str, marks: Sequence[Bookmark], now: int) -> Bookmark | None:
     if not wanted:
         return None
-    tests: tuple[Callable[[str], bool], ...] = (
-        lambda text: text == wanted,
-        lambda text: text.startswith(wanted),
-        lambda text: wanted in text,
-    )
-    for test in tests:
-        found = [mark for mark in marks if test(mark.text.casefold())]
+    for fits in (operator.eq, str.startswith, operator.contains):
+        found = [mark for mark in marks if fits(mark.text.casefold(), wanted)]
         if found:
             return next((mark for mark in found if mark.t > now), found[0])
     return None

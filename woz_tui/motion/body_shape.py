@@ -42,14 +42,10 @@ class Ranged(Protocol):
     """A joint's range."""
 
     @property
-    def min(self) -> float:
-        """Lowest angle."""
-        ...
+    def min(self) -> float: ...
 
     @property
-    def max(self) -> float:
-        """Highest angle."""
-        ...
+    def max(self) -> float: ...
 
 
 def _outside(path: str, joint: Ranged, angle: float | None) -> Iterator[tuple[str, str]]:

@@ -16,7 +16,7 @@ from woz_tui.motion.body_feeds import BodyState, Sighting
 from woz_tui.motion.body_shape import BodyShape, JointShape
 from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS, body_verbs
 from woz_tui.motion.control_scales import FACE
-from woz_tui.motion.engine_io import EndedInput, InputResult, Tick
+from woz_tui.motion.engine_io import InputResult, Tick
 from woz_tui.motion.face_control import FaceControl
 from woz_tui.motion.face_drawing import FaceState, draw, prepare
 from woz_tui.motion.joint_control import ARRIVED, JointController, known_angles, start_pose
@@ -127,8 +127,8 @@ class Engine:
         self._safety = Safety(shape.joints, {**pose, **known_angles(shape, present)})
         self._pose_filter = PoseFilter(shape.joints, pose)
         self._joint_controller = JointController(shape, self._pose_filter, pose)
-        self._face = face = FaceControl(seed)
-        self._personality = personality = CurrentPersonality(shape.personality, shape.personalities)
+        self._face = FaceControl(seed, self._token)
+        self._personality = CurrentPersonality(shape.personality, shape.personalities)
         self._tokens = 0
         #: Seconds since the engine began, as of the last tick.
         self._now = 0.0
@@ -142,10 +142,10 @@ class Engine:
             "joints": self._joints,
             "control": self._control,
             "mode": self._mode,
-            "personality": lambda args: InputResult(personality.become(args)),
+            "personality": self._personality.become,
             "breathing": self._breathing,
-            "emotion": lambda args: face.show(args, self._token),
-            "affect": lambda args: face.show_affect(args["valence"], args["arousal"]),
+            "emotion": self._face.show,
+            "affect": self._affect,
             "look": self._eyes_to,
             "brightness": self._brightness,
             "blink": self._blink,
@@ -419,14 +419,14 @@ class Engine:
             return InputResult({"mode": mode.value})
         # What begins goes on from where everything is: the primary is made first, it may refuse.
         primary = self._primary(mode)
-        self._face.stop(f"replaced by {mode.value}")
+        self._face.end_crash(f"replaced by {mode.value}")
         self._face.begin_overlay()
         self._joint_controller.enter(mode, primary)
         return InputResult({"mode": mode.value})
 
     def _end_activities(self, why: str) -> None:
         """End what the stop ends besides the source of the pose."""
-        self._face.stop(why)
+        self._face.end_crash(why)
         self._face.begin_overlay()
         if self._joint_controller.mode is Mode.SACCADE:
             self._centre_eyes()
@@ -451,6 +451,9 @@ class Engine:
         return MovePlayback(move, self._shape, 1.0, 1.0, 0, own_pace=True)
 
     # -- face and ways --------------------------------------------------------------------------
+
+    def _affect(self, args: Args) -> InputResult:
+        return self._face.show_affect(args["valence"], args["arousal"])
 
     def _eyes_to(self, args: Args) -> InputResult:
         answer = self._face.look_at(args["x"], args["y"])
@@ -492,6 +495,8 @@ class Engine:
         controller, face = self._joint_controller, self._face
         self._draw(dt)
         emotion, intensity = face.shown
+        notices, self._notices = (*self._notices, *controller.notices), []
+        controller.notices.clear()
         return Tick(
             t=self._t or 0.0,
             joints=self._safety.last,
@@ -502,10 +507,10 @@ class Engine:
             face=self._frame,
             brightness=face.brightness,
             move=controller.move,
-            ended=self._ended(),
+            ended=(*controller.ended(), *face.ended()),
             stroke=controller.stroke(),
             cues=controller.cues(),
-            notices=self._take_notices(),
+            notices=notices,
         )
 
     def _advance(self, t: float) -> float:
@@ -598,14 +603,6 @@ class Engine:
             new = {name: why for name, why in rejected.items() if name not in self._rejected}
             self._rejected = frozenset(rejected)
             self._notices += [f"{name} stays where it is: {why}" for name, why in new.items()]
-
-    def _ended(self) -> tuple[EndedInput, ...]:
-        return (*self._joint_controller.ended(), *self._face.ended())
-
-    def _take_notices(self) -> tuple[str, ...]:
-        notices, self._notices = [*self._notices, *self._joint_controller.notices], []
-        self._joint_controller.notices.clear()
-        return tuple(notices)
 
     # -- what is known --------------------------------------------------------------------------
 

@@ -80,9 +80,15 @@ _NO_CHANGE = FaceChange()
 
 
 class FaceControl:
-    """The state of one face; `seed` is that of its blinks."""
+    """The state of one face.
 
-    def __init__(self, seed: int) -> None:
+    Args:
+        seed: Of its blinks.
+        token: Names the next input that takes time.
+    """
+
+    def __init__(self, seed: int, token: Callable[[], int]) -> None:
+        self._token = token
         self.emotion = NEUTRAL
         self.intensity = 1.0  # of the next emotion, while it is neutral
         self.valence, self.arousal = 0.0, 0.0
@@ -102,16 +108,16 @@ class FaceControl:
 
     # -- what people write ----------------------------------------------------------------------
 
-    def show(self, args: Mapping[str, Any], token: Callable[[], int]) -> InputResult:
+    def show(self, args: Mapping[str, Any]) -> InputResult:
         """Verb `emotion`. A breakdown plays and leads back to the emotion from before; it takes
-        time, so it gets a `token`.
+        time, so it gets a token.
         """
         emotion, intensity = args["emotion"], args.get("intensity", self.intensity)
         self._touched |= {"emotion", "intensity"}
-        self._end_crash(f"replaced by {emotion}")
+        self.end_crash(f"replaced by {emotion}")
         sent: dict[str, Json] = {"emotion": emotion, "intensity": intensity}
         if emotion == CRASH:
-            self._crash, self._crash_token = 0.0, token()
+            self._crash, self._crash_token = 0.0, self._token()
             return InputResult(sent, self._crash_token, CRASH_S)
         self._set_emotion(emotion, intensity)
         return InputResult(sent)
@@ -120,7 +126,7 @@ class FaceControl:
         """Verb `affect`: an emotion as a mood."""
         emotion, intensity = affect_emotion(valence, arousal)
         self._touched |= {"emotion", "intensity"}
-        self._end_crash("replaced by a mood")
+        self.end_crash("replaced by a mood")
         self._set_emotion(emotion, self.intensity if emotion == NEUTRAL else intensity)
         self.valence, self.arousal = valence, arousal
         return InputResult(
@@ -128,7 +134,6 @@ class FaceControl:
         )
 
     def look_at(self, x: float, y: float) -> InputResult:
-        """Verb `look_at`."""
         self._touched |= {"x", "y"}
         self.x, self.y = x, y
         return InputResult({"x": x, "y": y})
@@ -157,17 +162,18 @@ class FaceControl:
         return self._blinks.blinking
 
     def blink(self) -> None:
-        """Verb `blink`."""
         self._blinks.begin()
 
-    def stop(self, why: str) -> None:
-        """End a breakdown."""
-        self._end_crash(why)
+    def end_crash(self, why: str) -> None:
+        """End a breakdown, if there is one."""
+        if self._crash is not None:
+            self._ended.append(EndedInput(self._crash_token, why))
+            self._crash = None
 
     def drop(self, token: int, why: str) -> None:
         """End a breakdown if it has this token."""
         if token == self._crash_token:
-            self._end_crash(why)
+            self.end_crash(why)
 
     def rest(self) -> None:
         """Open the eyes and drop the overlay."""
@@ -178,11 +184,6 @@ class FaceControl:
     def _set_emotion(self, emotion: str, intensity: float) -> None:
         self.emotion, self.intensity = emotion, intensity
         self.valence, self.arousal = emotion_affect(emotion, intensity)
-
-    def _end_crash(self, why: str) -> None:
-        if self._crash is not None:
-            self._ended.append(EndedInput(self._crash_token, why))
-            self._crash = None
 
     # -- what moves and modes want --------------------------------------------------------------
 
@@ -228,7 +229,7 @@ class FaceControl:
         if self._crash is not None:
             self._crash += dt
             if self._crash >= CRASH_S:
-                self._end_crash("")
+                self.end_crash("")
         wished = (
             self._overlay.face or _NO_CHANGE
         ).emotion == CRASH and "emotion" not in self._touched

@@ -88,7 +88,10 @@ class _Reader:
     # -- by hand ------------------------------------------------------------------------------
 
     def _written(self, place: str, read: dict[str, Any]) -> None:
-        hand = self._hand_of(place, read.pop("hand", self._hand.value))
+        named = read.pop("hand", self._hand.value)
+        hand = next((hand for hand in Operator if hand.value == named), None)
+        if hand is None:
+            raise InputLineError(f'{place}: "hand" is wizard or program, not {_quoted(named)}')
         verb = read.pop("input", None)
         if verb is None and not read.keys() - {"t"}:
             self._hand = hand
@@ -108,13 +111,6 @@ class _Reader:
             raise InputLineError(f"{place}: t {t:g} lies before {self._last:g}, which stands above")
         self._last = t
         self._found.append(Input(self._last, verb, read, hand, place))
-
-    @staticmethod
-    def _hand_of(place: str, value: object) -> Operator:
-        for hand in Operator:
-            if value == hand.value:
-                return hand
-        raise InputLineError(f'{place}: "hand" is wizard or program, not {_quoted(value)}')
 
     # -- a session's log ------------------------------------------------------------------------
 

@@ -294,7 +294,12 @@ class _LayerTracks:
         for role, track in self.roles.items():
             mixed.roles[role] = self._over(mixed.roles.get(role, 0.0), track.at(place))
         for joint, track in self.joints.items():
-            self._joint(mixed, joint, track.at(place))
+            value = track.at(place)
+            if self.relative:
+                mixed.joints[joint] = self._over(mixed.joints.get(joint, 0.0), value)
+            else:
+                below = mixed.places.get(joint, value)
+                mixed.places[joint] = _blended(below, value, self.share)
         emotion = self.emotions.at(place)
         if emotion is not None:
             mixed.emotion = emotion
@@ -302,13 +307,6 @@ class _LayerTracks:
             if place >= track.begins:
                 below = mixed.features.get(feature, FEATURES[feature])
                 mixed.features[feature] = _blended(below, track.at(place), self.share)
-
-    def _joint(self, mixed: _LayerMix, joint: str, value: float) -> None:
-        if self.relative:
-            mixed.joints[joint] = self._over(mixed.joints.get(joint, 0.0), value)
-            return
-        below = mixed.places.get(joint, value)
-        mixed.places[joint] = _blended(below, value, self.share)
 
     def _over(self, below: float, value: float) -> float:
         if self.replaces:

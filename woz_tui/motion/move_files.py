@@ -73,8 +73,6 @@ _SAMPLE = re.compile(r"[-+]?(\d{1,9}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?
 
 @dataclass(frozen=True, slots=True)
 class RoleAngles(Section):
-    """Angles by role."""
-
     pan: Annotated[float | None, ANGLES, Doc("degrees to its left")] = None
     nod: Annotated[float | None, ANGLES, Doc("degrees down")] = None
     lean: Annotated[float | None, ANGLES, Doc("degrees up and back; negative: forward")] = None
@@ -189,7 +187,11 @@ class MoveLayerReader:
             at.error(f"write either {unit}, from the frame before, or at, from the beginning")
             return None
         if at is not None:
-            return self._moment(at, before, first=first)
+            moment = self._duration(at)
+            if moment is not None and moment <= before and not (first and moment >= 0):
+                at.error(f"{moment:g} is not after the frame before, which is at {before:g}")
+                return None
+            return None if moment is None else round(moment, PLACE_DECIMALS)
         if took is None:
             missing(table, unit, cursor, "how long it takes from the frame before")
             return None
@@ -198,13 +200,6 @@ class MoveLayerReader:
             took.error("must be more than 0; only the first frame may be at the very beginning")
             return None
         return None if length is None else round(before + length, PLACE_DECIMALS)
-
-    def _moment(self, cursor: Cursor, before: float, *, first: bool) -> float | None:
-        at = self._duration(cursor)
-        if at is None or (first and at >= 0) or at > before:
-            return None if at is None else round(at, PLACE_DECIMALS)
-        cursor.error(f"{at:g} is not after the frame before, which is at {before:g}")
-        return None
 
     def _duration(self, cursor: Cursor) -> float | None:
         return read_number(cursor, LENGTHS) if self._beats else read_seconds(cursor, LENGTHS)
@@ -302,17 +297,13 @@ def _lists(
 
 def _numbers(cursor: Cursor, allowed: Range) -> tuple[float, ...]:
     """A list of numbers, or a text of numbers with blanks between them."""
-    if not isinstance(cursor.node, ListNode):
-        return _written(cursor, read_text(cursor, "numbers") or "", allowed)
-    if not cursor.node.nodes:
-        cursor.error("no number stands here")
-    read_source = [read_number(entry, allowed) for entry in cursor.items()]
-    return tuple(number for number in read_source if number is not None)
-
-
-def _written(cursor: Cursor, text: str, allowed: Range) -> tuple[float, ...]:
+    if isinstance(cursor.node, ListNode):
+        if not cursor.node.nodes:
+            cursor.error("no number stands here")
+        numbers = [read_number(entry, allowed) for entry in cursor.items()]
+        return tuple(number for number in numbers if number is not None)
     values = []
-    for index, word in enumerate(text.split()):
+    for index, word in enumerate((read_text(cursor, "numbers") or "").split()):
         number = float(word) if _SAMPLE.fullmatch(word) else None
         if number is None or not allowed.contains(number):
             wrong = "is no number" if number is None else f"is out of range; allowed is {allowed}"

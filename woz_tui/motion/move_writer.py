@@ -34,29 +34,21 @@ def save(move: KeyframeMove, path: Path, shape: BodyShape) -> None:
     same move, if the disk does not take it.
     """
     if path.exists():
-        _must_be_a_move(path, shape)
+        try:
+            read_move(path, shape)
+        except MoveFileError as error:
+            raise WriteError(
+                f"{path} is there and is no move file that can be read: {error.problems[0]}",
+                "mend it, or choose another name",
+            ) from error
     text = move_text(move, path.parent)
     if len(text.encode()) > MAX_BYTES:
         raise WriteError(
             f"the move needs more than {MAX_BYTES >> 20} MiB",
             "record in shorter pieces, or with a lower rate",
         )
-    _replace(path, text, move, shape)
-
-
-def _must_be_a_move(path: Path, shape: BodyShape) -> None:
     try:
-        read_move(path, shape)
-    except MoveFileError as error:
-        raise WriteError(
-            f"{path} is there and is no move file that can be read: {error.problems[0]}",
-            "mend it, or choose another name",
-        ) from error
-
-
-def _replace(path: Path, text: str, move: KeyframeMove, shape: BodyShape) -> None:
-    """Into a file beside it, which takes its place when it is whole on the disk."""
-    try:
+        # Into a file beside it, which takes its place when it is whole on the disk.
         with replacing(path, text) as fresh:
             if read_move(fresh, shape) != move:
                 raise WriteError("the file would not mean the same move", "please report this")

@@ -14,6 +14,7 @@ from woz_tui.drivers.fields import Doc, Range
 from woz_tui.motion.body_shape import Personality
 from woz_tui.motion.control_scales import TRAITS
 from woz_tui.motion.easing import GlidingValue
+from woz_tui.motion.engine_io import InputResult
 from woz_tui.protocol.messages import Json
 
 #: How fast changed sizes glide, 1/s: by 95 % in 0.6 s, and a pose at the end of a range of 180
@@ -64,14 +65,14 @@ class CurrentPersonality:
         """All traits as they are set."""
         return dict(self._traits)
 
-    def become(self, args: Mapping[str, Any]) -> dict[str, Json]:
-        """Verb `personality`: a named set, single traits, or both; returns what was taken."""
+    def become(self, args: Mapping[str, Any]) -> InputResult:
+        """Verb `personality`: a named set, single traits, or both."""
         name = args["name"]
         taken = asdict(self._named[name]) if name else {}
         taken |= {trait: args[trait] for trait in NAMES if trait in args}
         self._traits.update(taken)
         self.name = name or self.name
-        return {"name": name, **taken} if name else taken
+        return InputResult({"name": name, **taken} if name else taken)
 
     def turn(self, trait: str, place: float) -> None:
         """Move the knob of a trait."""

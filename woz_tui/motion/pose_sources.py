@@ -86,9 +86,6 @@ class ObjectTracker:
             self._turn_to(*sighting)
         if self._joy is not None and unseen <= _GAP_S:
             self._joy = min(1.0, self._joy + elapsed / self._settings.happy_in)
-        return self._tracked(unseen, elapsed)
-
-    def _tracked(self, unseen: float, elapsed: float) -> TrackingResult:
         sad, home = self._settings.sad_after, self._settings.home_after
         if unseen >= home:
             self._goal = dict(self._home)

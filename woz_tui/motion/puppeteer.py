@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.builtin_moves import BUILT_IN
@@ -111,33 +112,31 @@ class RecordedTake:
 
 def with_layer(move: KeyframeMove, layer: MoveLayer) -> KeyframeMove:
     """With `layer` on top, or in the place of the one of its name."""
-    names = [known.name for known in move.layers]
-    if layer.name not in names:
+    if layer.name not in [known.name for known in move.layers]:
         return replace(move, layers=(*move.layers, layer))
-    return _change_layer(
-        move, layer.name, lambda known: replace(layer, mix=known.mix, share=known.share)
+    layers = (
+        replace(layer, mix=known.mix, share=known.share) if known.name == layer.name else known
+        for known in move.layers
     )
+    return replace(move, layers=tuple(layers))
 
 
 def without_layer(move: KeyframeMove, name: str) -> KeyframeMove:
-    """Without the layer `name`."""
     return replace(move, layers=tuple(layer for layer in move.layers if layer.name != name))
 
 
 def with_muted(move: KeyframeMove, name: str, quiet: bool = True) -> KeyframeMove:
     """With the layer `name` left out, or heard again."""
-    return _change_layer(move, name, lambda layer: replace(layer, muted=quiet))
+    return _with_changed(move, name, muted=quiet)
 
 
 def with_share(move: KeyframeMove, name: str, share: float) -> KeyframeMove:
     """With so much of the layer `name`, 0 to 1."""
-    return _change_layer(move, name, lambda layer: replace(layer, share=min(1.0, max(0.0, share))))
+    return _with_changed(move, name, share=min(1.0, max(0.0, share)))
 
 
-def _change_layer(
-    move: KeyframeMove, name: str, change: Callable[[MoveLayer], MoveLayer]
-) -> KeyframeMove:
-    layers = (change(layer) if layer.name == name else layer for layer in move.layers)
+def _with_changed(move: KeyframeMove, name: str, **changes: Any) -> KeyframeMove:
+    layers = (replace(one, **changes) if one.name == name else one for one in move.layers)
     return replace(move, layers=tuple(layers))
 
 

@@ -146,7 +146,9 @@ class SequenceChecker(Generic[N]):
         if not batch:
             return batch
         if self._gaps and numbers[-1] - before != len(numbers):
-            self._count_gaps([before, *numbers])
+            for one, following in pairwise([before, *numbers]):
+                if following > one + 1:
+                    self._damage.gap(one + 1, following - 1)
         times = list(map(t_of, batch))
         if self._last is not None:
             times.insert(0, self._last.t)
@@ -171,11 +173,5 @@ class SequenceChecker(Generic[N]):
                 self._damage.conflicting += 1
         return new
 
-    def _count_gaps(self, numbers: list[int]) -> None:
-        for before, number in pairwise(numbers):
-            if number > before + 1:
-                self._damage.gap(before + 1, number - 1)
-
     def end(self) -> None:
-        """Finish counting."""
         self._damage.lineless = self._last is None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -127,7 +128,9 @@ def _judge(line: LogLine, damage: Damage) -> None:
 
 def decode(raw: bytes) -> LogLine | None:
     """A line, with `seq` -1 if it opens a segment; None if it is no message."""
-    message = _message(raw)
+    message: Message | None = None
+    with suppress(codec.WireError):
+        message = codec.decode_message(raw)
     try:
         raw.decode()
         fields = codec.decode_unknown(raw)
@@ -148,13 +151,6 @@ def decode(raw: bytes) -> LogLine | None:
     elif seq < 0 or t < 0:
         return None
     return LogLine(seq, t, ts, kind, fields, raw, message)
-
-
-def _message(raw: bytes) -> Message | None:
-    try:
-        return codec.decode_message(raw)
-    except codec.WireError:
-        return None
 
 
 def chunks_of(

@@ -109,7 +109,9 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
         source = _open(path, opened)
         index = read_index(path, source) if indexed and source is not None else None
         if source is not None and index and weave.passes(index):
-            _headed(path, source, index[0].offset, found.damage)
+            # The line with which a further segment begins stands before the first block.
+            head = _piece(source, index[0].offset, 0)
+            items_in(LineChunk(path, 0, head), found.damage)
             found.blocks += map(partial(_indexed, source), index)
             continue
         for chunk in chunks_of(path, found.damage, block, sizes.get(path)):
@@ -125,11 +127,6 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
             builder.leave(path, source.fileno())
     weave.end()
     return found
-
-
-def _headed(path: Path, source: BinaryIO, size: int, damage: Damage) -> None:
-    """Account for the line with which a further segment begins."""
-    items_in(LineChunk(path, 0, _piece(source, size, 0)), damage)
 
 
 def _indexed(source: BinaryIO, entry: IndexEntry) -> SampleBlock:
@@ -241,14 +238,13 @@ def _copied(files: LogFiles, block: int) -> LogScan:
             found.actions += [item for item in batch if not is_sample(item)]
         if samples:
             times = list(map(t_of, samples))
-            packed = zlib.compress(codec.encode_lines(map(_written, samples)), 1)
+            lines = (
+                msgspec.Raw(item.raw) if isinstance(item, LogLine) else item for item in samples
+            )
+            packed = zlib.compress(codec.encode_lines(lines), 1)
             read = partial(zlib.decompress, packed)
             found.blocks.append(SampleBlock(read, min(times), max(times), last_samples(samples)))
     return found
-
-
-def _written(item: LogItem) -> msgspec.Struct | msgspec.Raw:
-    return msgspec.Raw(item.raw) if isinstance(item, LogLine) else item
 
 
 __all__ = ["LogIndex", "SampleState"]

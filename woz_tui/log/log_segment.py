@@ -45,20 +45,16 @@ class UnsyncedLines:
         self.lost = 0
 
     def push(self, line: bytes, at_us: int) -> None:
-        """Add one line."""
         self._entries.append(UnsyncedLine(at_us, line))
         self._size += len(line)
         self.last += 1
         while self._size > self._limit:
-            self._forget_oldest()
-
-    def _forget_oldest(self) -> None:
-        number = self.last - len(self._entries) + 1
-        self._size -= len(self._entries.popleft().line)
-        if number > self._taken:
-            self.lost += 1
-        else:
-            self._forgotten += 1
+            oldest = self.last - len(self._entries) + 1
+            self._size -= len(self._entries.popleft().line)
+            if oldest > self._taken:
+                self.lost += 1
+            else:
+                self._forgotten += 1
 
     def confirm(self, number: int, now_us: int) -> None:
         """Lines up to `number` are on the disk, as of now."""

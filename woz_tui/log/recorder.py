@@ -144,11 +144,11 @@ class FileSeries:
             return self.places
         return [place for place in self.places if place != left] + [left]
 
-    def create(self, folder: Path, make: Callable[[FileName], OpenSegment]) -> OpenSegment:
+    def create(self, folder: Path, make: Callable[[Path, FileName], OpenSegment]) -> OpenSegment:
         """New files in `folder` under the next name that is free there. Raises `OSError`."""
         for _ in range(_MOST_NAMES):
             try:
-                new = make(FileName(self._stem, self._number))
+                new = make(folder, FileName(self._stem, self._number))
             except FileExistsError:
                 self._skip()
                 continue
@@ -467,7 +467,12 @@ class Recorder:
         with self._lock:
             if time.monotonic() < self._retry_at:
                 return
-            reason = self._reason or self._stalled()
+            now_us = self._clock.now_us()
+            waited = min(self._backlogs[ACTIONS].age_us(now_us), now_us - self._opened_us)
+            reason = self._reason
+            if not reason and waited >= self._stall_us:
+                self._stall_us *= 2
+                reason = f"the disk has not responded for {waited // 1_000_000} s"
             if self._writable and not reason:
                 self._failed = ""
                 if self._segment and not self._segment.takes_samples:
@@ -476,14 +481,6 @@ class Recorder:
                 return
         if not self._move_on(reason):
             self._retry_at = time.monotonic() + _RETRY_S
-
-    def _stalled(self) -> str:
-        now_us = self._clock.now_us()
-        waited = min(self._backlogs[ACTIONS].age_us(now_us), now_us - self._opened_us)
-        if waited < self._stall_us:
-            return ""
-        self._stall_us *= 2
-        return f"the disk has not responded for {waited // 1_000_000} s"
 
     def _trouble(self, segment: OpenSegment, reason: str) -> None:
         """The segment's thread has given up; the files may go on taking lines until we move."""
@@ -506,7 +503,11 @@ class Recorder:
             new.start()
             if old is not None:
                 self._left.append(old)
-                old.release(self._rescue, self._closing_line(old, new, reason))
+                with self._lock:
+                    last_line = self._series.header(
+                        old.path, old.number, reason=reason, next_file=new.path, lost=self._lost
+                    )
+                old.release(self._rescue, last_line)
             return True
         with self._lock:
             self._failed = "; ".join(problems)
@@ -515,7 +516,7 @@ class Recorder:
 
     def _open(self, folder: Path, reason: str) -> OpenSegment:
         """A segment in `folder` that holds everything held so far. Raises `OSError`."""
-        new = self._series.create(folder, lambda name: self._make(folder, name))
+        new = self._series.create(folder, self._make)
         try:
             number = self._hand_over(new, reason)
             with self._lock:
@@ -618,12 +619,6 @@ class Recorder:
             unwritten=unwritten,
         )
 
-    def _closing_line(self, old: OpenSegment, new: OpenSegment, reason: str) -> bytes:
-        with self._lock:
-            return self._series.header(
-                old.path, old.number, reason=reason, next_file=new.path, lost=self._lost
-            )
-
     @property
     def _lost(self) -> tuple[int, int]:
         return self._backlogs[ACTIONS].lost, self._backlogs[SAMPLES].lost
@@ -655,14 +650,11 @@ class Recorder:
 
     def _measure(self) -> int:
         now_us = self._clock.now_us()
-        self._health.measure(now_us, self._lag_us(now_us), self._floor(now_us))
+        lag_us, samples_us = (backlog.take_worst_us(now_us) for backlog in self._backlogs)
+        if self._segment is not None and self._segment.takes_samples:
+            lag_us = max(lag_us, samples_us - round(SAMPLES_EVERY_S * 1e6), 0)
+        self._health.measure(now_us, lag_us, self._floor(now_us))
         return now_us
-
-    def _lag_us(self, now_us: int) -> int:
-        actions, samples = (backlog.take_worst_us(now_us) for backlog in self._backlogs)
-        if self._segment is None or not self._segment.takes_samples:
-            return actions
-        return max(actions, samples - round(SAMPLES_EVERY_S * 1e6), 0)
 
     def _floor(self, now_us: int) -> str:
         if self._failed and not self._writable:

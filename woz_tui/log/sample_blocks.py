@@ -175,7 +175,13 @@ class SampleBlocks:
         for block in [*self._blocks[whole:begun], *self._strays]:
             if block.low <= t_us:
                 _join(found, last_samples([each for each in _entries(block) if each.t <= t_us]))
-        return _state(found)
+        said = [
+            last.message() if isinstance(last, QuickReading | QuickEngagement) else last
+            for last in found.values()
+        ]
+        readings = {each.sensor: each for each in said if isinstance(each, Reading)}
+        shown = next((each for each in said if isinstance(each, EngagementShown)), None)
+        return SampleState(readings, shown)
 
     def _before(self, count: int) -> LastSamples:
         """The last sample of each sensor in the first `count` blocks."""
@@ -221,16 +227,6 @@ def _join(found: LastSamples, others: LastSamples) -> None:
         known = found.get(name)
         if known is None or known.seq < last.seq:
             found[name] = last
-
-
-def _state(found: LastSamples) -> SampleState:
-    said = [
-        last.message() if isinstance(last, QuickReading | QuickEngagement) else last
-        for last in found.values()
-    ]
-    readings = {each.sensor: each for each in said if isinstance(each, Reading)}
-    shown = next((each for each in said if isinstance(each, EngagementShown)), None)
-    return SampleState(readings, shown)
 
 
 def _entries(block: SampleBlock) -> Sequence[SampleEntry]:

@@ -13,7 +13,7 @@ says of it.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from itertools import accumulate, pairwise
 from os import fstat, pread
@@ -189,10 +189,7 @@ def _fits(head: _Head, entries: Sequence[IndexEntry], source: BinaryIO) -> bool:
         return False
     if min(entry.size for entry in entries) <= 0:
         return False
-    return head.mtime_ns == status.st_mtime_ns or all(_sums(entries, source))
-
-
-def _sums(entries: Sequence[IndexEntry], source: BinaryIO) -> Iterator[bool]:
-    """Of each block, whether the file still has it."""
-    for entry in entries:
-        yield zlib.crc32(pread(source.fileno(), entry.size, entry.offset)) == entry.crc
+    return head.mtime_ns == status.st_mtime_ns or all(
+        zlib.crc32(pread(source.fileno(), entry.size, entry.offset)) == entry.crc
+        for entry in entries
+    )

@@ -51,7 +51,9 @@ def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
             problems.append(f"{name}: {error.strerror or error}")
             continue
         if not paths:
-            problems.append(_problem(name))
+            folder = Path(name).is_dir()
+            thing = "log in this folder" if folder else "such file, folder, or log of this pattern"
+            problems.append(f"{name}: there is no {thing}")
         for path in paths:
             parsed = FileName.parse(path.name)
             if parsed is None:
@@ -98,12 +100,6 @@ def _paths(name: str, problems: list[str]) -> Iterator[Path]:
     else:
         for each in sorted(glob.glob(name, recursive=True)):  # noqa: PTH207 - absolute ones too
             yield from _paths(each, problems) if Path(each).is_dir() else iter([Path(each)])
-
-
-def _problem(name: str) -> str:
-    if Path(name).is_dir():
-        return f"{name}: there is no log in this folder"
-    return f"{name}: there is no such file, folder, or log of this pattern"
 
 
 def _is_log(path: Path) -> bool:

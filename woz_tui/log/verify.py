@@ -50,7 +50,6 @@ class Verification:
 
     @property
     def sound(self) -> bool:
-        """Whether nothing is wrong."""
         return not self.sentences()
 
     def sentences(self) -> list[str]:

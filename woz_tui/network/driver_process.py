@@ -189,7 +189,6 @@ class ProcessDriver(RemoteDriver):
             self._refused.pop(hand.client, None)
 
     def lose_hand(self, client: str) -> None:
-        """Handed on."""
         self._refused.pop(client, None)
         if self._has_hands and self._bound:
             self._spawn(self._lose_hand(client))

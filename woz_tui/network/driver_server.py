@@ -14,7 +14,7 @@ import secrets
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, TypeVarTuple
 
 import msgspec
 
@@ -65,6 +65,7 @@ _UNSAFE = "/\\\0"
 log = logging.getLogger(__name__)
 
 T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
 
 #: Is given a sentence for whoever looks at this computer.
 Tell = Callable[[str], None]
@@ -187,7 +188,6 @@ class ServedDriver:
         self._send_raw(0, dm.Here(LINK, __version__, self._epoch, self._user))
 
     def attach(self, line: DriverLine) -> None:
-        """Use this line."""
         self._line = line
         line.receive(self._keys[0], self._receive)
 
@@ -226,14 +226,14 @@ class ServedDriver:
 
     async def _stop_alone(self, driver: Driver) -> None:
         try:
-            await self._call("stop", lambda: driver.stop(Scope.ALL))
+            await self._call("stop", driver.stop, Scope.ALL)
         except Exception as error:  # whatever a driver raises
             log.exception("%s did not stop", self.name)
             self._tell(f"{self.name}: it may not have stopped: {error}")
 
-    async def _call(self, what: str, call: Callable[[], Awaitable[T]]) -> T:
+    async def _call(self, what: str, call: Callable[[*Ts], Awaitable[T]], *args: *Ts) -> T:
         """Call the driver; what that begins beside itself is known as this driver's."""
-        return await guarded(call, DriverCall(self.name, what))
+        return await guarded(lambda: call(*args), DriverCall(self.name, what))
 
     async def _let_go(self) -> None:
         """Once for all who ask; of them each may be cancelled, and cuts nothing short."""
@@ -274,10 +274,10 @@ class ServedDriver:
         task.add_done_callback(tasks.discard)
         return task
 
-    def in_loop(self, call: Callable[[], None]) -> None:
+    def in_loop(self, call: Callable[[*Ts], object], *args: *Ts) -> None:
         """Soon, from any thread."""
         with contextlib.suppress(RuntimeError):  # closed: the program ends
-            self._loop.call_soon_threadsafe(call)
+            self._loop.call_soon_threadsafe(call, *args)
 
     # -- sending ---------------------------------------------------------------------------------
 
@@ -294,6 +294,9 @@ class ServedDriver:
             return
         self._sent += kept
         self._send_raw(self._epoch, body, self._sent if kept else 0)
+
+    def _send_soon(self, body: dm.FromDriver) -> None:
+        self.in_loop(self._send, body)
 
     def _send_raw(
         self,
@@ -393,12 +396,7 @@ class ServedDriver:
             case dm.Stop():
                 self._on_stop(body)
             case dm.Invoke() if self._ready:
-                self._enter(
-                    body.id,
-                    None,
-                    body.what,
-                    self._call(body.what, lambda: self._invoke(body)),
-                )
+                self._enter(body.id, None, body.what, self._call(body.what, self._invoke, body))
             case dm.Left(why=why):
                 self.lose(f"the session has ended it ({why})")
             case dm.AskEnded(id=number, ok=ok, why=why) if self._context is not None:
@@ -531,7 +529,7 @@ class ServedDriver:
             return
         self._enter(
             *(command.id, verb, "perform"),
-            self._call(f"perform {verb.name}", lambda: self._perform(driver, verb, command)),
+            self._call(f"perform {verb.name}", self._perform, driver, verb, command),
         )
 
     async def _perform(self, driver: Driver, verb: Verb, command: dm.Perform) -> Json:
@@ -546,7 +544,7 @@ class ServedDriver:
             given = located(verb, args, self._folder)
             job = ServedJob(
                 *(command.command, verb.name, given, command.source),
-                *(command.id, lambda body: self.in_loop(lambda: self._send(body))),
+                *(command.id, self._send_soon),
             )
             return named(codec.plain(await driver.perform(job)))
 
@@ -570,21 +568,17 @@ class ServedDriver:
                 return await asyncio.to_thread(driver.reread, settings, dry_run=dry_run)
             case "close", []:
                 await self._let_go()
-            case _ if self._beside_session:
-                self._invoke_beside(driver, call)
-        return None
-
-    def _invoke_beside(self, driver: Driver, call: dm.Invoke) -> None:
-        match call.what, call.args:
-            case "take_hand", [dict() as told]:
+            case "take_hand", [dict() as told] if self._beside_session:
                 hand = msgspec.convert(told, HandInput)
                 self._hands.add(hand.client)
                 driver.take_hand(hand)
-            case "lose_hand", [str() as client]:
+            case "lose_hand", [str() as client] if self._beside_session:
                 self._hands.discard(client)
                 driver.lose_hand(client)
-            case "move_media", [str() as media] if self._context is not None:
-                self._context.move_media(Path(media))
+            case "move_media", [str() as media] if self._beside_session:
+                if self._context is not None:
+                    self._context.move_media(Path(media))
+        return None
 
     # -- the stop --------------------------------------------------------------------------------
 
@@ -606,7 +600,7 @@ class ServedDriver:
     async def _stop(self, driver: Driver, scope: Scope, number: int) -> None:
         epoch, failure, report = self._epoch, None, None
         try:
-            report = await self._call("stop", lambda: driver.stop(scope))
+            report = await self._call("stop", driver.stop, scope)
         except DriverError as error:
             failure = _failure(error)
         except Exception as error:  # whatever a driver raises

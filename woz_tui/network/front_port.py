@@ -75,7 +75,6 @@ class FrontPort:
         self._take(self._known, connection)
 
     def went(self, connection: _Outside) -> None:
-        """It is over."""
         self._strangers.pop(connection, None)
         self._known.pop(connection, None)
 
@@ -128,21 +127,16 @@ class _Outside(asyncio.Protocol):
             if self._name is None:
                 self._tls.do_handshake()
                 self._name = _common_name(self._tls)
-            self._take(self._tls)
+            self._flush()
+            if self._name in self._port.behind:
+                while piece := self._tls.read(_PIECE):
+                    self._go_on(self._name, piece)
+            self.end()  # nobody is behind it, or the other side has ended it
         except ssl.SSLWantReadError:
             self._flush()
         except ssl.SSLError:
             self._flush()  # the alert that says why
             self.end()
-
-    def _take(self, tls: ssl.SSLObject) -> None:
-        self._flush()
-        if self._name is None or self._name not in self._port.behind:
-            self.end()
-            return
-        while piece := tls.read(_PIECE):
-            self._go_on(self._name, piece)
-        self.end()  # the other side has ended it
 
     def _go_on(self, name: str, data: bytes) -> None:
         self._port.spoke(self)
@@ -188,19 +182,16 @@ class _Outside(asyncio.Protocol):
             self._inside.read_on(False)
 
     def resume_writing(self) -> None:
-        """It does."""
         if self._inside is not None:
             self._inside.read_on(True)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """It is over."""
         self._transport = None
         self._port.went(self)
         if self._inside is not None:
             self._inside.end()
 
     def end(self) -> None:
-        """Close it."""
         if self._transport is not None:
             self._transport.close()
 
@@ -232,7 +223,6 @@ class _Inside(asyncio.Protocol):
             self._transport.write(data)
 
     def data_received(self, data: bytes) -> None:
-        """Hand it on."""
         self._outside.send(data)
 
     def read_on(self, on: bool) -> None:
@@ -248,16 +238,13 @@ class _Inside(asyncio.Protocol):
         self._outside.read_on(False)
 
     def resume_writing(self) -> None:
-        """It does."""
         self._outside.read_on(True)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """It is over."""
         self._transport = None
         self._outside.end()
 
     def end(self) -> None:
-        """Close it."""
         self._ended = True
         if self._transport is not None:
             self._transport.close()

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVarTuple
 
 from woz_tui.drivers.contract import (
     Ask,
@@ -25,6 +24,8 @@ from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import Shown, Speech
 from woz_tui.system.clock import Clock
 
+Ts = TypeVarTuple("Ts")
+
 
 class SessionLine(Protocol):
     """The line to the session, as a context uses it."""
@@ -37,7 +38,7 @@ class SessionLine(Protocol):
     def session_t(self, clock_us: int) -> int:
         """A time of this computer's clock on the axis of the session's messages."""
 
-    def in_loop(self, call: Callable[[], None]) -> None:
+    def in_loop(self, call: Callable[[*Ts], object], *args: *Ts) -> None:
         """Soon, from any thread."""
 
 
@@ -108,7 +109,7 @@ class ServedContext(DriverContext):
 
     def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
         """Have the session carry it out."""
-        self._line.in_loop(functools.partial(self._ask, ask, done))
+        self._line.in_loop(self._ask, ask, done)
 
     def _ask(self, ask: Ask, done: Callable[[bool, str], None] | None) -> None:
         self._asks += 1
@@ -148,15 +149,12 @@ class ServedJob:
     send: Callable[[dm.FromDriver], None]
 
     def expects(self, seconds: float) -> None:
-        """Told to the session."""
         self.send(dm.Expects(self.id, float(seconds)))
 
     def mark(self, sort: str, text: str = "") -> None:
-        """Told to the session."""
         self.send(dm.MarkSent(self.id, sort, text))
 
     def evidence(self, kind: Evidence) -> None:
-        """Told to the session."""
         self.send(dm.EvidenceSaid(self.id, kind))
 
     def goes_on(self) -> Callable[[str], None]:

@@ -203,8 +203,9 @@ class SessionFeeds:
 
     def news(self) -> Iterator[dm.ToDriver]:
         """What is to be sent now."""
-        for topic in (WATCHED, LISTENED):
-            yield from self._wish(topic)
+        for topic, offer in ((WATCHED, PICTURE), (LISTENED, SOUND)):
+            if offer in self._offered:
+                yield from self._wish(topic)
         if VOICE_STATE in self._offered:
             if self._voice is None:
                 self._voice = SoundReader(self._feed_of(VOICE))
@@ -215,7 +216,7 @@ class SessionFeeds:
 
     def _wish(self, topic: str) -> Iterator[dm.ToDriver]:
         now = self._clock.now_us()
-        wish = self._feed_of(topic).latest().value if self._offers(topic) else None
+        wish = self._feed_of(topic).latest().value
         if not isinstance(wish, CameraWatched | SoundListened) or wish.until_us <= now:
             return
         if now >= self._next_us.get(topic, 0):
@@ -225,9 +226,6 @@ class SessionFeeds:
                 yield dm.CameraWanted(until_us, wish.width, wish.rate)
             else:
                 yield dm.SoundWanted(until_us)
-
-    def _offers(self, topic: str) -> bool:
-        return {WATCHED: PICTURE, LISTENED: SOUND}[topic] in self._offered
 
     def take(self, sent: dm.FeedsNamed | dm.PictureSent | dm.SoundSent | dm.VoiceTaken) -> None:
         """What the driver's side has sent."""

@@ -113,7 +113,6 @@ class _Stream(asyncio.Protocol):
         self._full = True
 
     def resume_writing(self) -> None:
-        """It does."""
         self._full = False
         self._flush()
 
@@ -128,7 +127,6 @@ class _Stream(asyncio.Protocol):
     # -- receiving ---------------------------------------------------------------------------
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """It is open."""
         assert isinstance(transport, asyncio.Transport)
         transport.set_write_buffer_limits(0)  # what waits, waits here, where it can be overtaken
         self._transport = transport
@@ -234,7 +232,6 @@ class StreamLine(DriverLine):
         await self._ended.wait()
 
     def lost(self, stream: _Stream) -> None:
-        """A connection is over."""
         if stream is self._stream:
             self._stream = None
             self._ended.set()
@@ -298,7 +295,6 @@ class StreamLine(DriverLine):
     # -- what comes --------------------------------------------------------------------------
 
     def take(self, sort: Sort, key: str, payload: bytes) -> None:
-        """A frame has come."""
         match sort:
             case Sort.PLAIN | Sort.URGENT | Sort.BULKY:
                 if len(payload) <= MOST_BYTES:

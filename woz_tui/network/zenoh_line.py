@@ -243,11 +243,6 @@ def listening(socket: Path, silence_s: float = SILENCE_S) -> ZenohLine:
         raise LineError(f"cannot listen at {socket}: {error}") from None
 
 
-def _host(address: ListenAddress) -> str:
-    host = address.host or "0.0.0.0"
-    return f"[{host}]" if ":" in host else host
-
-
 def connect(address: str, access: AccessFile | None, silence_s: float = SILENCE_S) -> ZenohLine:
     """From a driver's computer to the session at `address`. Blocks for seconds.
 
@@ -256,9 +251,11 @@ def connect(address: str, access: AccessFile | None, silence_s: float = SILENCE_
     zenoh = _module()
     at = ListenAddress.read(address)
     scheme = "tcp" if at.plain else "tls"
+    host = at.host or "0.0.0.0"
+    host = f"[{host}]" if ":" in host else host
     settings: dict[str, Any] = {
         "mode": "client",
-        "connect/endpoints": [f"{scheme}/{_host(at)}:{at.port}"],
+        "connect/endpoints": [f"{scheme}/{host}:{at.port}"],
         "connect/timeout_ms": round(CONNECT_S * 1000),
     }
     if not at.plain:
@@ -282,14 +279,6 @@ def connect(address: str, access: AccessFile | None, silence_s: float = SILENCE_
         raise LineError(f"no session answers at {address}: {error}") from None
 
 
-def _not_named(at: ListenAddress, access: AccessFile) -> LineError:
-    return LineError(
-        f"the session at {at.host}:{at.port} has no driver at {access.name}",
-        f"write `at: {access.name}` beside a driver in its robot file; if it is there, start the"
-        " session anew",
-    )
-
-
 def _examined(at: ListenAddress, access: AccessFile | None) -> LineError | None:
     """Why a connection will not come about, in words that zenoh does not have."""
     try:
@@ -300,7 +289,13 @@ def _examined(at: ListenAddress, access: AccessFile | None) -> LineError | None:
                 # A certificate that is not wanted is refused after the handshake; with one that is,
                 # nobody says anything before we do.
                 there.settimeout(REFUSAL_S)
-                return None if there.recv(1) else _not_named(at, access)
+                if there.recv(1):
+                    return None
+                return LineError(
+                    f"the session at {at.host}:{at.port} has no driver at {access.name}",
+                    f"write `at: {access.name}` beside a driver in its robot file; if it is there,"
+                    " start the session anew",
+                )
     except TimeoutError:
         return None
     except ssl.SSLCertVerificationError as error:

@@ -303,7 +303,8 @@ class BehaviourCalls:
             return None
         main = found.arguments[0] if found.arguments else None
         if not value or main is None:
-            return VerbCall("start", verb, {}, driver) if not value and _complete(found) else None
+            complete = not any(argument.required for argument in found.arguments)
+            return VerbCall("start", verb, {}, driver) if complete and not value else None
         if verb == "play":
             value = self._table.moves.get(value, value)
         args: dict[str, Json] = {main.name: value}
@@ -478,11 +479,6 @@ def _face_parts(behaviour: Behaviour) -> list[tuple[str, Mapping[str, str]]]:
     parts = [("faceLexeme", inner.get("lexeme", {})), ("faceFacs", inner.get("facs", {}))]
     shared = {name: own[name] for name in ("amount", "lexeme", "au") if name in own}
     return [(kind, {**shared, **at}) for kind, at in parts]
-
-
-def _complete(verb: Verb) -> bool:
-    """Whether it can be called without arguments."""
-    return not any(argument.required for argument in verb.arguments)
 
 
 def _same(one: str, other: str) -> bool:

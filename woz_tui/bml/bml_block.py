@@ -316,8 +316,13 @@ class _BlockReader:
         missing = [key for key in REQUIRED_ATTRIBUTES.get(kind, ()) if not element.get(key)]
         if missing:
             return BmlWarning("PARSING_FAILURE", f"{name}: {missing[0]} is missing", about)
-        if kind == "speech" and (reason := _speech_problem(element)):
-            return BmlWarning("PARSING_FAILURE", f"{name}: {reason}", about)
+        if kind == "speech":
+            said, marks = _speech(element)
+            if not said:
+                return BmlWarning("PARSING_FAILURE", f"{name}: there is nothing to say", about)
+            if len(marks) > MOST_MARKS:
+                text = f"{name}: a speech has at most {MOST_MARKS} marks"
+                return BmlWarning("PARSING_FAILURE", text, about)
         return None
 
     # -- constraints -----------------------------------------------------------------------------
@@ -397,13 +402,6 @@ def _relations(
             case _:
                 where = f"{name}: {other} after {first}"
                 yield TimeConstraint("not-later", first, other, where, "", required)
-
-
-def _speech_problem(element: Xml.Element) -> str:
-    text, marks = _speech(element)
-    if not text:
-        return "there is nothing to say"
-    return f"a speech has at most {MOST_MARKS} marks" if len(marks) > MOST_MARKS else ""
 
 
 def _speech(element: Xml.Element) -> tuple[str, dict[str, int]]:

@@ -10,7 +10,7 @@ import contextlib
 from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 from woz_tui.bml.bml_block import NAMESPACE, Behaviour, BmlError, read_block
 from woz_tui.client import WozClient, WozError, WozRefusedError
@@ -40,12 +40,8 @@ class Feedback:
         """As XML; `top`: with the namespace."""
         given = {"xmlns": NAMESPACE, **self.attributes} if top else self.attributes
         said = "".join(f" {name}={quoteattr(value)}" for name, value in given.items())
-        inside = _escaped(self.text) + "".join(each.xml(top=False) for each in self.inner)
+        inside = escape(self.text) + "".join(each.xml(top=False) for each in self.inner)
         return f"<{self.name}{said}>{inside}</{self.name}>" if inside else f"<{self.name}{said}/>"
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 @dataclass(eq=False, slots=True)

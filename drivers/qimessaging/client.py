@@ -226,10 +226,16 @@ class NaoqiClient:
 
     async def _begin(self) -> None:
         try:
-            await self._meet_directory()
+            directory = await RemoteObject.fetch(self._connection, DIRECTORY_SERVICE, self._timeout)
+            members = await directory.call("service", DIRECTORY, within=self._timeout)
+            self._directory = ServiceInfo.of(members)
+            await directory.listen("serviceRemoved", self._removed, self._timeout)
+            task = asyncio.create_task(_already(directory))
+            self._searches[DIRECTORY] = task
+            await task
         except ConnectionLostError as error:
-            if self._authenticator.objection:
-                raise LoginError(_refusal(self._authenticator.objection)) from error
+            if objection := self._authenticator.objection:
+                raise LoginError(f"the robot refuses the login: {objection}") from error
             raise
         except QiError as error:
             self._connection.end(str(error))
@@ -237,15 +243,6 @@ class NaoqiClient:
         except BaseException:
             self._connection.end("opening the connection was given up")
             raise
-
-    async def _meet_directory(self) -> None:
-        directory = await RemoteObject.fetch(self._connection, DIRECTORY_SERVICE, self._timeout)
-        members = await directory.call("service", DIRECTORY, within=self._timeout)
-        self._directory = ServiceInfo.of(members)
-        await directory.listen("serviceRemoved", self._removed, self._timeout)
-        task = asyncio.create_task(_already(directory))
-        self._searches[DIRECTORY] = task
-        await task
 
     async def _find(self, name: str) -> RemoteObject:
         directory = await self.service(DIRECTORY)
@@ -278,13 +275,13 @@ class NaoqiClient:
             connection.end("there is another")
             return self._elsewhere[endpoint]
         self._elsewhere[endpoint] = connection
-        connection.lost.add_done_callback(lambda _: self._drop(endpoint, connection))
+        connection.when_lost(self._drop)
         if self.lost.done():
             connection.end("closed")
         return connection
 
-    def _drop(self, endpoint: Endpoint, connection: QiConnection) -> None:
-        self._elsewhere.pop(endpoint, None)
+    def _drop(self, connection: QiConnection) -> None:
+        self._elsewhere = {at: one for at, one in self._elsewhere.items() if one is not connection}
         for name, task in tuple(self._searches.items()):
             if _result(task) and task.result().connection is connection:
                 del self._searches[name]
@@ -319,10 +316,6 @@ class NaoqiClient:
         if self.lost.done():
             return error
         return ServiceLostError(f"{service} has gone: {error}")
-
-
-def _refusal(objection: str) -> str:
-    return f"the robot refuses the login: {objection}"
 
 
 async def _already(directory: RemoteObject) -> RemoteObject:

@@ -74,7 +74,6 @@ class QiConnection(asyncio.Protocol):
     # What the event loop calls.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begin."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
         if self.lost.done():
@@ -103,6 +102,10 @@ class QiConnection(asyncio.Protocol):
         self._finish(self._reason or _loss(exc))
 
     # What the rest of this package calls.
+
+    def when_lost(self, call: Callable[[QiConnection], object]) -> None:
+        """Call with this connection, soon after it is lost."""
+        self.lost.add_done_callback(lambda _: call(self))
 
     @property
     def pending(self) -> int:
@@ -256,11 +259,7 @@ class QiConnection(asyncio.Protocol):
                 listener.take(frame)
         elif frame.kind == MessageKind.CAPABILITY:
             self.learn(ValueDecoder(frame.payload).value("{sm}"))
-        elif frame.kind in _ASKING:
-            self._serve(frame)
-
-    def _serve(self, frame: QiMessage) -> None:
-        if self._incoming is not None:
+        elif frame.kind in _ASKING and self._incoming is not None:
             self._incoming(self, frame)
         elif frame.kind == MessageKind.CALL:
             self.send(frame.answer(MessageKind.ERROR, encode("m", "there are no services here")))

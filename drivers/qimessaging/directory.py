@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import os
 import uuid
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -30,8 +30,8 @@ MACHINE: Final = str(uuid.uuid4())
 class ServiceDirectory:
     """Knows services of ours and those which clients register."""
 
-    def __init__(self, endpoints: Callable[[], list[Endpoint]]) -> None:
-        """Begin with the directory itself; `endpoints` are where its server listens."""
+    def __init__(self, endpoints: Sequence[Endpoint]) -> None:
+        """Begin with the directory itself; `endpoints` are where its server listens now."""
         self._endpoints = endpoints
         self._numbers = itertools.count(NUMBER + 1)
         self._ready: dict[int, ServiceInfo] = {}
@@ -95,7 +95,7 @@ class ServiceDirectory:
         number = next(self._numbers)
         self._pending[number] = replace(info, service=number)
         if caller not in self._owners.values():
-            caller.lost.add_done_callback(lambda _: self._remove_all_of(caller))
+            caller.when_lost(self._remove_all_of)
         self._owners[number] = caller
         return number
 
@@ -121,7 +121,7 @@ class ServiceDirectory:
         if info.service in self._owners:
             return info.members()
         host = caller.address("sockname")[0]
-        endpoints = [str(Endpoint(host, each.port, each.tls)) for each in self._endpoints()]
+        endpoints = [str(Endpoint(host, each.port, each.tls)) for each in self._endpoints]
         if caller.may("RelativeEndpointURI"):
             endpoints.insert(0, f"qi:{DIRECTORY}")
         return replace(info, endpoints=tuple(endpoints)).members()

@@ -22,8 +22,6 @@ _MAGIC: Final = struct.pack("<I", MAGIC)
 
 
 class MessageKind(enum.IntEnum):
-    """What a message is."""
-
     CALL = 1
     REPLY = 2
     ERROR = 3

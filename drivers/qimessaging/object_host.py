@@ -26,7 +26,6 @@ class ObjectHost:
     """All services and objects of ours."""
 
     def __init__(self) -> None:
-        """Begin without any."""
         self._objects: dict[tuple[int, int], HostedObject] = {}
         self._holders: dict[tuple[int, int], Counter[QiConnection]] = {}
         self._running: dict[tuple[QiConnection, int], asyncio.Task[None]] = {}
@@ -46,16 +45,20 @@ class ObjectHost:
 
     def handle(self, connection: QiConnection, frame: QiMessage) -> None:
         """Take a call, a post or that a call is to be cancelled; never raises."""
-        self._know(connection)
+        if connection not in self._connections:
+            self._connections.add(connection)
+            connection.when_lost(self._forget)
         try:
             if frame.kind == MessageKind.CANCEL:
-                self._cancel(connection, ValueDecoder(frame.payload).value("I"))
+                number = ValueDecoder(frame.payload).value("I")
+                if (task := self._running.get((connection, number))) is not None:
+                    task.cancel()
                 return
             hosted = self._objects.get((frame.service, frame.object))
             if hosted is None:
                 raise RefusedError(f"there is no object {frame.object} of service {frame.service}")
             if frame.action < FIRST_UID:
-                self._answer(connection, frame, *self._built_in(connection, hosted, frame))
+                self._answer(connection, frame, self._built_in(connection, hosted, frame))
             else:
                 self._call(connection, hosted, frame)
         except (RefusedError, ProtocolError) as error:
@@ -154,16 +157,9 @@ class ObjectHost:
         else:
             self._refuse(connection, frame, "Call has been canceled.")
 
-    def _cancel(self, connection: QiConnection, number: int) -> None:
-        task = self._running.get((connection, number))
-        if task is not None:
-            task.cancel()
-
     # Methods every object has.
 
-    def _built_in(
-        self, connection: QiConnection, hosted: HostedObject, frame: QiMessage
-    ) -> tuple[bytes]:
+    def _built_in(self, connection: QiConnection, hosted: HostedObject, frame: QiMessage) -> bytes:
         handler = _BUILT_IN.get(frame.action)
         if handler is None:
             raise RefusedError(f"there is no method {frame.action}")
@@ -171,8 +167,8 @@ class ObjectHost:
         args, _ = _arguments(connection, frame, meta)
         if frame.action == _TERMINATE:
             self._let_go(connection, (frame.service, frame.object), 1)
-            return (b"",)
-        return (handler(connection, hosted, *args),)
+            return b""
+        return handler(connection, hosted, *args)
 
     # Objects that were handed out, and connections that have gone.
 
@@ -197,11 +193,6 @@ class ObjectHost:
         hosted = self._objects.pop(place, None)
         if hosted is not None:
             hosted.withdraw()
-
-    def _know(self, connection: QiConnection) -> None:
-        if connection not in self._connections:
-            self._connections.add(connection)
-            connection.lost.add_done_callback(lambda _: self._forget(connection))
 
     def _forget(self, connection: QiConnection) -> None:
         self._connections.discard(connection)

@@ -150,7 +150,7 @@ class ServiceListener:
             over = next(silent)
             del self._connections[over]
             over.end("too many connections")
-        connection.lost.add_done_callback(lambda _: self._forget(connection))
+        connection.when_lost(self._forget)
         return connection
 
     def _forget(self, connection: QiConnection) -> None:

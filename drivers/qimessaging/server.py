@@ -54,7 +54,7 @@ class QiServer:
         """
         self._host = ObjectHost()
         self._listener = ServiceListener(self._host, authenticator, longest)
-        self._directory = ServiceDirectory(lambda: self._listener.endpoints)
+        self._directory = ServiceDirectory(self._listener.endpoints)
         self._host.add(directory.NUMBER, self._directory.hosted)
         self._services: dict[str, tuple[int, HostedObject]] = {}
         self._called: dict[int, RemoteObject] = {}

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from naoqi_simulator.body import SimulatedBody
-from naoqi_simulator.falls import SimulatedFalls
+from naoqi_simulator.body import SimulatedBody, SimulatedFalls
 from naoqi_simulator.faults import CallRecord, SimulatedFaults
 from naoqi_simulator.joints import PEPPER, BodyPlan
 from naoqi_simulator.memory_store import MemoryStore

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, ClassVar
 
 from naoqi_simulator.service_table import CallRefusedError, Service, offers
@@ -106,8 +105,3 @@ class MemoryService(Service):
     @staticmethod
     def _no_key(method: str, key: str) -> CallRefusedError:
         return CallRefusedError(f"ALMemory::{method}\n\tno data is found for the key {key}")
-
-
-#: Reads or writes one thing by name, for `StandIn.get` and `set`.
-Reader = Callable[[], Any]
-Writer = Callable[[Any], None]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from types import MappingProxyType
+from typing import Any
 
 from naoqi_simulator.animations import AnimationLibrary, AnimationPlayer, BehaviorManager
 from naoqi_simulator.audio import AudioDevice
@@ -22,7 +23,7 @@ from naoqi_simulator.sounds import AudioPlayer, AudioRecorder, RobotDisk
 from naoqi_simulator.speech import AnimatedSpeech, SpeechVoice, TextToSpeech
 from naoqi_simulator.system import Battery, System
 from naoqi_simulator.tablet import TabletService
-from naoqi_simulator.test_service import TestCalls, TestService
+from naoqi_simulator.test_service import TestService
 from naoqi_simulator.world import SimulatedWorld
 
 #: Seconds of the robot between two looks at what has changed.
@@ -32,11 +33,8 @@ MOOD_PER_S = 0.1
 
 
 class NaoqiSimulator:
-    """One robot."""
-
     def __init__(self, world: SimulatedWorld) -> None:
         self.world = world
-        self.knobs = TestCalls()
         self.animations = AnimationLibrary(world)
         self.voice = SpeechVoice(world)
         self.motion = MotionService(world)
@@ -56,7 +54,8 @@ class NaoqiSimulator:
         for name in ("ALAutonomousBlinking", "ALListeningMovement", "ALSpeakingMovement"):
             abilities[name] = Ability(name, world)
         self.life = AutonomousLife(world, self.motion, abilities)
-        self.standin = TestService(world, self.knobs, self.tablet.touch if self.tablet else None)
+        touch = self.tablet.touch if self.tablet else None
+        self.standin = TestService(world, self.seen, self._changes(), touch)
         own: tuple[Service, ...] = ()
         if self.tablet:
             own = (self.tablet,)
@@ -71,18 +70,14 @@ class NaoqiSimulator:
             *(*own, self.player, self.recorder, self.audio, self.camera),
             self.standin,
         )
-        self._knobs()
         self.services: Mapping[str, Service] = MappingProxyType(
             {service.name: service for service in everything}
         )
-        self._switch_on()
-
-    def _switch_on(self) -> None:
-        self.life.become(self.world.options.life)
-        if self.world.options.life != "disabled":
-            self.world.body.wake()
-            self.world.body.take("StandInit", 0.0)
-            self.world.body.posture = "Stand"
+        self.life.become(world.options.life)
+        if world.options.life != "disabled":
+            world.body.wake()
+            world.body.take("StandInit", 0.0)
+            world.body.posture = "Stand"
 
     async def live(self) -> None:
         """What goes on by itself, until cancelled."""
@@ -96,59 +91,73 @@ class NaoqiSimulator:
         self.awareness.follow()
         moody = self.world.options.moody or self.world.faults.active("moody")
         if moody and self.world.random.random() < MOOD_PER_S * TICK_S:
-            self.world.note(f"by itself: {self.life.drift()}")
+            self._drift()
 
-    def _knobs(self) -> None:
-        world, add = self.world, self.knobs.add
-        add("awake", lambda: world.body.awake)
-        add("posture", lambda: world.body.posture, self._put)
-        add("pose", world.body.pose)
-        add("velocity", world.body.velocity)
-        add("angles", self.angles)
-        add("front", lambda: world.body.front, self._front)
-        add("side", lambda: world.body.side, self._side)
-        add("going", lambda: [(one.kind, one.about) for one in world.going])
-        add("faults", world.faults.names)
-        add("notes", lambda: list(world.notes))
-        add("said", lambda: self.voice.said)
-        add("animations", lambda: self.animations.done)
-        add("life", lambda: self.life.state, self.life.become)
-        add("drift", lambda: "", lambda _: world.note(f"by itself: {self.life.drift()}"))
-        add("eyes", lambda: self.leds.color("RightFaceLed1"))
-        add("eyes.animation", self.leds.animation)
-        add("battery", self.battery.get_battery_charge, lambda p: self.battery.fill(float(p)))
-        add("breathing", lambda: world.body.breathing)
-        add("now", world.time.now)
-        add("sounds", lambda: self.disk.table, self.disk.table.update)
-        add("sounds.loaded", self.player.state)
-        add("sounds.streamed", lambda: self.player.streamed)
-        add("says", lambda: self.recognition.vocabulary, self.recognition.say)
-        add("recording", lambda: self.recorder.path)
-        add("sound.subscribers", self.audio.subscribers)
-        add("sound.output", self.audio.output)
-        add("camera.subscribers", self.camera.get_subscribers)
+    # -- what can be looked at and changed, by name ------------------------------------------------
 
+    def seen(self) -> dict[str, Any]:
+        """How the robot is now."""
+        body, color = self.world.body, self.leds.color
+        found: dict[str, Any] = {
+            "awake": body.awake,
+            "posture": body.posture,
+            "pose": body.pose(),
+            "velocity": body.velocity(),
+            "angles": self.angles(),
+            "front": body.front,
+            "side": body.side,
+            "going": [(one.kind, one.about) for one in self.world.going],
+            "faults": self.world.faults.names(),
+            "notes": self.world.notes,
+            "said": self.voice.said,
+            "animations": self.animations.done,
+            "life": self.life.state,
+            "drift": "",
+            "eyes": color("RightFaceLed1"),
+            "eyes.animation": self.leds.animation(),
+            "battery": self.battery.get_battery_charge(),
+            "breathing": body.breathing,
+            "now": self.world.time.now(),
+            "sounds": self.disk.table,
+            "sounds.loaded": self.player.state(),
+            "sounds.streamed": self.player.streamed,
+            "says": self.recognition.vocabulary,
+            "recording": self.recorder.path,
+            "sound.subscribers": self.audio.subscribers(),
+            "sound.output": self.audio.output(),
+            "camera.subscribers": self.camera.get_subscribers(),
+        }
         if self.tablet:
-            self._knobs_of_tablet(self.tablet)
+            found["tablet"] = self.tablet.state()
+            found["tablet.fetched"] = [asdict(one) for one in self.tablet.fetched]
+            found["tablet.video_seconds"] = self.tablet.video_s
         if self.sensors:
-            self._knobs_of_sensors(self.sensors)
+            found["touched"] = self.sensors.touched
+            found["temperatures"] = self.sensors.temperatures
+            found["ears"] = color("LeftEarLed1")
+            found["chest"] = color("ChestLed")
+            found["feet"] = color("LeftFootLed")
+        return found
 
-    def _knobs_of_tablet(self, tablet: TabletService) -> None:
-        def video_seconds(seconds: float) -> None:
-            tablet.video_s = float(seconds)
+    def _changes(self) -> dict[str, Callable[[Any], object]]:
+        changes: dict[str, Callable[[Any], object]] = {
+            "posture": self._put,
+            "front": self._front,
+            "side": self._side,
+            "life": self.life.become,
+            "drift": self._drift,
+            "battery": self.battery.fill,
+            "sounds": self.disk.table.update,
+            "says": self.recognition.say,
+        }
+        if self.tablet:
+            changes["tablet.video_seconds"] = self.tablet.let_videos_last
+        if self.sensors:
+            changes |= {"touched": self.sensors.touch, "temperatures": self.sensors.heat}
+        return changes
 
-        add = self.knobs.add
-        add("tablet", tablet.state)
-        add("tablet.fetched", lambda: [asdict(one) for one in tablet.fetched])
-        add("tablet.video_seconds", lambda: tablet.video_s, video_seconds)
-
-    def _knobs_of_sensors(self, sensors: BodySensors) -> None:
-        leds, add = self.leds.color, self.knobs.add
-        add("touched", lambda: sensors.touched, sensors.touch)
-        add("temperatures", lambda: sensors.temperatures, sensors.heat)
-        add("ears", lambda: leds("LeftEarLed1"))
-        add("chest", lambda: leds("ChestLed"))
-        add("feet", lambda: leds("LeftFootLed"))
+    def _drift(self, _: object = None) -> None:
+        self.world.note(f"by itself: {self.life.drift()}")
 
     def _put(self, posture: str) -> None:
         """Somebody puts it into a posture. Raises KeyError."""

@@ -8,7 +8,7 @@ functions under one wire name.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar
 
@@ -72,13 +72,14 @@ class Service:
     signals: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self) -> None:
-        self.sinks: list[Callable[[str, Sequence[Any]], None]] = []
+        #: Called with a signal's name and its values.
+        self.sinks: list[Callable[..., object]] = []
 
     def emit(self, signal: str, *values: Any) -> None:
         """Send a signal; KeyError for one that is not declared."""
         self.signals[signal]
         for sink in list(self.sinks):
-            sink(signal, values)
+            sink(signal, *values)
 
 
 def methods_of(service: Service) -> tuple[ServiceMethod, ...]:

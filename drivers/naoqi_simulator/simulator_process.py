@@ -45,7 +45,7 @@ class ServiceHost(ConnectedClients):
         for name, service in services.items():
             methods, signals = self._methods(service), _signals(service)
             hosted = self._server.add(name, methods=methods, signals=signals)
-            service.sinks.append(_emitter(hosted))
+            service.sinks.append(hosted.emit)
 
     async def call(self, service: str, method: str, *args: Any) -> Any:
         """Call a service that a client has registered. Raises LookupError when it cannot."""
@@ -80,16 +80,12 @@ class ServiceHost(ConnectedClients):
         if not isinstance(value, Service):
             return value
         hosted = wire.HostedObject([*self._methods(value), *_signals(value)])
-        value.sinks.append(_emitter(hosted))
+        value.sinks.append(hosted.emit)
         return hosted
 
 
 def _signals(service: Service) -> list[wire.HostedSignal]:
     return [wire.HostedSignal(name, signature) for name, signature in service.signals.items()]
-
-
-def _emitter(hosted: wire.HostedObject) -> Callable[[str, Sequence[Any]], None]:
-    return lambda signal, values: hosted.emit(signal, *values)
 
 
 #: Makes what carries the services.
@@ -267,17 +263,24 @@ def _read_lines(loop: asyncio.AbstractEventLoop, lines: asyncio.Queue[bytes]) ->
         loop.call_soon_threadsafe(lines.put_nowait, b"")
 
 
+ORDERS = ("trace", "clear", "get", "set", "touch", "person", "fault")
+
+
 def carry_out(standin: TestService, order: Mapping[str, Any]) -> Any:
     """Carry out one order: `{"do": "get", "name": "state"}`. Raises Refused."""
-    orders: Mapping[str, Callable[[], Any]] = {
-        "trace": standin.trace,
-        "clear": standin.clear,
-        "get": lambda: json.loads(standin.get(order["name"])),
-        "set": lambda: standin.set(order["name"], json.dumps(order["value"])),
-        "touch": lambda: standin.touch(order["x"], order["y"]),
-        "person": lambda: standin.person(json.dumps(order["who"])),
-        "fault": lambda: standin.fault(order["kind"], order.get("seconds", 0.0)),
-    }
-    if order["do"] not in orders:
-        raise CallRefusedError(f"no order {order['do']!r}; there is {', '.join(orders)}")
-    return orders[order["do"]]()
+    match order["do"]:
+        case "trace":
+            return standin.trace()
+        case "clear":
+            return standin.clear()
+        case "get":
+            return json.loads(standin.get(order["name"]))
+        case "set":
+            return standin.set(order["name"], json.dumps(order["value"]))
+        case "touch":
+            return standin.touch(order["x"], order["y"])
+        case "person":
+            return standin.person(json.dumps(order["who"]))
+        case "fault":
+            return standin.fault(order["kind"], order.get("seconds", 0.0))
+    raise CallRefusedError(f"no order {order['do']!r}; there is {', '.join(ORDERS)}")

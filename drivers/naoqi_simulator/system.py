@@ -71,4 +71,4 @@ class Battery(Service):
 
     def fill(self, percent: float) -> None:
         """Let it be this full now."""
-        self.full, self._since = percent, self._world.time.now()
+        self.full, self._since = float(percent), self._world.time.now()

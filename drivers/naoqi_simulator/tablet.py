@@ -183,6 +183,10 @@ class TabletService(Service):
         for signal in ("onTouch", "onTouchDown", "onTouchMove", "onTouchUp"):
             self.emit(signal, x * WIDTH, y * HEIGHT)
 
+    def let_videos_last(self, seconds: float) -> None:
+        """From the next video on."""
+        self.video_s = float(seconds)
+
     def state(self) -> dict[str, Any]:
         """What it shows, and how the last address ended."""
         last = self.fetched[-1] if self.fetched else None

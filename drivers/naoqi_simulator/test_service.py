@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from typing import Any
 
 from naoqi_simulator.faults import Entry, as_json
@@ -19,40 +19,27 @@ from naoqi_simulator.world import SimulatedWorld
 _DEFAULT = SimulatedPerson(number=1, distance=1.0, angle=0.0, looking=True, talking=False)
 
 
-@dataclass(frozen=True, slots=True)
-class TestCall:
-    """Something that can be looked at, and perhaps changed, by name."""
-
-    read: Callable[[], Any]
-    write: Callable[[Any], None] | None = None
-
-
-@dataclass(slots=True)
-class TestCalls:
-    """All of them, by name."""
-
-    by_name: dict[str, TestCall] = field(default_factory=dict)
-
-    def add(
-        self, name: str, read: Callable[[], Any], write: Callable[[Any], None] | None = None
-    ) -> None:
-        """One more."""
-        self.by_name[name] = TestCall(read, write)
-
-
 class TestService(Service):
-    """See the module's text."""
+    """Reads and changes the robot by name.
+
+    Args:
+        world: The robot and its room.
+        seen: Gives everything that can be looked at, by name.
+        changes: Takes a new value, by the name of what can be changed.
+        touch: Touches the tablet; None: there is none.
+    """
 
     name = "StandIn"
 
     def __init__(
         self,
         world: SimulatedWorld,
-        knobs: TestCalls,
+        seen: Callable[[], Mapping[str, Any]],
+        changes: Mapping[str, Callable[[Any], object]],
         touch: Callable[[float, float], None] | None,
     ) -> None:
         super().__init__()
-        self._world, self._knobs, self._touch = world, knobs, touch
+        self._world, self._seen, self._changes, self._touch = world, seen, changes, touch
 
     @offers("trace()[(sssl)]")
     def trace(self) -> list[Entry]:
@@ -80,14 +67,13 @@ class TestService(Service):
         if name == "person":
             self.person(value)
             return
-        knob = self._knobs.by_name.get(name)
-        if knob is None or knob.write is None:
-            names = ", ".join(one for one, knob in self._knobs.by_name.items() if knob.write)
+        if name not in self._changes:
+            names = ", ".join(self._changes)
             raise CallRefusedError(
                 f"StandIn::set\n\tnothing to change under {name}; there is {names}"
             )
         try:
-            knob.write(decoded)
+            self._changes[name](decoded)
         except (TypeError, ValueError, KeyError) as error:
             raise CallRefusedError(f"StandIn::set\n\t{name} cannot be {value}: {error}") from None
 
@@ -95,17 +81,18 @@ class TestService(Service):
     def get(self, name: str) -> str:
         """Something as JSON text; `state`: everything. `memory:KEY` looks up a key of ALMemory."""
         if name == "state":
-            return as_json({one: knob.read() for one, knob in self._knobs.by_name.items()})
+            return as_json(self._seen())
         if name.startswith("memory:"):
             try:
                 return as_json(self._world.store.get(name.removeprefix("memory:")))
             except KeyError:
                 raise CallRefusedError(f"StandIn::get\n\tALMemory has no {name[7:]}") from None
-        if name not in self._knobs.by_name:
+        seen = self._seen()
+        if name not in seen:
             raise CallRefusedError(
                 f"StandIn::get\n\tnothing under {name}; there is state, and all in it"
             )
-        return as_json(self._knobs.by_name[name].read())
+        return as_json(seen[name])
 
     @offers("touch(ff)v")
     def touch(self, x: float, y: float) -> None:

@@ -81,7 +81,7 @@ class QiHost(ConnectedClients):
         made = type(service.name, (), members)()
         for signal, signature in service.signals.items():
             setattr(made, signal, self._qi.Signal(signature))
-        service.sinks.append(lambda signal, values: getattr(made, signal)(*values))
+        service.sinks.append(lambda signal, *values: getattr(made, signal)(*values))
         self._objects.append(made)
         return made
 

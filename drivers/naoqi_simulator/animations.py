@@ -159,12 +159,10 @@ class BehaviorManager(Service):
 
     @offers("stopBehavior(s)v")
     def stop_behavior(self, path: str) -> None:
-        """End this one."""
         self._world.going.end("animation", about=path)
 
     @offers("stopAllBehaviors()v")
     def stop_all_behaviors(self) -> None:
-        """End all."""
         self._world.going.end("animation")
 
 

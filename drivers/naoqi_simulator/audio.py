@@ -147,14 +147,12 @@ class AudioDevice(Service):
 
     @offers("unsubscribe(s)v")
     def unsubscribe(self, who: str) -> None:
-        """Send no more."""
         task = self._sending.pop(who, None)
         if task is None:
             raise CallRefusedError(f"ALAudioDevice::unsubscribe\n\t{who} is not subscribed")
         task.cancel()
 
     def subscribers(self) -> list[str]:
-        """Who gets sound."""
         return list(self._sending)
 
     async def _send(self, who: str) -> None:

@@ -99,7 +99,6 @@ class SimulatedBody:
 
     @property
     def family(self) -> str:
-        """Of its posture."""
         return self.plan.family(self.posture)
 
     @property

@@ -44,7 +44,6 @@ class BodySensors:
 
     @property
     def touched(self) -> list[str]:
-        """What is touched now."""
         return sorted(self._touched)
 
     def touch(self, parts: Iterable[str]) -> None:
@@ -66,8 +65,6 @@ class BodySensors:
 
 
 class BodyTemperature(Service):
-    """ALBodyTemperature."""
-
     name = "ALBodyTemperature"
 
     def __init__(self, sensors: BodySensors) -> None:

@@ -82,7 +82,6 @@ class VideoDevice(Service):
 
     @offers("getSubscribers()[s]")
     def get_subscribers(self) -> list[str]:
-        """All names."""
         return list(self._subscriptions)
 
     @offers("getImageRemote(s)m", typed="(iiiiiiriffff)")

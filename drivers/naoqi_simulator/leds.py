@@ -129,7 +129,6 @@ class Leds(Service):
 
     @offers("listGroups()[s]")
     def list_groups(self) -> list[str]:
-        """Names of groups."""
         return sorted(self._groups)
 
     @offers("randomEyes(f)v")

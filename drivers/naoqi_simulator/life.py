@@ -33,7 +33,6 @@ class Ability(Service):
 
     @offers("setEnabled(b)v")
     def set_enabled(self, on: bool) -> None:
-        """Switch it."""
         self.on = on
 
     @offers("isEnabled()b")
@@ -73,8 +72,6 @@ class Awareness(Ability):
 
 
 class AutonomousLife(Service):
-    """ALAutonomousLife."""
-
     name = "ALAutonomousLife"
 
     def __init__(

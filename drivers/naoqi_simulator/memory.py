@@ -70,7 +70,6 @@ class MemoryService(Service):
 
     @offers("removeData(s)v")
     def remove_data(self, key: str) -> None:
-        """Forget a value."""
         try:
             self._store.drop(key)
         except KeyError:
@@ -78,7 +77,6 @@ class MemoryService(Service):
 
     @offers("getDataListName()[s]")
     def get_data_list_name(self) -> list[str]:
-        """All keys."""
         return list(self._store.keys())
 
     @offers("getDataList(s)[s]")

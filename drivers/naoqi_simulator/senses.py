@@ -66,7 +66,6 @@ class ExtractorService(Service):
 
     @property
     def on(self) -> bool:
-        """Whether anybody wants it."""
         return bool(self.subscribers)
 
 
@@ -98,7 +97,6 @@ class FaceDetection(ExtractorService):
 
     @offers("getLearnedFacesList()[s]")
     def get_learned_faces_list(self) -> list[str]:
-        """The names."""
         return list(self._learnt.values())
 
     def whose(self, person: SimulatedPerson) -> str:

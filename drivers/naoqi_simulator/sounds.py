@@ -134,12 +134,10 @@ class AudioPlayer(Service):
 
     @offers("stop(i)v")
     def stop(self, number: int) -> None:
-        """End this one."""
         self._world.going.end("sound", about=self._file("stop", number).path)
 
     @offers("stopAll()v")
     def stop_all(self) -> None:
-        """End all."""
         self._world.going.end("sound")
 
     @offers("setVolume(if)v")
@@ -178,13 +176,11 @@ class AudioPlayer(Service):
 
     @offers("unloadFile(i)v")
     def unload_file(self, number: int) -> None:
-        """Forget this one."""
         self._file("unloadFile", number)
         del self._loaded[number]
 
     @offers("unloadAllFiles()v")
     def unload_all_files(self) -> None:
-        """Forget all."""
         self.stop_all()
         self._loaded.clear()
 

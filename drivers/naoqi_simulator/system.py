@@ -36,7 +36,6 @@ class System(Service):
 
     @offers("setRobotName(s)b")
     def set_robot_name(self, name: str) -> bool:
-        """Name it."""
         self._robot_name = name
         return True
 

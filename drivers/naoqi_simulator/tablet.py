@@ -58,7 +58,6 @@ class TabletService(Service):
 
     @offers("reloadPage(b)v")
     def reload_page(self, _past_cache: bool) -> None:
-        """Load the page again."""
         self.load_url(self.page)
 
     @offers("hideWebview()b")
@@ -74,7 +73,6 @@ class TabletService(Service):
 
     @offers("showImage(s)b")
     def show_image(self, url: str) -> bool:
-        """Show a picture."""
         return self._show("image", url)
 
     @offers("showImageNoCache(s)b")
@@ -136,7 +134,6 @@ class TabletService(Service):
 
     @offers("disableWifi()v")
     def disable_wifi(self) -> None:
-        """Switch it off."""
         self._wifi("DISCONNECTED")
 
     @offers("getWifiStatus()s")

@@ -152,7 +152,6 @@ class FurhatSimulator(WebRobot):
     # -- one client ----------------------------------------------------------------------------
 
     def routes(self) -> Sequence[web.AbstractRouteDef]:
-        """The one WebSocket."""
         return (web.get(PATH, self._serve),)
 
     async def close(self) -> None:

@@ -278,7 +278,6 @@ class ReachyMiniSimulator(WebRobot):
 
     @property
     def moving(self) -> bool:
-        """Whether a move runs."""
         return bool(self._moves or self._tasks)
 
     def _running(self) -> list[dict[str, str]]:

@@ -16,7 +16,7 @@ import asyncio
 import contextlib
 import json
 import sys
-from collections.abc import Callable, Coroutine, Mapping, Sequence
+from collections.abc import Coroutine, Mapping, Sequence
 from typing import Any
 
 from aiohttp import web
@@ -55,7 +55,6 @@ class RosbridgeSimulator(SimulatedRosRobot):
         self._rosapi = True
 
     def routes(self) -> Sequence[web.AbstractRouteDef]:
-        """One WebSocket."""
         return (web.get("/", self._connected),)
 
     # -- connections -----------------------------------------------------------------------------
@@ -82,7 +81,6 @@ class RosbridgeSimulator(SimulatedRosRobot):
             client.deliver(topic, message)
 
     def listened_to(self, topic: str) -> bool:
-        """Whether anybody has."""
         return any(client.listens(topic) for client in self._clients)
 
     def incoming(self, topic: str, message: Message) -> None:
@@ -118,33 +116,36 @@ class RosbridgeSimulator(SimulatedRosRobot):
             # The real one fails over a field that Python adds to every message.
             self._rosapi = False
             await asyncio.Event().wait()
-        suffix = {"service_request_details": "_Request", "service_response_details": "_Response"}
-        answers: dict[str, Callable[[], Message]] = {
-            "topics": lambda: {"topics": [*topics], "types": self._named(topics.values(), "msg")},
-            "topics_and_raw_types": lambda: {
-                "topics": [*topics],
-                "types": self._named(topics.values(), "msg"),
-                "typedefs_full_text": [self.types.definition(kind) for kind in topics.values()],
-            },
-            "topic_type": lambda: {"type": self._named([topics.get(args["topic"], "")], "msg")[0]},
-            "services": lambda: {"services": [*services, "/rosapi/topics"]},
-            "service_type": lambda: {
-                "type": self._named([services.get(args["service"], "")], "srv")[0]
-            },
-            "action_servers": lambda: {"action_servers": [*self.interface["actions"]]},
-            "publishers": lambda: {"publishers": self._nodes(args["topic"])},
-            "subscribers": lambda: {"subscribers": self._nodes(args["topic"])},
-            "get_time": lambda: {"time": self.types.default("time")},
-        }
-        if self.ros == 2:
-            answers["get_ros_version"] = lambda: {"version": 2, "distro": "simulated"}
-        if question.endswith("_details"):
-            answers[question] = lambda: {
-                "typedefs": self.types.typedefs(args["type"] + suffix.get(question, ""))
-            }
-        if question not in answers:
-            raise MisfitError(f"Service /rosapi/{question} does not exist")
-        return answers[question]()
+        match question:
+            case "topics":
+                return {"topics": [*topics], "types": self._named(topics.values(), "msg")}
+            case "topics_and_raw_types":
+                return {
+                    "topics": [*topics],
+                    "types": self._named(topics.values(), "msg"),
+                    "typedefs_full_text": [self.types.definition(kind) for kind in topics.values()],
+                }
+            case "topic_type":
+                return {"type": self._named([topics.get(args["topic"], "")], "msg")[0]}
+            case "services":
+                return {"services": [*services, "/rosapi/topics"]}
+            case "service_type":
+                return {"type": self._named([services.get(args["service"], "")], "srv")[0]}
+            case "action_servers":
+                return {"action_servers": [*self.interface["actions"]]}
+            case "publishers" | "subscribers":
+                return {question: self._nodes(args["topic"])}
+            case "get_time":
+                return {"time": self.types.default("time")}
+            case "get_ros_version" if self.ros == 2:
+                return {"version": 2, "distro": "simulated"}
+            case "service_request_details":
+                return {"typedefs": self.types.typedefs(f"{args['type']}_Request")}
+            case "service_response_details":
+                return {"typedefs": self.types.typedefs(f"{args['type']}_Response")}
+            case _ if question.endswith("_details"):
+                return {"typedefs": self.types.typedefs(args["type"])}
+        raise MisfitError(f"Service /rosapi/{question} does not exist")
 
     def _nodes(self, topic: str) -> list[str]:
         """Those that publish a topic, or listen to it: rosbridge itself is always among them."""
@@ -185,12 +186,10 @@ class _Client:
         self._tasks = [robot.run(self._work()), robot.run(self._write())]
 
     def end(self) -> None:
-        """It was closed."""
         for task in self._tasks:
             task.cancel()
 
     def listens(self, topic: str) -> bool:
-        """Whether it has subscribed."""
         return topic in self._throttles
 
     def deliver(self, topic: str, message: Message) -> None:

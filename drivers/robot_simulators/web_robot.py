@@ -101,7 +101,6 @@ class WebRobot(abc.ABC):
         self._awake.clear()
 
     def thaw(self) -> None:
-        """Go on."""
         self._awake.set()
 
     async def __aenter__(self) -> Self:
@@ -110,7 +109,6 @@ class WebRobot(abc.ABC):
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        """End it."""
         await self.close()
 
     # -- for subclasses --------------------------------------------------------------------------

@@ -72,13 +72,19 @@ async def enter(connection: QiConnection, user: str, token: str, within: float) 
         return _without_login(connection, answer, user, token)
     state, answer_fields = _read(connection, answer)
     if state == GO_ON:
-        token = _new_token(answer_fields)
+        new_token = answer_fields.get(NEW_TOKEN)
+        if not isinstance(new_token, str) or not new_token:
+            raise LoginError("the robot wants another step of the login, which is not known here")
+        token = new_token
         answer = await _call(connection, _greeting(user, token), within)
         if answer.kind != MessageKind.REPLY:
             raise LoginError(f"the robot refuses the login: {error_text(answer)}")
         state, answer_fields = _read(connection, answer)
+    if state == GO_ON:
+        raise LoginError("the robot wants a third step of the login, which is not known here")
     if state != DONE:
-        raise LoginError(_why_refused(state, answer_fields))
+        reason = answer_fields.get(REASON) or "wrong name or password"
+        raise LoginError(f"the robot refuses the login: {reason}")
     return Authenticated(token)
 
 
@@ -133,20 +139,6 @@ def _read(connection: QiConnection, answer: QiMessage) -> tuple[int, Mapping[Any
     if not isinstance(state, int) or state not in (REFUSED, GO_ON, DONE):
         raise ProtocolError("the answer to the login has no state that is known")
     return state, answer_fields
-
-
-def _new_token(answer_fields: Mapping[Any, Any]) -> str:
-    token = answer_fields.get(NEW_TOKEN)
-    if not isinstance(token, str) or not token:
-        raise LoginError("the robot wants another step of the login, which is not known here")
-    return token
-
-
-def _why_refused(state: int, answer_fields: Mapping[Any, Any]) -> str:
-    if state == GO_ON:
-        return "the robot wants a third step of the login, which is not known here"
-    reason = answer_fields.get(REASON)
-    return f"the robot refuses the login: {reason or 'wrong name or password'}"
 
 
 def error_text(frame: QiMessage) -> str:
@@ -213,7 +205,8 @@ class Authenticator:
         except ssl.SSLError as error:
             raise ConnectionLostError(f"no TLS with {endpoint}: {error.reason or error}") from error
         except OSError as error:
-            raise ConnectionLostError(f"cannot connect to {endpoint}: {_reason(error)}") from error
+            reason = error.strerror or str(error) or type(error).__name__
+            raise ConnectionLostError(f"cannot connect to {endpoint}: {reason}") from error
         except ValueError as error:  # a name that no machine can have; UnicodeError is one, too
             raise ConnectionLostError(f"cannot connect to {endpoint.host!r}: {error}") from error
         return connection
@@ -231,7 +224,3 @@ class Authenticator:
         if self.prepare is not None and not connection.lost.done():
             self.prepare(connection.socket)
         return connection
-
-
-def _reason(error: OSError) -> str:
-    return error.strerror or str(error) or type(error).__name__

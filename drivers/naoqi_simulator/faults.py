@@ -146,7 +146,10 @@ class CallRecord:
     async def enter(self, service: Service, method: ServiceMethod, args: Sequence[Any]) -> Any:
         """Carry out one call. Raises Refused."""
         if service.name != UNTOUCHED:
-            self._write_down(service.name, method.name, args)
+            entry = (service.name, method.name, as_json(list(args)), time.monotonic_ns())
+            self.entries.append(entry)
+            for hear in self.heard:
+                hear(entry)
             await self.faults.before(f"{service.name}.{method.name}")
         try:
             result = method.run(service, *args)
@@ -157,12 +160,6 @@ class CallRecord:
             # A mistake of ours must not look like a robot's answer.
             traceback.print_exc()
             raise CallRefusedError(f"mistake of the stand-in: {error!r}") from error
-
-    def _write_down(self, service: str, method: str, args: Sequence[Any]) -> None:
-        entry = (service, method, as_json(list(args)), time.monotonic_ns())
-        self.entries.append(entry)
-        for hear in self.heard:
-            hear(entry)
 
 
 def as_json(value: object) -> str:

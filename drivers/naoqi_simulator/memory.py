@@ -40,7 +40,10 @@ class MemoryService(Service):
     def get_data(self, key: str) -> Any:
         """The value of a key."""
         self._check()
-        return self._get("getData", key)
+        try:
+            return self._store.get(key)
+        except KeyError:
+            raise self._no_key("getData", key) from None
 
     @offers("getData(si)m")
     def get_data_as_before(self, key: str, _unused: int) -> Any:
@@ -93,12 +96,6 @@ class MemoryService(Service):
             return self._store.get(key)
         except KeyError:
             return None
-
-    def _get(self, method: str, key: str) -> Any:
-        try:
-            return self._store.get(key)
-        except KeyError:
-            raise self._no_key(method, key) from None
 
     @staticmethod
     def _no_key(method: str, key: str) -> CallRefusedError:

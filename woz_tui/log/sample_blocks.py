@@ -174,7 +174,9 @@ class SampleBlocks:
         begun = bisect_right(self._lows, t_us)
         for block in [*self._blocks[whole:begun], *self._strays]:
             if block.low <= t_us:
-                _join(found, last_samples([each for each in _entries(block) if each.t <= t_us]))
+                chunk = _chunk(block)
+                entries: Sequence[SampleEntry] = entries_in(chunk) or items_in(chunk, Damage())
+                _join(found, last_samples([each for each in entries if each.t <= t_us]))
         said = [
             last.message() if isinstance(last, QuickReading | QuickEngagement) else last
             for last in found.values()
@@ -227,11 +229,6 @@ def _join(found: LastSamples, others: LastSamples) -> None:
         known = found.get(name)
         if known is None or known.seq < last.seq:
             found[name] = last
-
-
-def _entries(block: SampleBlock) -> Sequence[SampleEntry]:
-    chunk = _chunk(block)
-    return entries_in(chunk) or items_in(chunk, Damage())
 
 
 def _chunk(block: SampleBlock) -> LineChunk:

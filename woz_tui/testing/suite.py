@@ -8,10 +8,17 @@ from collections.abc import Coroutine
 from contextlib import AbstractAsyncContextManager
 from typing import Any, ClassVar
 
-from woz_tui.drivers.contract import Driver, Finding
+from woz_tui.drivers.contract import Driver, DriverContext, Finding
+from woz_tui.network.driver_process import DriverProcess, ProcessDriver
+from woz_tui.network.driver_server import OfferedDriver
 from woz_tui.testing import contract_checks
 from woz_tui.testing.device import Device
-from woz_tui.testing.own_process import in_own_process
+
+#: What a class says of itself, with its settings.
+_SAYS = (
+    *("verbs", "sensors", "lacks", "joints", "asks", "part", "outline", "remarks"),
+    *("voices", "examine"),
+)
 
 
 class DriverTests:
@@ -37,7 +44,7 @@ class DriverTests:
         raise unittest.SkipTest("define device() to test stop, loss and return of the hardware")
 
     def _tested(self) -> type[Driver]:
-        return in_own_process(self.driver) if self.own_process else self.driver
+        return _in_own_process(self.driver) if self.own_process else self.driver
 
     def test_declares_what_a_file_can_name(self) -> None:
         """Settings, verbs and their arguments, remarks, findings of the doctor."""
@@ -74,6 +81,32 @@ class DriverTests:
     def test_shows_what_its_facts_claim(self) -> None:
         """`woz robots` repeats them to a lab that chooses."""
         _passes(contract_checks.claimed(self._tested(), self.device()))
+
+
+def _in_own_process(driver: type[Driver]) -> type[Driver]:
+    """A class that offers what `driver` does, and does it in a process of its own. `driver` must be
+    one that a module has under its name.
+    """
+
+    def begin(self: ProcessDriver, name: str, settings: Any, context: DriverContext) -> None:
+        offer = OfferedDriver(name, driver.__name__, driver, settings)
+        process = DriverProcess([offer], context.folder)
+        ProcessDriver.__init__(
+            *(self, name, settings, context),
+            local=driver,
+            kind=driver.__name__,
+            process=process,
+        )
+
+    said = {name: staticmethod(getattr(driver, name)) for name in _SAYS}
+    members = {
+        "Settings": driver.Settings,
+        "summary": driver.summary,
+        "facts": driver.facts,
+        "__init__": begin,
+        **said,
+    }
+    return type(f"{driver.__name__}InItsProcess", (ProcessDriver,), members)
 
 
 def _passes(findings: Coroutine[Any, Any, list[Finding]]) -> None:

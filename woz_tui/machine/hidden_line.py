@@ -48,16 +48,13 @@ def hidden_line(environ: Mapping[str, str]) -> HiddenLine:
     if environ.get("TMUX") or term.startswith("tmux"):
         return HiddenLine("tmux")
     if session := environ.get("STY"):
-        return HiddenLine("screen", _screen_clients(session))
+        # All that it says of a session is a word in a list, after which it ends as if it had
+        # failed.
+        script = 'screen -ls "$0" | grep -qE "\\((Multi, )?[Aa]ttached\\)" && echo attached || true'
+        return HiddenLine("screen", ("sh", "-c", script, session))
     if term.startswith("screen"):
         return HiddenLine("screen")
     return HiddenLine("mosh") if "mosh-server" in _ancestors() else HiddenLine()
-
-
-def _screen_clients(session: str) -> tuple[str, ...]:
-    # All that it says of a session is a word in a list, after which it ends as if it had failed.
-    script = 'screen -ls "$0" | grep -qE "\\((Multi, )?[Aa]ttached\\)" && echo attached || true'
-    return ("sh", "-c", script, session)
 
 
 def _ancestors() -> set[str]:

@@ -152,7 +152,6 @@ class _FeedbackLine:
         self._writer.write(feedback.xml().encode() + b"\n")
 
     def close(self) -> None:
-        """The planner has gone."""
         if self._writer is not None:
             self._writer.close()
             self._writer = None

@@ -91,6 +91,5 @@ class SequenceQueue:
         return made
 
     def remove(self, sequence: QueuedSequence) -> None:
-        """It is over."""
         if sequence in self.sequences:
             self.sequences.remove(sequence)

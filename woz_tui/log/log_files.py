@@ -113,7 +113,10 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
         for each, parsed in _of_stem(folder, name.stem):
             if parsed.samples and not samples:
                 continue
-            first = _fields(_first_line(each))
+            try:
+                first = first_line(each)
+            except OSError:
+                first = {}
             refuse_old(each, first)
             if folder != folders[0] and parsed.number > 1 and first.get("log") != name.stem:
                 continue
@@ -142,7 +145,7 @@ class _Links:
     def of(self, path: Path, first: dict[str, Any]) -> list[Path]:
         """Take in a file whose first line is `first`; the folders that it names."""
         before = _elsewhere(path, first.get("previous"))
-        after = _elsewhere(path, _fields(_last_line(path)).get("next_file"))
+        after = _elsewhere(path, _last_line(path).get("next_file"))
         if before is not None and first.get("copied") is True:
             self._copied.add(before.name)
         others = [other for other in (before, after) if other is not None]
@@ -184,27 +187,23 @@ def _size(path: Path) -> int:
         return -1
 
 
-def _first_line(path: Path) -> bytes:
-    try:
-        with open_log(path) as file:
-            return file.readline(codec.MAX_LINE)
-    except OSError:
-        return b""
+def first_line(path: Path) -> dict[str, Any]:
+    """The first line of a file; empty if that is no message. Raises `OSError`."""
+    with open_log(path) as file:
+        try:
+            return codec.decode_unknown(file.readline(codec.MAX_LINE))
+        except codec.WireError:
+            return {}
 
 
-def _last_line(path: Path) -> bytes:
+def _last_line(path: Path) -> dict[str, Any]:
+    """The last line of a file; empty if that is no message or cannot be read."""
     try:
         with open_log(path) as file:
             file.seek(max(0, file.seek(0, os.SEEK_END) - _TAIL))
-            return file.read(_TAIL).rstrip(b"\0 \t\r\n").rpartition(b"\n")[2]
-    except OSError:
-        return b""
-
-
-def _fields(line: bytes) -> dict[str, Any]:
-    try:
+            line = file.read(_TAIL).rstrip(b"\0 \t\r\n").rpartition(b"\n")[2]
         return codec.decode_unknown(line)
-    except codec.WireError:
+    except (OSError, codec.WireError):
         return {}
 
 

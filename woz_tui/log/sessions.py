@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.log.file_names import CODINGS, FileName, session_code, why_no_log
-from woz_tui.log.log_files import files_of
+from woz_tui.log.log_files import files_of, first_line
 from woz_tui.log.log_opening import encoding_of, open_log
 from woz_tui.log.old_logs import OldLogError, why_too_old
 from woz_tui.protocol import codec
@@ -115,15 +115,6 @@ def _is_log(path: Path) -> bool:
         return True  # whoever reads it says why it cannot be read
     kind = first.get("kind")
     return kind in (codec.SAMPLE_KINDS if parsed.samples else ("session.start", "segment"))
-
-
-def first_line(path: Path) -> dict[str, Any]:
-    """The first line of a file; empty if that is no message. Raises `OSError`."""
-    with open_log(path) as file:
-        try:
-            return codec.decode_unknown(file.readline(codec.MAX_LINE))
-        except codec.WireError:
-            return {}
 
 
 def _number(path: Path) -> int:

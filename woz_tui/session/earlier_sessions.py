@@ -14,10 +14,10 @@ from pathlib import Path
 from woz_tui.config.study_words import OVER
 from woz_tui.log.file_names import FileName, session_code
 from woz_tui.log.line_order import seq_of
-from woz_tui.log.log_files import files_of
+from woz_tui.log.log_files import files_of, first_line
 from woz_tui.log.log_opening import open_log
 from woz_tui.log.old_logs import why_too_old
-from woz_tui.log.sessions import first_line, sessions_in
+from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings

@@ -63,7 +63,7 @@ class NaoqiClient:
         self._listener = ServiceListener(host, longest=_LONGEST_CALL, most=_MOST_CALLERS)
         self._timeout = timeout
         self._directory = ServiceInfo(DIRECTORY, DIRECTORY_SERVICE, "", 0, (), "")
-        self._searches: dict[str, asyncio.Task[RemoteObject]] = {}
+        self._searches: dict[str, asyncio.Future[RemoteObject]] = {}
         self._elsewhere: dict[Endpoint, QiConnection] = {}
         self.lost: asyncio.Future[str] = connection.lost
 
@@ -230,9 +230,9 @@ class NaoqiClient:
             members = await directory.call("service", DIRECTORY, within=self._timeout)
             self._directory = ServiceInfo.of(members)
             await directory.listen("serviceRemoved", self._removed, self._timeout)
-            task = asyncio.create_task(_already(directory))
-            self._searches[DIRECTORY] = task
-            await task
+            found = asyncio.get_running_loop().create_future()
+            found.set_result(directory)
+            self._searches[DIRECTORY] = found
         except ConnectionLostError as error:
             if objection := self._authenticator.objection:
                 raise LoginError(f"the robot refuses the login: {objection}") from error
@@ -286,7 +286,7 @@ class NaoqiClient:
             if _result(task) and task.result().connection is connection:
                 del self._searches[name]
 
-    def _forget_failed(self, name: str, task: asyncio.Task[RemoteObject]) -> None:
+    def _forget_failed(self, name: str, task: asyncio.Future[RemoteObject]) -> None:
         if not _result(task) and self._searches.get(name) is task:
             del self._searches[name]
 
@@ -318,10 +318,6 @@ class NaoqiClient:
         return ServiceLostError(f"{service} has gone: {error}")
 
 
-async def _already(directory: RemoteObject) -> RemoteObject:
-    return directory
-
-
-def _result(task: asyncio.Task[RemoteObject]) -> bool:
+def _result(task: asyncio.Future[RemoteObject]) -> bool:
     """Tell whether a search has found its service (and take its error, if any, as known)."""
     return task.done() and not task.cancelled() and task.exception() is None

@@ -166,19 +166,16 @@ class AudioDevice(Service):
                 await self._world.time.sleep(due - self._world.time.now())
                 sound = block(self._world.person(), begin, samples, wish.rate, channels)
                 stamp = [int(begin), int(begin % 1 * 1e6)]
-                await self._give(who, channels, samples, stamp, sound.tobytes())
+                if self._world.clients is None:
+                    raise LookupError("nobody can be called from here")
+                await self._world.clients.call(
+                    *(who, "processRemote", channels, samples, stamp, sound.tobytes())
+                )
                 # A client that is too slow loses sound, as on the robot; time does not wait.
                 begin = max(due, self._world.time.now() - samples / wish.rate)
         except (LookupError, ConnectionError, RuntimeError) as error:
             self._world.note(f"sound for {who}: {error}")
             self._sending.pop(who, None)
-
-    async def _give(
-        self, who: str, channels: int, samples: int, stamp: list[int], sound: bytes
-    ) -> None:
-        if self._world.clients is None:
-            raise LookupError("nobody can be called from here")
-        await self._world.clients.call(who, "processRemote", channels, samples, stamp, sound)
 
 
 # -- what the microphones hear: noise, and the visitor's voice when they talk ----------------------
